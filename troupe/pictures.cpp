@@ -367,23 +367,35 @@ struct Pictures::Impl {
   /// error messages, which differs from `to` if `to` is a trial file.
   void write(const engine::Frame& frame, const render::View& from, const Texts& texts, const fs::path& to,
              const fs::path& name) {
+    const std::string bytes = encoded(frame, from, texts, to, name);
+    try {
+      worldio::write_whole(to, {bytes});
+    } catch (const std::system_error& error) {
+      fail_to_write(name, error.code().message());
+    }
+  }
+
+  /// Returns the bytes that write() writes.
+  std::string encoded(const engine::Frame& frame, const render::View& from, const Texts& texts,
+                      const fs::path& to, const fs::path& name) {
     if (const auto format = vector_format(to)) {
       if (!render::is_from_above(from.camera))
         refuse(fmt::format(
             "{}: .svg and .pdf need a view from straight above: the camera top or fit, without an "
             "angle; a .png takes any view",
             name.filename().string()));
-      const std::string text = ready_painter().draw_vector(frame, from, *format, texts);
-      try {
-        worldio::write_whole(to, {text});
-      } catch (const std::system_error& error) {
-        throw std::runtime_error(
-            fmt::format("{}: error: writing failed: {}", to.string(), error.code().message()));
-      }
-      return;
+      return ready_painter().draw_vector(frame, from, *format, texts);
     }
     render::Picture picture = ready_painter().draw(frame, from);
-    worldio::write_png(to, {picture.width, picture.height, std::move(picture.rgba)}, texts);
+    try {
+      return worldio::encode_png({picture.width, picture.height, std::move(picture.rgba)}, texts);
+    } catch (const std::runtime_error& error) {
+      fail_to_write(name, error.what());
+    }
+  }
+
+  [[noreturn]] static void fail_to_write(const fs::path& name, std::string_view reason) {
+    throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", name.string(), reason));
   }
 };
 

@@ -29,6 +29,12 @@ Result<> check_readable(const std::filesystem::path& file, std::uintmax_t most_b
   return {};
 }
 
+std::string error_about(std::string_view message, const std::filesystem::path& from,
+                        const std::filesystem::path& to) {
+  if (!message.starts_with(from.string())) return std::string(message);
+  return to.string().append(message.substr(from.string().size()));
+}
+
 std::optional<std::string> read_file(const std::filesystem::path& path) {
   if (!check_readable(path, k_most_input_bytes)) return {};
   std::ifstream in(path, std::ios::binary);

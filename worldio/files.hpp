@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace troupe::worldio {
 
@@ -20,6 +21,11 @@ inline constexpr std::uintmax_t k_most_input_bytes = std::uintmax_t{4} << 30;
 /// pipes are refused because reading them might never end, and opening a pipe can block forever.
 Result<> check_readable(const std::filesystem::path& file,
                         std::uintmax_t most_bytes = std::numeric_limits<std::uintmax_t>::max());
+
+/// Returns the message of an error about the file `from` as a message about the file `to`, whose content was
+/// to be written to `from` first: if the message begins with the path `from`, replaces it by the path `to`.
+std::string error_about(std::string_view message, const std::filesystem::path& from,
+                        const std::filesystem::path& to);
 
 /// Returns the content of a regular file of at most k_most_input_bytes bytes. Returns nothing if the file is
 /// larger, is not a regular file or cannot be read.

@@ -7,13 +7,13 @@
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/input_files.hpp"
+#include "worldio/files.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 
 namespace troupe::apps {
@@ -39,8 +39,7 @@ Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const
   try {
     simulation.save(rehearsal);
   } catch (const std::runtime_error& error) {
-    const std::string_view reason = std::string_view(error.what()).substr(rehearsal.string().size());
-    throw OutputError(file_.string() + std::string(reason));
+    throw OutputError(worldio::error_about(error.what(), rehearsal, file_));
   }
   std::error_code ignored;
   fs::remove(rehearsal, ignored);

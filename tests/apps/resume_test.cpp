@@ -1,4 +1,7 @@
+#include "apps/observers/checkpointing.hpp"
+#include "apps/outputs.hpp"
 #include "tests/apps/program.hpp"
+#include "troupe/simulation.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <nlohmann/json.hpp>
@@ -8,7 +11,10 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
@@ -287,6 +293,13 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
     EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
     EXPECT_EQ(files(), before) << message;
   }
+}
+
+TEST_F(Resume, AnErrorOfTheFirstCheckpointNeedNotNameItsFile) {
+  Simulation simulation(path("room.world"));
+  simulation.on_save("mine", []() -> std::vector<std::byte> { throw std::runtime_error("it threw"); });
+  EXPECT_THAT([&] { Checkpointing(path("c.h5"), std::nullopt, simulation, {}); },
+              ::testing::ThrowsMessage<OutputError>("it threw"));
 }
 
 TEST_F(Resume, AFullDiskIsAnErrorThatKeepsTheLastCheckpoint) {

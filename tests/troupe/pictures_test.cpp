@@ -272,6 +272,19 @@ TEST_F(PicturesTest, WhatTheWorldHasNotIsNamed) {
           "follow:all, follow:NAME, perspective, top");
 }
 
+TEST_F(PicturesTest, ErrorsOfWritingNameThePicture) {
+  const Simulation simulation(world_);
+  Pictures pictures(simulation, {.width = 16, .height = 16});
+  const Pictures::Shot shot = pictures.take(simulation);
+  for (const char* name : {"none/p.png", "none/p.svg", "none/p.pdf"}) {
+    const std::filesystem::path file = folder_ / name;
+    const auto expected = ::testing::ThrowsMessage<std::runtime_error>(
+        file.string() + ": error: cannot be written: No such file or directory");
+    EXPECT_THAT([&] { pictures.rehearse(file); }, expected);
+    EXPECT_THAT([&] { pictures.write(shot, file); }, expected);
+  }
+}
+
 TEST_F(PicturesTest, APictureIsAFile) {
   Simulation simulation(world_);
   simulation.run_for(0.3);

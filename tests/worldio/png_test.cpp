@@ -147,14 +147,15 @@ TEST_F(WritePng, ReplacesWhatWasThere) {
 
 TEST_F(WritePng, SaysThatTheFolderIsMissing) {
   const fs::path file = folder_ / "nowhere" / "a.png";
-  EXPECT_EQ(error_of(file, noise(2, 2)), file.string() + ": cannot be written: No such file or directory");
+  EXPECT_EQ(error_of(file, noise(2, 2)),
+            file.string() + ": error: cannot be written: No such file or directory");
   EXPECT_THAT(names(), ::testing::IsEmpty());
 }
 
 TEST_F(WritePng, LeavesNothingWhenTheNameIsTaken) {
   const fs::path file = folder_ / "a.png";
   fs::create_directories(file / "full");
-  EXPECT_EQ(error_of(file, noise(2, 2)), file.string() + ": cannot be written: Is a directory");
+  EXPECT_EQ(error_of(file, noise(2, 2)), file.string() + ": error: cannot be written: Is a directory");
   EXPECT_THAT(names(), ::testing::ElementsAre("a.png"));
 }
 
@@ -172,7 +173,7 @@ TEST_F(WritePng, KeepsTheOldFileWhenTheDiskIsFull) {
   setrlimit(RLIMIT_FSIZE, &old);
   std::signal(SIGXFSZ, old_handler);
 
-  EXPECT_EQ(error, file.string() + ": cannot be written: File too large");
+  EXPECT_EQ(error, file.string() + ": error: cannot be written: File too large");
   EXPECT_EQ(bytes_of(file), before);
   EXPECT_THAT(names(), ::testing::ElementsAre("a.png"));
 }
@@ -188,7 +189,8 @@ TEST_F(WritePng, RefusesWhatIsNoImage) {
 
 TEST_F(WritePng, PassesOnWhatLibpngRefuses) {
   const fs::path file = folder_ / "a.png";
-  EXPECT_THAT(error_of(file, noise(2, 2), ""), HasSubstr(file.string() + ": cannot be written: libpng: "));
+  EXPECT_THAT(error_of(file, noise(2, 2), ""),
+              HasSubstr(file.string() + ": error: cannot be written: libpng: "));
   EXPECT_THAT(names(), ::testing::IsEmpty());
 }
 

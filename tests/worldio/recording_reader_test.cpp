@@ -8,7 +8,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -122,6 +124,28 @@ TEST_F(Reader, RepairKeepsTheFileWhereItCannotHelp) {
   EXPECT_THROW(repair_recording(file_), Hdf5Error);
   EXPECT_EQ(content(file_), before);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(Reader, ErrorsOfRepairNameTheRecording) {
+  {
+    Hdf5File file = Hdf5File::create(file_);
+    Hdf5Dataset x = file.create_extendible("x", Element::u32, {}, {.extent = {16}});
+    file.flush();
+    file.start_swmr();
+    fs::copy_file(file_, folder_ / "cut.h5");
+  }
+  const std::uint64_t shorter = read_superblock(folder_ / "cut.h5")->end - 1;
+  fs::resize_file(folder_ / "cut.h5", shorter);
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{shorter, old.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  EXPECT_THAT([&] { repair_recording(folder_ / "cut.h5"); },
+              ::testing::ThrowsMessage<Hdf5Error>((folder_ / "cut.h5").string() +
+                                                  ": error: cannot be marked as finished: File too large"));
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, old_handler);
 }
 
 TEST_F(Reader, RepairRemovesUnusedSpace) {

@@ -90,14 +90,19 @@ std::string encode(const Rows& image, const std::vector<std::pair<std::string, s
   return bytes;
 }
 
+Rows rows_of(const Image& image) {
+  return {image.width, image.height, image.rgba, PNG_COLOR_TYPE_RGB_ALPHA, 8, 4};
+}
+
 void write_rows(const std::filesystem::path& file, const Rows& image,
                 const std::vector<std::pair<std::string, std::string>>& text) {
   try {
     write_whole(file, {encode(image, text)});
   } catch (const std::system_error& error) {
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), error.code().message()));
+    throw std::runtime_error(
+        fmt::format("{}: error: cannot be written: {}", file.string(), error.code().message()));
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(fmt::format("{}: cannot be written: {}", file.string(), error.what()));
+    throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), error.what()));
   }
 }
 
@@ -105,7 +110,7 @@ void write_rows(const std::filesystem::path& file, const Rows& image,
 
 void write_png(const std::filesystem::path& file, const Image& image,
                const std::vector<std::pair<std::string, std::string>>& text) {
-  write_rows(file, {image.width, image.height, image.rgba, PNG_COLOR_TYPE_RGB_ALPHA, 8, 4}, text);
+  write_rows(file, rows_of(image), text);
 }
 
 void write_png(const std::filesystem::path& file, const DepthImage& image,
@@ -117,6 +122,10 @@ void write_png(const std::filesystem::path& file, const DepthImage& image,
     bytes.push_back(static_cast<std::uint8_t>(value & 0xff));
   }
   write_rows(file, {image.width, image.height, bytes, PNG_COLOR_TYPE_GRAY, 16, 2}, text);
+}
+
+std::string encode_png(const Image& image, const std::vector<std::pair<std::string, std::string>>& text) {
+  return encode(rows_of(image), text);
 }
 
 }  // namespace troupe::worldio

@@ -30,7 +30,7 @@ struct DepthImage {
 /// `text` holds pairs of a key (1 to 79 characters of Latin-1) and a UTF-8 value. Each pair is stored as a
 /// tEXt chunk of the PNG, or as an iTXt chunk if the value is not ASCII.
 ///
-/// Throws std::runtime_error, with the path and the reason, if
+/// Throws std::runtime_error with a message such as `a.png: error: cannot be written: Is a directory` if
 /// - the file cannot be written,
 /// - the image has no pixels, or the number of its values does not match its size,
 /// - libpng reports an error.
@@ -38,5 +38,8 @@ void write_png(const std::filesystem::path& file, const Image& image,
                const std::vector<std::pair<std::string, std::string>>& text = {});
 void write_png(const std::filesystem::path& file, const DepthImage& image,
                const std::vector<std::pair<std::string, std::string>>& text = {});
+/// Returns the bytes of the PNG that write_png() writes. Throws as write_png() does, but the message has only
+/// the reason.
+std::string encode_png(const Image& image, const std::vector<std::pair<std::string, std::string>>& text = {});
 
 }  // namespace troupe::worldio

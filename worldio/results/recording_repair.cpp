@@ -178,9 +178,9 @@ Repair repair_recording(const fs::path& file) {
   } catch (const std::system_error& error) {
     fs::remove(copy, ignored);
     throw Hdf5Error(fmt::format("{}: error: cannot be repaired: {}", file.string(), error.code().message()));
-  } catch (const Hdf5Error& error) {  // the message must name the file, not the copy
+  } catch (const std::runtime_error& error) {  // the message must name the file, not the copy
     fs::remove(copy, ignored);
-    throw Hdf5Error(file.string() + std::string(error.what()).substr(copy.string().size()));
+    throw Hdf5Error(error_about(error.what(), copy, file));
   } catch (...) {
     fs::remove(copy, ignored);
     throw;
