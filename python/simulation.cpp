@@ -660,16 +660,18 @@ SimulationClass bind_simulation(py::module_& module) {
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
            "Draws the world into a file, whose name must end in .png, .svg or .pdf; .svg and .pdf show the "
            "world only from straight\nabove. width and height are in pixels; docs/pictures.md describes the "
-           "other options. Raises ValueError for a size below\n1, InputError for unknown names, and "
-           "RuntimeError if the file cannot be written or a library is missing.")
-      .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
-           py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
-           py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
-           py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
-           "are in pixels;\ndocs/pictures.md describes the other options. Raises ValueError for a size below "
-           "1 and for the background\n\"transparent\", InputError for unknown names, and RuntimeError if the "
-           "library OSMesa is missing.");
+           "other options. Raises ValueError for a size below\n1 and for other numbers that cannot be drawn, "
+           "InputError for\nunknown names, and RuntimeError if the file cannot be written or a library is "
+           "missing.")
+      .def(
+          "picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
+          py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
+          py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
+          py::arg("color_range") = py::none(), py::arg("background") = "paper",
+          "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
+          "are in pixels;\ndocs/pictures.md describes the other options. Raises ValueError for a size below "
+          "1, for other numbers that\ncannot be drawn and for the background \"transparent\", InputError for "
+          "unknown names, and RuntimeError\nif the library OSMesa is missing.");
   return simulation;
 }
 

@@ -199,6 +199,18 @@ std::optional<render::VectorFormat> vector_format(const fs::path& file) {
   return std::nullopt;
 }
 
+/// Throws std::invalid_argument if a number in the options cannot be drawn.
+void check_picture_numbers(const PictureOptions& options) {
+  if (const auto across = options.across_m; across && !(*across > 0 && std::isfinite(*across)))
+    throw std::invalid_argument(fmt::format("across_m is {}: give a finite number above 0", *across));
+  for (const auto& [name, pair] : {std::pair("center_m", options.center_m),
+                                   {"angle_rad", options.angle_rad},
+                                   {"color_range", options.color_range}})
+    if (pair && !(std::isfinite((*pair)[0]) && std::isfinite((*pair)[1])))
+      throw std::invalid_argument(
+          fmt::format("{} is ({}, {}): give two finite numbers", name, (*pair)[0], (*pair)[1]));
+}
+
 }  // namespace
 
 struct Pictures::ShotData {
@@ -231,6 +243,7 @@ struct Pictures::Impl {
         tick_s(source.tick_s()),
         trails(tick_s),
         scene(source.scene()) {
+    check_picture_numbers(options);
     require(check_camera(options.camera));
     require(check_layers(options.layers));
     require(check_background(options.background));

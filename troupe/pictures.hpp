@@ -40,7 +40,7 @@ struct PictureOptions {
   /// up). Not given: the camera chooses both.
   std::optional<std::array<double, 2>> angle_rad;
   /// Width of the part of the world that the picture shows, measured through the centre of the picture, m.
-  /// Not given: the camera chooses it.
+  /// Above 0. Not given: the camera chooses it.
   std::optional<double> across_m;
   /// Names of layers (picture_layers()), separated by commas: layers to show in addition to the default ones,
   /// and, with a minus sign, default layers to hide, as in `scans,trails,-grid`.
@@ -93,7 +93,8 @@ class Pictures {
  public:
   /// Throws InputError for unknown cameras, layers and backgrounds. Also throws InputError if the options
   /// name something that the world does not have: a body to follow, an entry `window`, or a field to colour
-  /// by. Throws std::runtime_error if the build has no renderer.
+  /// by. Throws std::invalid_argument if a number in the options is not finite, or if `across_m` is not above
+  /// 0. Throws std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
   /// Draws pictures of a recording or of another source (troupe/picture_source.hpp is the interface of
   /// sources). Throws as the constructor for a simulation does, and InputError also for layers and values

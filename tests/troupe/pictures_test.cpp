@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <limits>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -270,6 +272,24 @@ TEST_F(PicturesTest, WhatTheWorldHasNotIsNamed) {
       world_.string() +
           ": error: the camera \"window\" needs a world file with the entry \"window\"; other cameras: fit, "
           "follow:all, follow:NAME, perspective, top");
+}
+
+TEST_F(PicturesTest, NumbersThatCannotBeDrawnAreErrors) {
+  constexpr double k_infinity = std::numeric_limits<double>::infinity();
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  const Simulation simulation(world_);
+  const auto refused = [&](const PictureOptions& options, const std::string& message) {
+    EXPECT_THAT([&] { Pictures(simulation, options); },
+                ::testing::ThrowsMessage<std::invalid_argument>(message));
+  };
+  refused({.across_m = -1}, "across_m is -1: give a finite number above 0");
+  refused({.across_m = 0}, "across_m is 0: give a finite number above 0");
+  refused({.across_m = k_nan}, "across_m is nan: give a finite number above 0");
+  refused({.across_m = k_infinity}, "across_m is inf: give a finite number above 0");
+  refused({.angle_rad = {{k_infinity, 0}}}, "angle_rad is (inf, 0): give two finite numbers");
+  refused({.center_m = {{0, k_nan}}}, "center_m is (0, nan): give two finite numbers");
+  refused({.color_by = "velocity.x", .color_range = {{k_nan, 1}}},
+          "color_range is (nan, 1): give two finite numbers");
 }
 
 TEST_F(PicturesTest, ErrorsOfWritingNameThePicture) {
