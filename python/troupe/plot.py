@@ -11,6 +11,7 @@ import csv
 import math
 import os
 import sys
+import textwrap
 from typing import Dict, List, Optional, Sequence, Set, Tuple, Union
 
 _File = Union[str, "os.PathLike[str]"]
@@ -20,6 +21,7 @@ _Points = List[Tuple[float, float, float, int]]
 # The colours of Okabe and Ito, which colour-blind readers can distinguish, and black.
 COLORS = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#000000", "#f0e442")
 MOST_LINES = 12
+LABEL_WIDTH = 36  # most characters in a line of the label of the y axis: a longer line would not fit
 OWN_COLUMNS = ("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "error")
 
 
@@ -171,7 +173,8 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
                           color=color, alpha=0.18, linewidth=0)
     most = max(runs for points in lines.values() for *_, runs in points)
     axes.set_xlabel("time (s)")
-    axes.set_ylabel(f"{measure}, mean and standard deviation" if most > 1 else measure)
+    label = f"{measure}, mean and standard deviation" if most > 1 else measure
+    axes.set_ylabel(textwrap.fill(label, LABEL_WIDTH))
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
     if names:

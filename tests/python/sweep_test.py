@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import troupe
 import troupe.plot
@@ -197,6 +198,21 @@ class Plot(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", pathlib.Path(troupe.plot.__file__).read_text(), "--measure=x", "--",
                                str(self.folder)], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (2, 'troupe plot: error: unknown measure "x"; known: order\n'))
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_a_long_label_is_not_cut_off(self):
+        from matplotlib import pyplot
+
+        for name in ("mean_nearest_distance_m:sheep", 2 * "a_very_long_name_of_a_measure_" + "m:sheep"):
+            (self.folder / "series.csv").write_text(SERIES.replace("order", name))
+            with unittest.mock.patch.object(pyplot, "close"):
+                troupe.plot.draw(self.folder)
+            figure = pyplot.gcf()
+            self.addCleanup(pyplot.close, figure)
+            figure.canvas.draw()
+            label = figure.axes[0].yaxis.label.get_window_extent()
+            inside = figure.bbox
+            self.assertTrue(inside.x0 <= label.x0 and inside.y0 <= label.y0 and label.y1 <= inside.y1, f"{name}: {label}")
 
 
 if __name__ == "__main__":
