@@ -17,6 +17,9 @@ constexpr bool changes_no_result(std::string_view option) {
   return std::ranges::find(k_options, option) != k_options.end();
 }
 
+/// Returns the first part of a line of version_line(), such as `troupe 0.2.0`.
+constexpr std::string_view program_of(std::string_view line) { return line.substr(0, line.find(" (")); }
+
 /// Returns `text` as one line: each line break is replaced by the two characters `\n`, and each backslash by
 /// `\\`. Hash logs (files with the hash of the simulated state after every time step) contain the options of
 /// the run in this form.

@@ -25,8 +25,6 @@ namespace {
 
 constexpr int k_most_sessions = 100000;  // largest number of session files of one world in a folder
 
-std::string_view program_of(std::string_view line) { return line.substr(0, line.find(" (")); }
-
 std::string value_of(const std::vector<std::pair<std::string, std::string>>& options, std::string_view key) {
   for (const auto& [name, value] : options)
     if (name == key) return value;

@@ -4,6 +4,7 @@
 #include "engine/ranks/halo.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/build_info.hpp"
+#include "troupe/effective_options.hpp"
 #include "troupe/rank_processes.hpp"
 #include "troupe/rank_team.hpp"
 #include "troupe/registry.hpp"
@@ -31,21 +32,18 @@ constexpr std::string_view k_plugin = "plugin ";        // prefix of keys in a h
 constexpr const char* k_holds = "holds";                // key in the memories of a checkpoint
 constexpr const char* k_stop_conditions = "stop_when";  // prefix of keys: StopConditions::memory_name()
 
-/// Returns the first part of a line of version_line(), "troupe 0.2.0".
-std::string_view version_of(std::string_view line) { return line.substr(0, line.find(" (")); }
-
 /// Throws InputError for a checkpoint of another version unless `across_versions`. Returns a warning if
 /// another version, or another build of this version, wrote the checkpoint.
 std::optional<std::string> check_version(const worldio::Checkpoint& checkpoint, bool across_versions) {
   const std::string made_by = checkpoint.header("version");
   const std::string here = version_line();
   if (made_by == here) return {};
-  const bool is_other = version_of(made_by) != version_of(here);
+  const bool is_other = program_of(made_by) != program_of(here);
   if (is_other && !across_versions)
     throw InputError(
         fmt::format("{}: error: {} wrote this checkpoint, but this program is {}: results may differ; give "
                     "--across-versions (in C++ and Python: across_versions) to resume it anyway",
-                    checkpoint.file().string(), version_of(made_by), version_of(here)));
+                    checkpoint.file().string(), program_of(made_by), program_of(here)));
   return fmt::format("{}: warning: the checkpoint was written by {}; this program is {}{}",
                      checkpoint.file().string(), made_by, here,
                      is_other ? ""

@@ -6,8 +6,6 @@
 #include "worldio/stage/stage_files.hpp"
 #include "worldio/stage/stage_writer.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -38,12 +36,8 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
                              const engine::Registry& registry, const LoadOptions& options,
                              Diagnostics& diagnostics,
                              const std::function<void(const engine::WorldSpec&)>& loaded) {
-  const std::string ending = to.extension().string();
-  if (ending != ".world" && ending != ".json") {
-    diagnostics.error(
-        {diagnostics.files()->add(to.string()), 0},
-        fmt::format("the name of a world file must end in .world (Stage's syntax) or .json, found \"{}\"",
-                    to.filename().string()));
+  if (const Result<> ending = check_world_ending(to); !ending) {
+    diagnostics.error({diagnostics.files()->add(to.string()), 0}, ending.error().text);
     return {};
   }
   engine::WorldSpec spec = load_world(from, registry, options, diagnostics);
@@ -56,7 +50,7 @@ ConvertedWorld convert_world(const std::filesystem::path& from, const std::files
   if (spec.title == file.string() || spec.title == file.stem().string()) spec.title = to.stem().string();
   ConvertedWorld converted{.bodies = spec.bodies.size() - 1, .types = count_types(spec)};
   const auto source = document_of(file, registry, options, diagnostics);
-  if (ending == ".world")
+  if (to.extension() == ".world")
     converted.text = write_stage_world(spec, to, source ? &*source : nullptr, registry, diagnostics);
   else if (const auto document = write_json_world(spec, to, registry, diagnostics))
     converted.text = json_text(*document);

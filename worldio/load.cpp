@@ -15,8 +15,9 @@ engine::WorldSpec fail(const std::filesystem::path& file, Diagnostics& diagnosti
   return spec;
 }
 
-/// Returns an error unless the name of a world's file ends in `.world` or `.json`.
-Result<> check_ending(const std::filesystem::path& file) {
+}  // namespace
+
+Result<> check_world_ending(const std::filesystem::path& file) {
   const std::string ending = file.extension().string();
   if (ending == ".world" || ending == ".json") return {};
   return Error{
@@ -24,11 +25,10 @@ Result<> check_ending(const std::filesystem::path& file) {
                   file.filename().string())};
 }
 
-}  // namespace
-
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics) {
-  if (const Result<> ending = check_ending(file); !ending) return fail(file, diagnostics, ending.error());
+  if (const Result<> ending = check_world_ending(file); !ending)
+    return fail(file, diagnostics, ending.error());
   const auto found = find_stage_file(file, options.search_path);
   if (!found) return fail(file, diagnostics, check_readable(file).error());
   if (const Result<> readable = check_readable(*found, k_most_input_bytes); !readable)
@@ -41,7 +41,8 @@ engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Re
 engine::WorldSpec load_world_text(const std::filesystem::path& file, std::string text,
                                   const engine::Registry& registry, const LoadOptions& options,
                                   Diagnostics& diagnostics) {
-  if (const Result<> ending = check_ending(file); !ending) return fail(file, diagnostics, ending.error());
+  if (const Result<> ending = check_world_ending(file); !ending)
+    return fail(file, diagnostics, ending.error());
   return file.extension() == ".world"
              ? load_stage_world(file, std::move(text), registry, options, diagnostics)
              : load_json_world(file, text, registry, options, diagnostics);

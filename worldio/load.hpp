@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/diagnostics.hpp"
+#include "base/result.hpp"
 #include "engine/kinds/kinds.hpp"
 #include "engine/spec/world_spec.hpp"
 
@@ -62,6 +63,9 @@ struct LoadOptions {
   /// If not null: the list to which the loader adds the names of the populations of a JSON world.
   std::vector<std::string>* populations = nullptr;
 };
+
+/// Returns an error unless the name of a world file ends in `.world` or `.json`.
+Result<> check_world_ending(const std::filesystem::path& file);
 
 /// Reads a world file and returns its spec. The ending of the file name selects the syntax: `.world` that of
 /// Stage, `.json` that of Troupe. Any other ending is an error, as is a file that is missing or cannot be
