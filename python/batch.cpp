@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -36,6 +37,9 @@ class HeldBatch {
   template <class Work>
   void work(Work&& what) {
     BatchEnv& batch = use();
+    // Another thread could otherwise destroy a view while the step waits in it.
+    std::vector<std::shared_ptr<void>> views;
+    for (const std::weak_ptr<void>& view : views_) views.push_back(view.lock());
     struct Busy {
       explicit Busy(bool& flag) : flag_(flag) { flag_ = true; }
       ~Busy() { flag_ = false; }
@@ -46,10 +50,16 @@ class HeldBatch {
     const Unlocked unlocked;
     what(batch);
   }
+  /// Keeps `view`, a live view of a copy, alive during each later call of work(), and not between two calls.
+  void keep_while_stepping(const std::shared_ptr<void>& view) {
+    std::erase_if(views_, [](const std::weak_ptr<void>& each) { return each.expired(); });
+    views_.emplace_back(view);
+  }
 
  private:
   BatchEnv batch_;
   bool is_busy_ = false;  // read and written only with the interpreter's lock
+  std::vector<std::weak_ptr<void>> views_;
 };
 using BatchHolder = std::shared_ptr<HeldBatch>;
 
@@ -57,28 +67,41 @@ using BatchHolder = std::shared_ptr<HeldBatch>;
 /// alive.
 class HeldBatchView {
  public:
-  HeldBatchView(BatchHolder held, std::size_t copy, live::View::Options options) : held_(std::move(held)) {
+  HeldBatchView(BatchHolder held, std::size_t copy, live::View::Options options)
+      : held_(std::move(held)), state_(std::make_shared<State>()) {
     BatchEnv& batch = held_->use();
     if (copy >= batch.copies())
       throw py::index_error(
           fmt::format("copy {} does not exist: give a number from 0 to {}", copy, batch.copies() - 1));
-    options.is_over = is_interrupted;
+    options.is_over = [state = state_.get()] { return state->is_closed || is_interrupted(); };
     options.report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); };
-    view_ = std::make_unique<live::View>(batch.simulation(copy), options);
+    state_->view.emplace(batch.simulation(copy), options);
+    held_->keep_while_stepping(state_);
+  }
+  HeldBatchView(const HeldBatchView&) = delete;
+  HeldBatchView& operator=(const HeldBatchView&) = delete;
+  ~HeldBatchView() {
+    if (state_) state_->is_closed = true;
   }
 
   const live::View& open() const {
-    if (!view_) throw std::logic_error("the view is closed: open another one");
-    return *view_;
+    if (!state_) throw std::logic_error("the view is closed: open another one");
+    return *state_->view;
   }
   void close() {
     held_->use();  // throws while another thread steps the batch
-    view_.reset();
+    state_.reset();
   }
 
  private:
+  /// Owned by this object and, while the batch steps, by `held_`.
+  struct State {
+    std::atomic<bool> is_closed = false;  // Python has released the view
+    std::optional<live::View> view;       // last, because it uses the member above
+  };
+
   BatchHolder held_;
-  std::unique_ptr<live::View> view_;
+  std::shared_ptr<State> state_;  // null: closed
 };
 
 /// Describes, for error messages, what a member of type T must be, such as "a list".

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 /// The Python module `troupe._core`, which makes the C++ API available in Python. Functions that need no C++
 /// are written in Python, in python/troupe.
@@ -76,21 +77,31 @@ class Held {
   /// Returns the simulation without a check, for code that step() or work() calls. In such code, use() would
   /// throw.
   const Simulation& use_while_stepping() const { return simulation_; }
+  /// Keeps `view`, a live view of the simulation, alive during each later call of step() or work(). Otherwise
+  /// another thread could destroy the view while the step waits in it. The view is not kept alive between two
+  /// calls. A second call replaces the view.
+  void keep_while_stepping(std::weak_ptr<void> view) { view_ = std::move(view); }
   /// Returns the simulation, as use() does, but also throws std::logic_error if a callback is running (see
   /// Calling). This is for functions that callbacks must not call, such as step() and reset() in Python.
   /// what: name of the function, for the text of the error.
   Simulation& use_outside(std::string_view what);
   /// Marks that a Python callback of on_tick(), run_for() or run_until() is running, while an object of this
-  /// class exists.
+  /// class exists. Meanwhile use() does not throw, also if work() has called the callback.
   class Calling {
    public:
-    explicit Calling(Held& held) : calling_(held.calling_) { calling_ = true; }
-    ~Calling() { calling_ = false; }
+    explicit Calling(Held& held) : held_(held), was_stepping_(std::exchange(held.stepping_, false)) {
+      held_.calling_ = true;
+    }
+    ~Calling() {
+      held_.calling_ = false;
+      held_.stepping_ = was_stepping_;
+    }
     Calling(const Calling&) = delete;
     Calling& operator=(const Calling&) = delete;
 
    private:
-    bool& calling_;
+    Held& held_;
+    bool was_stepping_;
   };
 
  private:
@@ -99,8 +110,12 @@ class Held {
   Simulation simulation_;
   bool calling_ = false;
   bool stepping_ = false;  // read and written only with the interpreter's lock
+  std::weak_ptr<void> view_;
 };
 using Holder = std::shared_ptr<Held>;
+
+/// Returns the list of callbacks of Simulation.on_tick() in Python. simulation: the Python object.
+py::list callbacks_of(const py::object& simulation);
 
 /// Checks a parameter that is a length or a time, and returns `value` unchanged. The value 0 stands for the
 /// default and is allowed. Throws std::invalid_argument if the value is negative, NaN or above `most`. what:

@@ -1,13 +1,17 @@
 #include "live/view.hpp"
+
+#include "engine/spec/ticks.hpp"
 #include "python/bindings.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <atomic>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -21,40 +25,90 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Name of the attribute of a View that refers to its Simulation, for the callbacks of on_tick(). It is in
+/// the object's __dict__ for the reason that k_callbacks explains.
+constexpr const char* k_simulation = "_simulation";
+
 /// The live view of a simulation. Python owns the view, which keeps the simulation alive.
 class HeldView {
  public:
-  HeldView(Holder held, live::View::Options options) : held_(std::move(held)) {
-    options.is_over = [this] { return held_->use_while_stepping().time_s() >= end_s_ || is_interrupted(); };
+  HeldView(Holder held, live::View::Options options)
+      : held_(std::move(held)), state_(std::make_shared<State>()) {
+    options.is_over = [held = held_.get(), state = state_.get()] {
+      return state->is_closed || held->use_while_stepping().time_s() >= state->end_s || is_interrupted();
+    };
     options.report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); };
-    view_ = std::make_unique<live::View>(held_->use(), options);
+    state_->view.emplace(held_->use(), options);
+    held_->keep_while_stepping(state_);
+    held_->use().on_tick([state = std::weak_ptr<State>(state_)](Simulation&) {
+      if (const auto found = state.lock(); found && found->after_tick) found->after_tick();
+    });
+  }
+  HeldView(const HeldView&) = delete;
+  HeldView& operator=(const HeldView&) = delete;
+  ~HeldView() {
+    if (state_) state_->is_closed = true;
   }
 
-  std::string address() const { return open().address(); }
-  std::string look_address() const { return open().look_address(); }
-  fs::path session() const { return open().session(); }
-  void run(std::optional<double> for_s) {
-    live::View& view = open();
-    end_s_ = for_s ? held_->use().time_s() + *for_s : k_never;
-    held_->work([&view](Simulation&) { view.run(); });
-    end_s_ = k_never;
+  std::string address() const { return open()->view->address(); }
+  std::string look_address() const { return open()->view->look_address(); }
+  fs::path session() const { return open()->view->session(); }
+  /// Implements View.run() in Python. simulation: the Python object, for the callbacks of on_tick().
+  void run(const py::object& simulation, const std::optional<double>& for_s) {
+    const std::shared_ptr<State> state = open();  // a callback may close the view
+    const double now_s = held_->use_outside("View.run()").time_s();
+    if (for_s && !(*for_s >= 0 && *for_s <= engine::k_longest_run_s))
+      throw std::invalid_argument(fmt::format("View.run(for_s={}): give a time from 0 to {} s, or None",
+                                              *for_s, engine::k_longest_run_s));
+    const py::list callbacks = callbacks_of(simulation);
+    const Run run(*state);
+    if (for_s) state->end_s = now_s + *for_s;
+    if (!callbacks.empty())
+      state->after_tick = [&] {
+        const py::gil_scoped_acquire lock;
+        const Held::Calling calling(*held_);
+        for (const py::handle callback : callbacks) call(callback, simulation);
+      };
+    held_->work([&state](Simulation&) { state->view->run(); });
   }
   void close() {
     held_->use();  // throws while another thread steps the simulation
-    view_.reset();
+    if (state_) state_->is_closed = true;
+    state_.reset();
   }
 
  private:
   static constexpr double k_never = std::numeric_limits<double>::infinity();
 
-  live::View& open() const {
-    if (!view_) throw std::logic_error("the view is closed: open another one");
-    return *view_;
+  /// Owned by this object and, while the simulation steps, by `held_`.
+  struct State {
+    std::atomic<bool> is_closed = false;  // Python has released or closed the view
+    double end_s = k_never;               // read only on the thread that steps
+    std::function<void()> after_tick;     // null: no call; used only on the thread that steps
+    std::optional<live::View> view;       // last, because it uses the members above
+  };
+  /// Marks the end of a call of run().
+  class Run {
+   public:
+    explicit Run(State& state) : state_(state) {}
+    ~Run() {
+      state_.end_s = k_never;
+      state_.after_tick = nullptr;
+    }
+    Run(const Run&) = delete;
+    Run& operator=(const Run&) = delete;
+
+   private:
+    State& state_;
+  };
+
+  const std::shared_ptr<State>& open() const {
+    if (!state_) throw std::logic_error("the view is closed: open another one");
+    return state_;
   }
 
   Holder held_;
-  double end_s_ = k_never;  // read only on the thread that steps
-  std::unique_ptr<live::View> view_;
+  std::shared_ptr<State> state_;  // null: closed
 };
 
 }  // namespace
@@ -63,29 +117,40 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
   py::class_<HeldView>(module, "View",
                        "A running simulation in a browser (docs/live.md), made by Simulation.view(). Users "
                        "can pause and change the\nsimulation there; their actions are written to a session "
-                       "file, with which the run can be repeated.")
+                       "file, with which the run can be repeated.",
+                       py::dynamic_attr())
       .def_property_readonly("address", &HeldView::address, "Address of the page for full control.")
       .def_property_readonly("read_only_address", &HeldView::look_address,
                              "Address of the page for read-only access.")
       .def_property_readonly("session", &HeldView::session, "Path of the session file.")
-      .def("run", &HeldView::run, py::arg("for_s") = py::none(),
-           "Waits until the first user with full control connects, and then steps the simulation as users "
-           "command, until `for_s`\nseconds of world time have passed (None: no limit) or a stop condition "
-           "of the world holds. Ctrl-C ends the run with\nKeyboardInterrupt.")
+      .def(
+          "run",
+          [](const py::object& self, const std::optional<double>& for_s) {
+            self.cast<HeldView&>().run(self.attr(k_simulation), for_s);
+          },
+          py::arg("for_s") = py::none(),
+          "Waits until the first user with full control connects, and then steps the simulation as users "
+          "command, until `for_s`\nseconds of world time have passed (None: no limit) or a stop condition "
+          "of the world holds. Calls the callbacks of\nSimulation.on_tick() after each step. Ctrl-C ends "
+          "the run with KeyboardInterrupt. Raises ValueError if `for_s` is negative,\nNaN or more than "
+          "1e12, and RuntimeError in a callback of on_tick().")
       .def("close", &HeldView::close,
            "Ends the session and disconnects all users. Further calls of other functions of the view raise "
            "RuntimeError.");
   simulation.def(
       "view",
-      [](const Holder& held, std::uint16_t port, double rate, const fs::path& out, const std::string& bind,
-         const std::vector<std::string>& hosts) {
-        return std::make_unique<HeldView>(held, live::View::Options{.port = port,
-                                                                    .bind = bind,
-                                                                    .hosts = hosts,
-                                                                    .rate = rate,
-                                                                    .folder = out,
-                                                                    .is_over = {},
-                                                                    .report = {}});
+      [](const py::object& self, std::uint16_t port, double rate, const fs::path& out,
+         const std::string& bind, const std::vector<std::string>& hosts) {
+        py::object view =
+            py::cast(std::make_unique<HeldView>(self.cast<Holder>(), live::View::Options{.port = port,
+                                                                                         .bind = bind,
+                                                                                         .hosts = hosts,
+                                                                                         .rate = rate,
+                                                                                         .folder = out,
+                                                                                         .is_over = {},
+                                                                                         .report = {}}));
+        view.attr(k_simulation) = self;
+        return view;
       },
       py::kw_only(), py::arg("port") = 0, py::arg("rate") = 1.0, py::arg("out") = fs::path(),
       py::arg("bind") = "", py::arg("hosts") = std::vector<std::string>(),

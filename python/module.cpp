@@ -157,22 +157,24 @@ Simulation& Held::use_outside(std::string_view what) {
   return use();
 }
 
-/// Sets a flag, Held::stepping_, while an object of this class exists.
+/// Sets Held::stepping_ and keeps the live view alive while an object of this class exists. The destructor
+/// destroys the view if Python has released it meanwhile.
 class Held::Stepping {
  public:
-  explicit Stepping(bool& flag) : flag_(flag) { flag_ = true; }
+  explicit Stepping(Held& held) : flag_(held.stepping_), view_(held.view_.lock()) { flag_ = true; }
   ~Stepping() { flag_ = false; }
   Stepping(const Stepping&) = delete;
   Stepping& operator=(const Stepping&) = delete;
 
  private:
   bool& flag_;
+  std::shared_ptr<void> view_;
 };
 
 void Held::work(const std::function<void(Simulation&)>& task) {
   Simulation& simulation = use();
   {
-    const Stepping stepping(stepping_);
+    const Stepping stepping(*this);
     const Unlocked unlocked;
     task(simulation);
   }
@@ -182,7 +184,7 @@ void Held::work(const std::function<void(Simulation&)>& task) {
 void Held::step(std::uint64_t ticks, bool to_its_end) {
   constexpr std::chrono::milliseconds k_patience(50);
   Simulation& simulation = use();
-  const Stepping stepping(stepping_);
+  const Stepping stepping(*this);
   const auto is_over = [&] { return to_its_end && simulation.stopped().has_value(); };
   while (ticks > 0 && !is_over()) {
     {

@@ -36,6 +36,19 @@ double from_zero(std::string_view what, double value, double most) {
 
 namespace {
 
+/// Name of the attribute of a Simulation that contains the list of callbacks of on_tick(). Because it is in
+/// the object's __dict__, Python's garbage collector sees the callbacks, which often refer to the simulation
+/// that calls them.
+constexpr const char* k_callbacks = "_on_tick";
+
+}  // namespace
+
+py::list callbacks_of(const py::object& simulation) {
+  return py::getattr(simulation, k_callbacks, py::list()).cast<py::list>();
+}
+
+namespace {
+
 namespace fs = std::filesystem;
 using Paths = std::vector<fs::path>;
 
@@ -181,15 +194,6 @@ Holder resume(const fs::path& checkpoint, unsigned threads, const Settings& set,
 }
 
 // ---- the run
-
-/// Name of the attribute of a Simulation that contains the list of callbacks of on_tick(). Because it is in
-/// the object's __dict__, Python's garbage collector sees the callbacks, which often refer to the simulation
-/// that calls them.
-constexpr const char* k_callbacks = "_on_tick";
-
-py::list callbacks_of(const py::object& self) {
-  return py::getattr(self, k_callbacks, py::list()).cast<py::list>();
-}
 
 /// Makes one tick and calls the callbacks of on_tick().
 void step_and_call(const py::object& self, const Holder& held, const py::list& callbacks) {

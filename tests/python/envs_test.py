@@ -6,6 +6,8 @@ import dataclasses
 import io
 import re
 import sys
+import tempfile
+import threading
 import time
 import unittest
 import unittest.mock
@@ -555,6 +557,19 @@ class Human(unittest.TestCase):
                 step()
                 step()
                 self.assertEqual(hashes, [*alone, batch().core.state_hash(0)])
+
+    def test_a_view_released_during_a_step_ends_after_the_step(self):
+        batch = troupe.envs.VectorEnv(Short(2), 4).batch.core
+        batch.reset()
+        with tempfile.TemporaryDirectory() as folder:
+            view = batch.view(rate=0.001, out=folder)  # a tick of 0.1 s would take 100 s
+            stepping = threading.Thread(target=lambda: [batch.step() for _ in range(3)], daemon=True)
+            stepping.start()
+            time.sleep(0.5)
+            del view
+            stepping.join(60)
+            self.assertFalse(stepping.is_alive())
+        self.assertEqual(batch.tick(), batch.tick(1))
 
     def test_says_which_copies_there_are(self):
         batch = troupe.envs.VectorEnv(Short(2), 4).batch.core

@@ -617,6 +617,58 @@ class Models(InAFolder):
             view.run()
         world.step()
 
+    @needs_view
+    def test_a_view_calls_the_callbacks_of_on_tick(self):
+        world = troupe.Simulation(ROOM)
+        view = world.view(rate=0, out=self.folder)
+        port, token = view.address.removeprefix("http://127.0.0.1:").split("/#")
+        calls = []
+
+        def close(simulation):
+            with self.assertRaisesRegex(RuntimeError, r"^View.run\(\) is not allowed in a callback"):
+                view.run()
+            simulation.find("cart").set_speed(0.1, 0)
+            if simulation.tick == 7:
+                view.close()
+
+        with Socket(int(port)) as viewer:
+            viewer.send(token)
+            viewer.receive()
+            world.on_tick(lambda simulation: calls.append((simulation is world, simulation.tick)))
+            view.run(for_s=1)
+            self.assertEqual(calls, [(True, tick) for tick in range(1, 6)])
+            world.on_tick(lambda simulation: 1 / 0)
+            with self.assertRaises(ZeroDivisionError):
+                view.run(for_s=1)
+            self.assertEqual(world.tick, 6)
+            world.on_tick(None)
+            world.on_tick(close)
+            view.run(for_s=100)
+        self.assertEqual(world.tick, 7, "a callback has closed the view")
+        with self.assertRaisesRegex(RuntimeError, "closed"):
+            view.run()
+
+    @needs_view
+    def test_the_time_of_a_view_is_checked(self):
+        view = troupe.Simulation(ROOM).view(rate=0, out=self.folder)
+        for seconds in (math.nan, -1, math.inf, 1e13):
+            with self.assertRaisesRegex(ValueError, r"^View.run\(for_s=.*\): give a time from 0 to .* s, or None$"):
+                view.run(for_s=seconds)
+
+    @needs_view
+    def test_a_view_released_during_a_step_ends_after_the_step(self):
+        world = troupe.Simulation(ROOM)
+        view = world.view(rate=0.001, out=self.folder)  # the second tick would wait for 200 s
+        stepping = threading.Thread(target=lambda: world.step(3), daemon=True)
+        stepping.start()
+        time.sleep(0.5)
+        del view
+        stepping.join(60)
+        self.assertFalse(stepping.is_alive())
+        self.assertEqual(world.tick, 3)
+        lines = [json.loads(line) for line in (self.folder / "world.session.jsonl").read_text().splitlines()]
+        self.assertEqual((lines[-1]["do"], lines[-1]["tick"]), ("end", 3))
+
     @unittest.skipIf(has_view(), "this build has a view")
     def test_a_build_without_view_says_so(self):
         with self.assertRaisesRegex(RuntimeError, "^the live view is not available: Troupe was built without it; "
