@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -151,10 +152,20 @@ struct HeldModel {
 struct HeldSwarm {
   Holder held;  ///< the simulation; null for the swarm that is the argument of a measure written in Python
   Swarm swarm;
+  bool is_over = false;  ///< the measure has returned: its simulation may no longer exist
 
-  /// Returns the swarm. Throws as Held::use() does if `held` is not null.
+  /// Returns the swarm. Throws as Held::use() does if `held` is not null, and as read() does.
   Swarm& use() {
     if (held) static_cast<void>(held->use());
+    read();
+    return swarm;
+  }
+  /// Returns the swarm, also while the simulation steps. Throws std::logic_error if `is_over` is true.
+  const Swarm& read() const {
+    if (is_over)
+      throw std::logic_error(
+          "the argument of a measure can be used only during the call of the measure: in other code, use "
+          "Simulation.swarm()");
     return swarm;
   }
   py::ssize_t size() const { return static_cast<py::ssize_t>(swarm.size()); }

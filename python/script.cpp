@@ -377,6 +377,20 @@ Result<ControllerKind::Prepared> prepare_slot(const engine::Record&,
   return prepare(*Slots<PythonController>::all[k_slot], devices);
 }
 
+/// Makes the swarm that is the argument of a measure unusable when the measure returns.
+class ArgumentOfMeasure {
+ public:
+  explicit ArgumentOfMeasure(Swarm swarm) : object_(py::cast(HeldSwarm{nullptr, std::move(swarm)})) {}
+  ~ArgumentOfMeasure() { object_.cast<HeldSwarm&>().is_over = true; }
+  ArgumentOfMeasure(const ArgumentOfMeasure&) = delete;
+  ArgumentOfMeasure& operator=(const ArgumentOfMeasure&) = delete;
+
+  const py::object& object() const { return object_; }
+
+ private:
+  py::object object_;
+};
+
 class MeasureInPython : public engine::Measure {
  public:
   MeasureInPython(const PythonMeasure& measure, std::vector<BodyId> robots)
@@ -385,8 +399,8 @@ class MeasureInPython : public engine::Measure {
   double value(engine::World& world) override {
     double value = 0;
     call_script(measure_.file, [&] {
-      const py::object swarm = py::cast(HeldSwarm{nullptr, Swarm::of(world, robots_)});
-      const py::object result = call(measure_.function, swarm);
+      const ArgumentOfMeasure swarm(Swarm::of(world, robots_));
+      const py::object result = call(measure_.function, swarm.object());
       value =
           py::module_::import("troupe._script").attr("number_of")(measure_.function, result).cast<double>();
     });

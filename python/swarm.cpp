@@ -121,19 +121,19 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       "per robot; None selects all. These functions skip robots that are not in the world.\nset_speeds(), "
       "accelerate() and go_to() take one number for all robots or one number per robot. Arrays whose shape "
       "does\nnot fit raise ValueError.")
-      .def("__len__", [](const HeldSwarm& s) { return s.swarm.size(); })
+      .def("__len__", [](const HeldSwarm& s) { return s.read().size(); })
       .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
       .def_property_readonly("ids",
                              [](const HeldSwarm& s) {
                                py::array_t<std::uint32_t> out(s.size());
                                for (std::size_t i = 0; i < s.swarm.size(); ++i)
-                                 out.mutable_at(i) = s.swarm.ids()[i].value;
+                                 out.mutable_at(i) = s.read().ids()[i].value;
                                return out;
                              })
-      .def_property_readonly("names", [](const HeldSwarm& s) { return s.swarm.names(); })
-      .def_property_readonly("tick", [](const HeldSwarm& s) { return s.swarm.tick(); })
-      .def_property_readonly("time_s", [](const HeldSwarm& s) { return s.swarm.time_s(); })
-      .def_property_readonly("types", [](const HeldSwarm& s) { return s.swarm.types(); })
+      .def_property_readonly("names", [](const HeldSwarm& s) { return s.read().names(); })
+      .def_property_readonly("tick", [](const HeldSwarm& s) { return s.read().tick(); })
+      .def_property_readonly("time_s", [](const HeldSwarm& s) { return s.read().time_s(); })
+      .def_property_readonly("types", [](const HeldSwarm& s) { return s.read().types(); })
       .def(
           "alive", [](HeldSwarm& s) { return flags_of(s, &Swarm::alive); },
           "One bool per robot: whether it is in the world.")

@@ -169,6 +169,19 @@ class Controllers(InAFolder):
         self.assertEqual(measures.values()[1:], [np.abs(world.swarm().poses()[:, :2]).max(), 30])
         self.assertEqual(measures["<lambda>"], 30)
 
+    def test_the_argument_of_a_measure_can_be_used_only_during_the_call(self):
+        self.write("my.py", "import troupe\nkept = []\n\n\n@troupe.measure\ndef keep(robots):\n    kept.append(robots)\n    return len(robots)\n")
+        world = troupe.Simulation("w.json", controllers=["my.py"])
+        measures = troupe.Measures(world, ["my:keep"])
+        self.assertEqual(measures.values(), [30])
+        kept = sys.modules["troupe_script_my"].kept[-1]
+        del measures, world
+        for use in (lambda: kept.poses(), lambda: len(kept), lambda: kept.ids, lambda: kept.names, lambda: kept.tick,
+                    lambda: kept.time_s, lambda: kept.types, lambda: kept.set_speeds(1, 0)):
+            with self.assertRaisesRegex(RuntimeError, "^the argument of a measure can be used only during the call"):
+                use()
+        self.assertEqual(repr(kept), "<Swarm of 30 robots>")
+
     def test_a_measure_that_returns_no_number_is_an_error_with_its_line(self):
         for result, found in (("'x'", "'x'"), ("None", "None"), ("robots.poses()", "an array of shape (30, 4)")):
             self.write("my.py", ROAM.replace("np.abs(robots.poses()[:, :2]).max()", result))
