@@ -70,6 +70,18 @@ std::string hello_of(const std::string& greeting, bool may_steer) {
   return fmt::format(R"({{"type":"hello","may_steer":{},{}}})", may_steer, greeting);
 }
 
+/// Sets a flag while an object of this class exists.
+class Raised {
+ public:
+  explicit Raised(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Raised() { flag_ = false; }
+  Raised(const Raised&) = delete;
+  Raised& operator=(const Raised&) = delete;
+
+ private:
+  bool& flag_;
+};
+
 /// Returns the names of the measures that viewers can plot: those that have no required parameters and are
 /// not a second name (alias) of another measure.
 Json plain_measures(const Simulation& simulation) {
@@ -91,6 +103,11 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
       next_tick_(simulation.tick()),
       rate_(options.rate),
       line_(simulation.hash_log_line()) {
+  if (simulation.has_before_tick())
+    throw std::logic_error(
+        "the simulation already has a view, or another callback of Simulation::before_tick(): close the "
+        "first view (Python: View.close(); C++: destroy the object), or remove the callback with "
+        "before_tick(nullptr)");
   const engine::World& world = simulation.world();
   worldio::LivePage page = worldio::live_page(world, simulation.registry());
   order_ = std::move(page.order);
@@ -109,12 +126,13 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   // The session file is created after the server, so that no file is left if the address or the port is not
   // available.
   session_ = std::make_unique<SessionLog>(folder_, simulation);
-  simulation_.before_tick([this](Simulation&) { before_tick(); });
   self_ = std::make_shared<Impl*>(this);
   simulation_.on_tick([self = std::weak_ptr<Impl*>(self_)](Simulation&) {
     if (const auto found = self.lock()) (*found)->after_tick();
   });
   server_->start();  // not in the constructor of the server, because the functions that it calls use server_
+  // Last: if the constructor threw after this, the callback would refer to an object that does not exist.
+  simulation_.before_tick([this](Simulation&) { before_tick(); });
 }
 
 View::Impl::~Impl() {
@@ -224,24 +242,25 @@ std::optional<ViewFrames> View::Impl::picture(std::uint64_t client) {
 // ---- the simulation's thread
 
 void View::Impl::run() {
-  is_running_ = true;
+  const Raised running(is_running_);  // also if a step throws, and the program then steps the simulation
   while (!is_over() && !simulation_.stopped()) {
     if (!playing_) {
-      is_between_ticks_ = true;
-      wait();
-      is_between_ticks_ = false;
+      {
+        const Raised between_ticks(is_between_ticks_);
+        wait();
+      }
       if (is_over()) break;
     }
     simulation_.step();
     do_jobs();
   }
-  is_running_ = false;
 }
 
 void View::Impl::before_tick() {
   // A program that steps the run itself does not wait for the first viewer.
   if (!is_running_ && !std::exchange(has_begun_, true)) play(0);
-  if (simulation_.tick() != next_tick_) begin_run(next_tick_);  // the program has reset the simulation
+  // The program has reset the simulation. At tick 0, only another seed shows that.
+  if (simulation_.tick() != next_tick_ || simulation_.seed() != seed_) begin_run(next_tick_);
   next_tick_ = simulation_.tick() + 1;
   wait();
   if (rate_ == 0) return;
@@ -279,8 +298,7 @@ void View::Impl::wait() {
 }
 
 void View::Impl::after_tick() {
-  for (auto& [id, client] : clients_)
-    if (client.measures) client.measures->see();
+  for (auto& [id, client] : clients_) use_plot(id, client, [](Measures& measures) { measures.see(); });
   if (steps_ > 0 && --steps_ == 0) {
     playing_ = false;
     is_changed_ = true;
@@ -436,10 +454,15 @@ bool View::Impl::obey_watch(const Request& request, Client& client) {
     client.inspected = body.valid() ? std::optional(body) : std::nullopt;
   } else if (request.what() == "plot") {
     const std::string measure = request.name("measure");
-    client.measures = measure.empty()
-                          ? nullptr
-                          : std::make_unique<Measures>(simulation_, std::vector<std::string>{measure});
+    try {
+      client.measures = measure.empty()
+                            ? nullptr
+                            : std::make_unique<Measures>(simulation_, std::vector<std::string>{measure});
+    } catch (const std::exception& error) {  // a measure of a plug-in or script may throw anything
+      throw ActRefused(error.what());
+    }
     client.plotted = measure;
+    client.plot_request = request.id();
   } else if (request.what() == "color") {
     if (!request.has("component")) {
       client.color.reset();
@@ -459,6 +482,19 @@ bool View::Impl::obey_watch(const Request& request, Client& client) {
     return false;
   }
   return true;
+}
+
+/// Calls `use` with the plotted measure of a client. If the measure throws, the plot ends and the client
+/// learns why: an error in a measure that a viewer has chosen must not end the run.
+void View::Impl::use_plot(std::uint64_t id, Client& client, const std::function<void(Measures&)>& use) {
+  if (!client.measures) return;
+  try {
+    use(*client.measures);
+  } catch (const std::exception& error) {
+    client.measures.reset();
+    client.plotted.clear();
+    refuse(id, client.plot_request, error.what());
+  }
 }
 
 /// Postpones a request that is possible only between two ticks: its work is done when the current tick has
@@ -663,13 +699,14 @@ Json View::Impl::state() const {
 }
 
 /// Returns the part of the state that only this client receives.
-Json View::Impl::own_state(Client& client) {
+Json View::Impl::own_state(std::uint64_t id, Client& client) {
   Json json = Json::object();
   if (client.inspected) json["inspected"] = inspection(simulation_, *client.inspected);
-  if (client.measures)
+  use_plot(id, client, [&](Measures& measures) {
     json["plot"] = {{"measure", client.plotted},
-                    {"column", std::string(client.measures->columns().front())},
-                    {"value", client.measures->values().front()}};
+                    {"column", std::string(measures.columns().front())},
+                    {"value", measures.values().front()}};
+  });
   if (client.color && client.color->least <= client.color->most)
     json["shades"] = {{"least", client.color->least}, {"most", client.color->most}};
   if (!client.layers.empty()) json["lines"] = lines_of(simulation_.world(), client.layers);
@@ -698,7 +735,7 @@ void View::Impl::publish() {
   for (auto& [id, client] : clients_) {
     if (client.color)
       take_shades(simulation_.world(), places_, order_.size(), *client.color, picture->shades[id]);
-    if (const Json own = own_state(client); !own.empty()) picture->own[id] = members_of(own);
+    if (const Json own = own_state(id, client); !own.empty()) picture->own[id] = members_of(own);
   }
   // Pictures that are a little late must not delay the later ones: the mean rate is that of k_picture.
   published_ = now - published_ < 2 * k_picture ? published_ + k_picture : now;

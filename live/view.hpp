@@ -32,8 +32,9 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 /// user has paused the run, and it waits as long as the speed limit (Options::rate) requires. It does not
 /// wait for browsers to draw pictures.
 ///
-/// The view uses the callback of Simulation::before_tick(). The constructor of the view replaces a callback
-/// that the program has set there, and the destructor removes the callback of the view.
+/// The view uses the callback of Simulation::before_tick(), and the destructor of the view removes it. A
+/// simulation therefore has at most one view at a time, and no other callback of before_tick() meanwhile: a
+/// callback that the program sets replaces that of the view, which then no longer has an effect.
 ///
 /// The simulation must outlive the view. Not thread-safe: use a view only on the thread that steps the
 /// simulation. The view serves the page on a thread of its own.
@@ -65,7 +66,8 @@ class View {
   };
   /// Starts the server and creates the session file. Throws std::runtime_error if Options::bind is not an IP
   /// address, if the address or the port is not available, or if the session file cannot be written. If the
-  /// CMake option TROUPE_VIEW is off, always throws std::runtime_error.
+  /// CMake option TROUPE_VIEW is off, always throws std::runtime_error. Throws std::logic_error if the
+  /// simulation already has a view or another callback of Simulation::before_tick().
   View(Simulation& simulation, const Options& options);
   explicit View(Simulation& simulation);  ///< the same as View(simulation, Options())
   /// Completes the session file and disconnects all viewers.
@@ -79,7 +81,8 @@ class View {
   /// URL of the page for read-only access. It differs from address() only in the token.
   std::string look_address() const;
   /// Path of the current session file. The view begins a new file when a viewer restarts the run, and in the
-  /// first step after the program has reset the simulation.
+  /// first step after the program has reset the simulation (unless no step was made before a reset to the
+  /// same seed).
   std::filesystem::path session() const;
 
   /// Steps the simulation, and pauses and changes it as the viewers command. First waits until a viewer with

@@ -53,6 +53,7 @@ class View::Impl : private ViewBackend {
     bool may_steer = false;
     std::optional<BodyId> inspected;
     std::string plotted;                 // the plotted measure; empty: none
+    std::uint64_t plot_request = 0;      // id of the request to plot it
     std::unique_ptr<Measures> measures;  // computes `plotted`
     std::optional<ColorValue> color;     // the value by which it colours robots
     std::vector<std::string> layers;     // the layers of lines that it shows
@@ -83,6 +84,7 @@ class View::Impl : private ViewBackend {
   bool obey_question(const Request& request, std::uint64_t client);
   bool obey_clock(const Request& request);
   bool obey_watch(const Request& request, Client& client);
+  void use_plot(std::uint64_t id, Client& client, const std::function<void(Measures&)>& use);
   bool postpone(const Request& request, std::uint64_t client);
   void restart_clock();
   void play(std::uint64_t ticks);
@@ -105,7 +107,7 @@ class View::Impl : private ViewBackend {
   void greet_again();
   void publish();
   nlohmann::ordered_json state() const;
-  nlohmann::ordered_json own_state(Client& client);
+  nlohmann::ordered_json own_state(std::uint64_t id, Client& client);
   std::string make_greeting(const std::string& header) const;
 
   Simulation& simulation_;

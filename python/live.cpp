@@ -159,7 +159,9 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       "`rate` limits the speed to a\nmultiple of real time; 0 is no limit. The session file is created in "
       "the folder `out`; an empty path is the current\nfolder. With \"mortal\": true in the world file, "
       "users can also remove and disable robots. port, bind and hosts are the\noptions --port, --bind and "
-      "--allow-host of `troupe view` (docs/live.md).");
+      "--allow-host of `troupe view` (docs/live.md). Raises RuntimeError while the simulation has another "
+      "view: "
+      "\nclose() that one first.");
 }
 
 }  // namespace troupe::python

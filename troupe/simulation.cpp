@@ -114,6 +114,8 @@ void Simulation::before_tick(std::function<void(Simulation&)> callback) {
   impl_->before_tick = std::move(callback);
 }
 
+bool Simulation::has_before_tick() const { return static_cast<bool>(impl_->before_tick); }
+
 void Simulation::act(const engine::Act& act) {
   Model::refuse_in_for_each(*impl_->world, "act()");
   impl_->world->require_whole();

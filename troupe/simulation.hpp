@@ -580,6 +580,7 @@ class Simulation {
   /// and the state is then incomplete, as described at step(). A second call replaces the callback; a null
   /// callback removes it.
   void before_tick(std::function<void(Simulation&)> callback);
+  bool has_before_tick() const;  ///< whether a callback of before_tick() is set
   /// Applies an act to the running world: a change that a user or a program requests, such as moving,
   /// removing or steering a robot (docs/live.md). Call it between two steps, or in the callback of
   /// before_tick(). A hold, the act that steers a robot instead of its controller, lasts until another act

@@ -197,5 +197,57 @@ TEST_F(ViewTest, AViewerDoesNotStopARecordingOfTheProgram) {
   EXPECT_THROW(shown.simulation.record(folder_ / "second.h5"), std::logic_error) << "the first one continues";
 }
 
+TEST_F(ViewTest, AnswersRequestsAfterARunThatThrew) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  simulation.on_tick([](Simulation& s) {
+    if (s.tick() == 3) throw std::runtime_error("third tick");
+  });
+  Viewer viewer(view.address());
+  EXPECT_THROW(view.run(), std::runtime_error);
+  // The thread of the server refuses the second text itself. Its answer shows that the first one has arrived.
+  viewer.send({R"({"do":"restart","id":1})", "x"});
+  EXPECT_EQ(viewer.answer()["type"], "refused");
+  simulation.step();
+  const Json answer = viewer.answer();
+  EXPECT_EQ(answer["id"], 1);
+  EXPECT_THAT(answer.value("reason", ""), HasSubstr("the page cannot restart this run"));
+}
+
+TEST_F(ViewTest, ASimulationHasOneView) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  const View::Options options{.rate = 0, .folder = folder_};
+  const auto error_of_view = [&] {
+    try {
+      const View view(simulation, options);
+    } catch (const std::logic_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  {
+    const View first(simulation, options);
+    EXPECT_THAT(error_of_view(), HasSubstr("already has a view"));
+    EXPECT_TRUE(simulation.has_before_tick()) << "the first view works";
+  }
+  int calls = 0;
+  simulation.before_tick([&](Simulation&) { ++calls; });
+  EXPECT_THAT(error_of_view(), HasSubstr("another callback of Simulation::before_tick()"));
+  simulation.step();
+  EXPECT_EQ(calls, 1);
+  simulation.before_tick(nullptr);
+  EXPECT_EQ(error_of_view(), "");
+}
+
+TEST_F(ViewTest, ASessionHasTheSeedOfAResetBeforeTheFirstStep) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  simulation.reset(9);
+  simulation.step();
+  const std::string session = content(view.session());
+  const Json header = Json::parse(session.substr(0, session.find('\n')));
+  EXPECT_EQ(header["options"]["seed"], "9") << header;
+}
+
 }  // namespace
 }  // namespace troupe::live

@@ -1,5 +1,6 @@
 """Tests of the simulation in the Python package."""
 
+import contextlib
 import copy
 import gc
 import json
@@ -647,6 +648,50 @@ class Models(InAFolder):
         self.assertEqual(world.tick, 7, "a callback has closed the view")
         with self.assertRaisesRegex(RuntimeError, "closed"):
             view.run()
+
+    @needs_view
+    def test_a_simulation_has_one_view(self):
+        world = troupe.Simulation(ROOM)
+        view = world.view(rate=0, out=self.folder)
+        with self.assertRaisesRegex(RuntimeError, r"^the simulation already has a view, .*View.close\(\)"):
+            world.view(out=self.folder)
+        view.close()
+        with contextlib.closing(world.view(rate=0, out=self.folder)):
+            world.step()
+
+    @needs_view
+    def test_an_error_in_a_plotted_measure_ends_the_plot_and_not_the_run(self):
+        (self.folder / "my.py").write_text(
+            "import troupe\n\nfails = []\n\n\n@troupe.measure\ndef bad(robots):\n"
+            "    if fails:\n        raise ValueError('it fails')\n    return 1.0\n"
+        )
+        world = troupe.Simulation(ROOM, controllers=["my.py"])
+        view = world.view(rate=0, out=self.folder)
+        port, token = view.read_only_address.removeprefix("http://127.0.0.1:").split("/#")
+        with Socket(int(port)) as viewer:
+            viewer.send(token)
+            viewer.receive()
+            plotted, told = [], []
+
+            def use():
+                plotted.append(viewer.ask(do="plot", measure="my:bad", id=7)["type"])
+                while not told:
+                    message = viewer.receive()
+                    if isinstance(message, bytes):
+                        viewer.send('{"do": "drawn"}')
+                    elif message["type"] == "refused":
+                        told.append(message)
+
+            user = threading.Thread(target=use, daemon=True)
+            user.start()
+            while user.is_alive():
+                world.step()
+                time.sleep(0.01)
+                if plotted:
+                    sys.modules["troupe_script_my"].fails.append(True)
+        self.assertEqual(plotted, ["done"])
+        self.assertEqual(told[0]["id"], 7)
+        self.assertIn("it fails", told[0]["reason"])
 
     @needs_view
     def test_the_time_of_a_view_is_checked(self):
