@@ -6,6 +6,7 @@ import concurrent.futures
 import json
 import math
 import os
+import threading
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _core
@@ -63,7 +64,9 @@ def _first_world(world: Any, name: str, study: Dict[str, Any], options: Dict[str
     raise first
 
 
-def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any]) -> Rows:
+def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any],
+          has_ended: threading.Event) -> Rows:
+    """Makes the run with this index. Raises CancelledError if `has_ended` is set: the caller no longer needs the run."""
     simulation = _load(world, name, study, index, options)
     seed = simulation.seed
     values = [json.loads(text) for text in study["runs"][index][0]]
@@ -85,6 +88,8 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
 
     look()
     while simulation.tick < end and not simulation.stopped:
+        if has_ended.is_set():
+            raise concurrent.futures.CancelledError
         simulation.step()
         measures.see()
         if simulation.tick % every == 0 or simulation.tick == end or simulation.stopped:
@@ -145,8 +150,11 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     rows: List[Dict[str, Any]] = []
     looks: List[Dict[str, Any]] = []
     with concurrent.futures.ThreadPoolExecutor(threads or len(os.sched_getaffinity(0))) as pool:
-        futures = [pool.submit(_make, world, name, read, index, options) for index in range(len(read["runs"]))]
+        has_ended = threading.Event()
+        futures: List["concurrent.futures.Future[Rows]"] = []
         try:
+            for index in range(len(read["runs"])):
+                futures.append(pool.submit(_make, world, name, read, index, options, has_ended))
             for index, future in enumerate(futures):
                 try:
                     row, made = future.result()
@@ -157,6 +165,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
                     values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}
                     rows.append({"run": index, **values, "seed": seed, "error": str(error)})
         except BaseException:
+            has_ended.set()  # else Ctrl-C would wait for the end of the running runs
             for future in futures:
                 future.cancel()
             raise

@@ -4,9 +4,11 @@ import importlib.util
 import json
 import math
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import unittest.mock
 
@@ -76,6 +78,26 @@ class Sweep(unittest.TestCase):
         self.assertEqual(table["error"][0], "")
         self.assertNotEqual(table["error"][1], "")
         self.assertTrue(math.isnan(table["coverage"][1]))
+
+    def test_control_c_ends_the_running_runs(self):
+        code = f"""
+import troupe
+print("begun", flush=True)
+try:
+    troupe.sweep({ {**STUDY, "for_s": 1e7, "measure_every_s": 1e5}!r}, threads=2)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+        with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
+            self.assertEqual(process.stdout.readline(), "begun\n")
+            time.sleep(3)  # until the runs are running
+            process.send_signal(signal.SIGINT)
+            try:
+                told = process.communicate(timeout=60)[0]
+            except subprocess.TimeoutExpired:
+                process.kill()
+                raise
+        self.assertEqual(told, "interrupted\n")
 
     def test_only_the_worlds_of_runs_need_be_loadable(self):
         crowded = {**WORLD, "populations": [{**WORLD["populations"][0], "count": 100000}]}
