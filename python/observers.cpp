@@ -188,7 +188,7 @@ void bind_observers(py::module_& module) {
       .def(
           "observe", [](HeldRecording& r) { r.recording.observe(r.held->use()); },
           "Records the current state if its tick is a multiple of the recording interval. Call it after each "
-          "step.")
+          "step. Raises\nRuntimeError after a reset of the simulation: make a new recording then.")
       .def(
           "flush", [](HeldRecording& r) { r.recording.flush(); },
           "Writes the frames that are still in memory to the file. Readers that opened it in SWMR mode "

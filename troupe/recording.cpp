@@ -109,6 +109,19 @@ void check_same_options(const std::filesystem::path& file, const Simulation& sim
 
 struct Recording::Impl {
   worldio::RecordingWriter writer;
+  std::filesystem::path file;
+  std::uint64_t seed;      // of the recorded run
+  std::uint64_t tick = 0;  // last tick that observe() has seen
+
+  /// Throws std::logic_error if the simulation has been reset.
+  void require_same_run(const Simulation& simulation) {
+    if (simulation.seed() != seed || simulation.tick() < tick)
+      throw std::logic_error(
+          fmt::format("{}: error: the simulation was reset after tick {}, and a recording contains one run: "
+                      "close this recording, and make another one after the reset",
+                      file.string(), tick));
+    tick = simulation.tick();
+  }
 };
 
 Recording::Recording(const std::filesystem::path& file, const Simulation& simulation,
@@ -124,7 +137,9 @@ Recording::Recording(const std::filesystem::path& file, const Simulation& simula
   std::vector<worldio::RecordedComponent> components = components_of(file, simulation, head.fields, options);
   try {
     impl_ = std::unique_ptr<Impl>(
-        new Impl{{file, simulation.world(), std::move(components), head, options.in_background}});
+        new Impl{{file, simulation.world(), std::move(components), head, options.in_background},
+                 file,
+                 simulation.seed()});
   } catch (const worldio::Hdf5Error& error) {
     throw InputError(error.what());
   }
@@ -141,13 +156,16 @@ Recording Recording::resume(const std::filesystem::path& file, const Simulation&
   worldio::repair_recording(file);
   check_same_run(file, simulation);
   check_same_options(file, simulation, options);
-  Recording recording(std::unique_ptr<Impl>(new Impl{{file, simulation.world(), options.in_background}}));
+  Recording recording(std::unique_ptr<Impl>(
+      new Impl{{file, simulation.world(), options.in_background}, file, simulation.seed()}));
   recording.observe(simulation);
   return recording;
 }
 
 void Recording::observe(const Simulation& simulation) {
   simulation.world().require_whole();
+  if (!impl_->writer.is_open()) return;
+  impl_->require_same_run(simulation);
   if (impl_->writer.due(simulation.tick())) impl_->writer.record(simulation.world(), simulation.state_hash());
 }
 

@@ -966,6 +966,10 @@ class Looking(InAFolder):
         except RuntimeError as error:
             self.skipTest(str(error))
         self.assertGreater(os.path.getsize("run.h5"), 1000)
+        with troupe.Recording("two.h5", world) as recording:
+            world.reset(seed=99)
+            with self.assertRaisesRegex(RuntimeError, "^two.h5: error: the simulation was reset after tick 5"):
+                recording.observe()
         with self.assertRaises(troupe.InputError):
             troupe.Recording("run.h5", world)  # the file exists
         for every in (-1, math.nan, math.inf):

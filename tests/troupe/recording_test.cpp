@@ -337,6 +337,33 @@ std::optional<std::uint64_t> bytes_written_here() {
   return std::nullopt;
 }
 
+TEST_F(RecordingTest, ContainsOneRun) {
+  Simulation simulation(world_);
+  const auto error_of_observe = [&](Recording& recording) {
+    try {
+      recording.observe(simulation);
+    } catch (const std::logic_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  {
+    Recording recording(folder_ / "run.h5", simulation, {.fields = {"pose"}, .every_s = 0.5});
+    step(simulation, recording, 7);
+    simulation.reset();
+    while (simulation.tick() < 6) simulation.step();  // after the last frame, but before the last tick
+    EXPECT_THAT(error_of_observe(recording), HasSubstr("the simulation was reset after tick 7"));
+  }
+  EXPECT_EQ(RecordingReader(folder_ / "run.h5").frames(), 2u);
+  simulation.reset();
+  Recording other(folder_ / "other.h5", simulation, {.fields = {"pose"}, .every_s = 0.1});
+  simulation.reset(simulation.seed() + 1);
+  simulation.step();
+  EXPECT_THAT(error_of_observe(other), HasSubstr("other.h5: error: the simulation was reset after tick 0"));
+  other.close();
+  EXPECT_EQ(error_of_observe(other), "");
+}
+
 TEST_F(RecordingTest, InTheBackgroundTheFileHasTheSameBytes) {
   const auto record = [&](const char* name, std::uint64_t from, std::uint64_t until, bool in_background) {
     Simulation simulation(world_);

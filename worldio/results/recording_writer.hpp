@@ -76,6 +76,7 @@ class RecordingWriter {
   /// Whether a frame of this tick is due and not recorded yet. Frames are due at the multiples of
   /// RecordingHead::every_ticks. Returns false after close() and after an error.
   bool due(std::uint64_t tick) const;
+  bool is_open() const { return open_; }  ///< false after close() and after an error
   /// Adds the present state of the world as a frame. `state_hash` is the hash of this state.
   /// due(world.tick()) must be true.
   void record(const engine::World& world, std::uint64_t state_hash);
