@@ -2,8 +2,11 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string_view>
+
+#include <sys/types.h>
 
 namespace troupe::worldio {
 
@@ -17,6 +20,10 @@ namespace troupe::worldio {
 /// without locks, the temporary name also contains the process id, and the partial file of a killed writer
 /// remains.
 ///
+/// If NAME is a symbolic link to an existing file, that file is NAME everywhere in this class: the partial
+/// file is in its folder and replaces it, and the link remains. A link to a file that does not exist is
+/// replaced. A file that replaces another has the same permission bits.
+///
 /// The constructor, write(), sync() and commit() throw std::system_error on failure; the error has the
 /// reason, but no path. The constructor also throws if NAME exists and is not a regular file.
 class PartialFile {
@@ -29,6 +36,8 @@ class PartialFile {
   /// Removes the partial file, unless commit() renamed it.
   ~PartialFile();
 
+  /// Path of the file that commit() creates or replaces: `file`, or the file to which this link points.
+  const std::filesystem::path& target() const { return file_; }
   const std::filesystem::path& path() const { return partial_; }  ///< path of the partial file until commit()
   /// File descriptor of the partial file, open for writing; -1 after commit(). A child process that inherits
   /// the descriptor shares the lock, which then lasts until both processes have closed the descriptor.
@@ -37,9 +46,8 @@ class PartialFile {
   void write(std::span<const std::byte> bytes);
   /// Flushes the written bytes to the disk (fsync).
   void sync();
-  /// Renames the partial file to NAME and closes it. An existing file NAME is replaced. If NAME is a symbolic
-  /// link, the link is replaced, not the file to which it points. After commit(), do not call write(), sync()
-  /// or commit().
+  /// Renames the partial file to NAME and closes it. An existing file NAME is replaced. After commit(), do
+  /// not call write(), sync() or commit().
   void commit();
 
  private:
@@ -53,6 +61,7 @@ class PartialFile {
 
   std::filesystem::path file_;
   std::filesystem::path partial_;
+  std::optional<mode_t> mode_;  // permission bits of the replaced file
   int descriptor_ = -1;
 };
 

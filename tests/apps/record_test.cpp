@@ -385,15 +385,19 @@ TEST_F(Record, RepairClosesWhatAKilledRunLeft) {
     EXPECT_GT(frames, 1000u);
   }
   EXPECT_THROW(worldio::Hdf5File::open(path("run.h5")), worldio::Hdf5Error);
+  std::filesystem::create_directory(path("real"));
+  std::filesystem::rename(path("run.h5"), path("real/run.h5"));
+  std::filesystem::create_symlink("real/run.h5", path("run.h5"));
   // What a repair left that was killed is taken over, so that it never adds up.
-  write("run.h5.partial", "");
-  write("run.h5.partial.copy", "half a copy");
+  write("real/run.h5.partial", "");
+  write("real/run.h5.partial.copy", "half a copy");
   const Outcome outcome = troupe({"repair", "run.h5"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.out, fmt::format("run.h5: repaired: {} frames\n", frames));
-  for (const auto& entry : std::filesystem::directory_iterator(path("")))
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(path("")))
     EXPECT_THAT(entry.path().string(), Not(HasSubstr("partial")));
-  const RecordingReader repaired = recording("run.h5");
+  EXPECT_TRUE(std::filesystem::is_symlink(path("run.h5")));
+  const RecordingReader repaired = recording("real/run.h5");
   EXPECT_FALSE(repaired.unfinished());
   EXPECT_EQ(repaired.frames(), frames);
   record("whole.h5", {"--for", fmt::format("{}", repaired.times_s().back())});

@@ -164,6 +164,32 @@ TEST_F(SealedFile, TakesTheNameThatALinkOrAFolderHasForAnother) {
   EXPECT_FALSE(fs::exists(folder_ / "elsewhere"));
 }
 
+TEST_F(SealedFile, ReplacesTheFileToWhichALinkPoints) {
+  fs::create_directory(folder_ / "real");
+  write("real/a.kept", "old");
+  fs::create_symlink("real/a.kept", file_);
+  EXPECT_EQ(PartialFile(file_).path(), fs::canonical(folder_) / "real" / "a.kept.partial");
+  seal("new");
+  EXPECT_TRUE(fs::is_symlink(file_));
+  EXPECT_EQ(error_of(content(folder_ / "real" / "a.kept")), "");
+}
+
+TEST_F(SealedFile, ReplacesALinkThatPointsToNoFile) {
+  fs::create_symlink("none", file_);
+  seal("new");
+  EXPECT_FALSE(fs::is_symlink(file_));
+  EXPECT_EQ(error_of(content(file_)), "");
+}
+
+TEST_F(SealedFile, KeepsThePermissionsOfAReplacedFile) {
+  for (const auto permissions : {fs::perms(0640), fs::perms(0600), fs::perms(0666)}) {
+    write("a.kept", "old");
+    fs::permissions(file_, permissions);
+    seal("new");
+    EXPECT_EQ(fs::status(file_).permissions(), permissions);
+  }
+}
+
 TEST_F(SealedFile, ReplacesWhatAKilledWriterLeft) {
   write("a.kept.partial", std::string(5000, 'y'));
   seal("new");

@@ -79,21 +79,23 @@ bool is_even(const Hdf5File& recording, std::size_t frames) {
   });
 }
 
-/// Replaces a recording by a copy of its content, which is first written to the file `packed`. Returns false,
-/// and leaves the recording as it is, if it cannot be copied.
+/// Replaces a recording, which must not be a symbolic link, by a copy of its content with the same permission
+/// bits, which is first written to the file `packed`. Returns false, and leaves the recording as it is, if it
+/// cannot be copied.
 bool replace_by_content(const fs::path& file, const fs::path& packed) {
   std::optional<Hdf5File> into;
+  std::error_code ignored;
   try {
     const Hdf5File from = Hdf5File::open(file);
     into = Hdf5File::create(packed);
     into->copy_content(from);
     into->flush();
     into->close();
+    fs::permissions(packed, fs::status(file).permissions(), ignored);
     fs::rename(packed, file);
     return true;
   } catch (const std::runtime_error&) {  // Hdf5Error, or the error of rename()
     if (into) into->abandon();
-    std::error_code ignored;
     fs::remove(packed, ignored);
     return false;
   }
@@ -137,7 +139,7 @@ bool has_much_unused_space(const Hdf5File& recording) {
 bool remove_unused_space(const fs::path& file) {
   try {
     const PartialFile turn(file);  // reserves a name for the copy, as in repair_recording()
-    return replace_by_content(file, packed_copy(turn.path()));
+    return replace_by_content(turn.target(), packed_copy(turn.path()));
   } catch (const std::system_error&) {
     return false;
   }
@@ -173,7 +175,7 @@ Repair repair_recording(const fs::path& file) {
     fs::remove(packed_copy(copy), ignored);
     fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
     const std::uint64_t frames = repair_copy(copy);
-    fs::rename(copy, file);
+    fs::rename(copy, turn.target());
     return {true, frames};
   } catch (const std::system_error& error) {
     fs::remove(copy, ignored);

@@ -102,10 +102,10 @@ void write_sealed(const fs::path& file, std::string_view kind, unsigned layout,
     out.write(rest);
     out.sync();
     out.commit();
+    sync_folder_of(out.target());
   } catch (const std::system_error& error) {
     refuse(error.code().message());
   }
-  sync_folder_of(file);
 }
 
 void check_seal(const fs::path& file, std::string_view kind, unsigned layout) {
