@@ -84,6 +84,7 @@ bool HashLogReader::read_line(std::string& line) {
   ++number_;
   if (stream_.eof())
     fail("the last line is incomplete: the log was cut off; remove this line to compare the other lines");
+  if (line.ends_with('\r')) line.pop_back();  // editors may write CR LF
   return true;
 }
 

@@ -8,6 +8,7 @@
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/characters.hpp"
 #include "worldio/files.hpp"
 #include "worldio/results/checkpoint.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
@@ -34,7 +35,7 @@ namespace {
 constexpr const char* k_info_footer = R"(
 Accepts a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table of measures or events, a profile, a
 study, a table that troupe sweep wrote, or a session of troupe view. The type is detected from the content; the file
-name does not matter.
+name matters only for an empty world.
 
 Prints the type, the program that wrote the file, its world, seed, robots, ticks and fields, and whether the file is
 complete or was cut off, for example by a full disk or because the run was killed.
@@ -46,6 +47,8 @@ Examples:
   troupe info run.log)";
 
 constexpr std::size_t k_start_bytes = 4096;
+constexpr std::string_view k_byte_order_mark = "\xef\xbb\xbf";  // of UTF-8; some editors write it
+constexpr std::string_view k_blanks = " \t\r\n";
 
 /// Throws InputError with the reason that errno gives.
 [[noreturn]] void throw_unreadable(const fs::path& file) {
@@ -81,16 +84,18 @@ std::string all_of(const fs::path& file) {
 std::string first_word(std::string_view text) {
   constexpr std::string_view k_letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
   for (;;) {
-    text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+    text.remove_prefix(std::min(text.find_first_not_of(k_blanks), text.size()));
     if (!text.starts_with('#')) return std::string(text.substr(0, text.find_first_not_of(k_letters)));
-    text.remove_prefix(std::min(text.find('\n'), text.size()));
+    text.remove_prefix(std::min(text.find_first_of("\r\n"), text.size()));
   }
 }
 
-/// Whether the first word of a file is a keyword, a model or a property of a Stage world.
-bool begins_like_a_stage_world(std::string_view start) {
+/// Whether the first word of a file, whose first bytes are `start`, is a keyword, a model or a property of a
+/// Stage world.
+bool begins_like_a_stage_world(const fs::path& file, std::string_view start) {
   if (start.find('\0') != start.npos) return false;
-  const std::string word = first_word(start);
+  std::string word = first_word(start);
+  if (word.empty() && start.starts_with('#')) word = first_word(all_of(file));  // a long comment
   if (word == "include" || word == "define" || word == "window") return true;
   if (make_registry().model(word)) return true;
   return std::ranges::any_of(worldio::stage_rows(), [&](const worldio::StageRow& row) {
@@ -116,7 +121,9 @@ std::optional<Summary> summary_of_json(const InfoOptions& options, std::string_v
 
 std::optional<Summary> summary_of(const InfoOptions& options) {
   const fs::path& file = options.file;
-  const std::string start = start_of(file);
+  const std::string bytes = start_of(file);
+  std::string_view start = bytes;
+  if (start.starts_with(k_byte_order_mark)) start.remove_prefix(k_byte_order_mark.size());
   if (start.starts_with(k_hash_log_mark)) return summary_of_hash_log(file);
   if (start.starts_with(worldio::k_hdf5_signature)) return summary_of_hdf5(file);
   if (worldio::is_checkpoint(file)) return summary_of_checkpoint(file);
@@ -125,9 +132,12 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
   if (start.starts_with(k_profile_mark)) return summary_of_profile(file);
   if (start.starts_with(k_series_mark)) return summary_of_series(file);
   if (is_start_of_results(start)) return summary_of_results(file);
-  const std::size_t first = start.find_first_not_of(" \t\r\n");
+  if (file.extension() == ".json" && worldio::is_utf16(start))
+    throw InputError(fmt::format("{}: error: {}", file.string(), worldio::k_is_utf16));
+  const std::size_t first = start.find_first_not_of(k_blanks);
   if (first != start.npos && start[first] == '{') return summary_of_json(options, start);
-  if (begins_like_a_stage_world(start))
+  // The ending counts for an empty world, and for one whose start is an error, which the reader reports.
+  if (file.extension() == ".world" || begins_like_a_stage_world(file, start))
     return summary_of_world(file, all_of(file), false, options.plugin_path);
   return std::nullopt;
 }

@@ -33,11 +33,13 @@ class Lines {
     if (!stream_) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
   }
 
-  /// Reads the next complete line into `line`. Returns false if there is none.
+  /// Reads the next complete line into `line`, without its line end (LF or CR LF). Returns false if there is
+  /// none.
   bool next(std::string& line) {
     if (!std::getline(stream_, line)) return false;
     ++number_;
     cut_off_ = stream_.eof();
+    if (line.ends_with('\r')) line.pop_back();
     return !cut_off_;
   }
   /// Reads the next complete row of a table into `row`: a line, and the lines after it as long as a quoted

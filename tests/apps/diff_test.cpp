@@ -62,6 +62,14 @@ TEST_F(Diff, SameBits) {
   EXPECT_EQ(outcome.out, "same bits, tick 0 to 10; the last state has the hash 0000000000000013\n");
 }
 
+TEST_F(Diff, LogsMayHaveLineEndsOfOtherSystems) {
+  std::string log;
+  for (const char c : header() + lines(0, 10)) log += c == '\n' ? "\r\n" : std::string(1, c);
+  const Outcome outcome = diff(header() + lines(0, 10), log);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, StartsWith("same bits, tick 0 to 10"));
+}
+
 TEST_F(Diff, FindsTheFirstTickAndItsGroups) {
   const Outcome outcome =
       diff(header() + lines(0, 10), header() + lines(0, 6) + line(7, 30, 40) + line(8, 9, 9) + lines(9, 10));

@@ -1,6 +1,7 @@
 #include "tests/apps/program.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -194,6 +195,10 @@ TEST_F(Info, OfAStudyAndItsTables) {
   EXPECT_THAT(info("table"),
               ElementsAre("table", "kind table of the results of a sweep", columns,
                           "runs 2, of which 1 failed: see the column \"error\"", "complete yes"));
+  write("table", columns.substr(8) + "\r\n0,0.5,4,10,1,0,,aa,\r\n1,0.5,5,0,nan,nan,,,\"a,\r\nb\"\r\n");
+  EXPECT_THAT(info("table"),
+              ElementsAre("table", "kind table of the results of a sweep", columns,
+                          "runs 2, of which 1 failed: see the column \"error\"", "complete yes"));
   write("table", columns.substr(8) + "\n0,0.5,4,10,1,0,,aa,\n1,0.5");
   EXPECT_THAT(info("table"), AllOf(Contains("runs 1"), Contains("complete no: cut off in line 3")));
   write("series", "run,time_s,stalls\n0,0,0\n0,1,0\n2,0,0\n");
@@ -236,6 +241,36 @@ TEST_F(Info, WrongWorldsTellWhatIsWrong) {
   EXPECT_THAT(error_of("ours"), StartsWith("ours:2: error: "));
   write("stage", "define bot position ( size [1 1\n");
   EXPECT_THAT(error_of("stage"), StartsWith("stage:"));
+}
+
+TEST_F(Info, WorldsHaveByteOrderMarksAndLineEndsOfOtherSystems) {
+  const std::string mark = "\xef\xbb\xbf";
+  write("mark", mark + std::string(k_room));
+  EXPECT_THAT(info("mark"), Contains("kind world, in Stage's syntax"));
+  write("mark.json", mark + "{\"troupe\": 1}");
+  EXPECT_THAT(info("mark.json"), Contains("kind world, in JSON, format 1"));
+  write("study.json", mark + R"({"troupe_study": 1, "world": "mark.json", "for_s": 1})");
+  EXPECT_THAT(info("study.json"), Contains("kind study, format 1"));
+  std::string mac = "# a world\n" + std::string(k_room);
+  std::ranges::replace(mac, '\n', '\r');
+  write("mac", mac);
+  EXPECT_THAT(info("mac"), Contains("robots 12"));
+  write("long", "# " + std::string(5000, 'x') + "\n" + std::string(k_room));
+  EXPECT_THAT(info("long"), Contains("robots 12"));
+  write("empty.world", "");
+  EXPECT_THAT(info("empty.world"), Contains("robots 0"));
+  for (const std::string name : {"wide.json", "wide.world"}) {
+    write(name, std::string("\xff\xfe{\0", 4));
+    EXPECT_EQ(error_of(name), name + ": error: the file is encoded in UTF-16: save it in UTF-8\n");
+  }
+}
+
+TEST_F(Info, ShowsTheNamesOfDevicesInARecordingAsTheWorldGivesThem) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  write("room.world",
+        "define bot position ( ranger( name \"x/y\" sensor( samples 9 ) ) )\nbot( name \"b\" )\n");
+  run({"--record", "r", "--record-fields", "ranges"});
+  EXPECT_THAT(info("r"), Contains("x/y (bot) ranges[9]"));
 }
 
 TEST_F(Info, OtherFilesAreNoneOfOurs) {

@@ -278,6 +278,9 @@ TEST_F(Hdf5, NamesAreOneStep) {
   EXPECT_EQ(hdf5_name("/x%"), "%2Fx%25");
   EXPECT_EQ(hdf5_name("."), "%2E");
   EXPECT_EQ(hdf5_name(""), "%");
+  for (const char* text : {"ranger:0", "/x%", "a%2Fb", ".", "..", "", "a.b"})
+    EXPECT_EQ(text_of_hdf5_name(hdf5_name(text)), text);
+  EXPECT_EQ(text_of_hdf5_name("x%2"), "x%2") << "a name that hdf5_name() does not return is unchanged";
 }
 
 TEST_F(Hdf5, ACopyHasTheContentWithoutTheSpaceOfRemovedRows) {

@@ -298,5 +298,7 @@ bool has_hdf5();
 /// Converts a text to a name for a group or dataset. Replaces the characters "/", "%" and NUL with "%2F",
 /// "%25" and "%00". The texts ".", ".." and "" become "%2E", "%2E%2E" and "%".
 std::string hdf5_name(std::string_view name);
+/// Returns the text that hdf5_name() converted to `name`.
+std::string text_of_hdf5_name(std::string_view name);
 
 }  // namespace troupe::worldio

@@ -133,6 +133,7 @@ std::optional<std::string> present_name(std::string_view name, const RecordingRe
 /// Returns the name under which user interfaces show a component. A component of /sensors is shown as the
 /// name of the device, followed by the type: `lamp (minibot)` for `sensors/minibot/lamp`. A component of
 /// /state is shown without its kind: `arm` for `joint/arm`, `pose` for `pose` (engine::given_name()).
+/// Characters that hdf5_name() replaced are restored: `x/y (minibot)` for `sensors/minibot/x%2Fy`.
 std::string shown_name(std::string_view component);
 
 }  // namespace troupe::worldio
