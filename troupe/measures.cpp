@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -46,10 +47,17 @@ Measures::Measures(Simulation& simulation, const std::vector<std::string>& wante
   std::vector<std::string> paths;
   for (std::size_t i = 0; are_of_world(simulation, wanted) && i < specs.size(); ++i)
     paths.push_back(fmt::format("/measures/{}", i));
-  impl_ = std::make_unique<Impl>(
-      Impl{engine::MeasureSet(simulation.world(), simulation.registry(), specs, diagnostics, paths), {}});
+  const bool are_usual = wanted.empty() && !are_of_world(simulation, wanted);
+  std::vector<std::size_t>
+      too_large;  // measures that the user has not chosen, and that this world cannot have
+  impl_ =
+      std::make_unique<Impl>(Impl{engine::MeasureSet(simulation.world(), simulation.registry(), specs,
+                                                     diagnostics, paths, are_usual ? &too_large : nullptr),
+                                  {}});
   diagnostics.throw_if_errors();
-  for (const engine::MeasureSpec& spec : specs) {
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    if (std::ranges::find(too_large, i) != too_large.end()) continue;
+    const engine::MeasureSpec& spec = specs[i];
     const std::string kind = spec.of.empty() ? spec.kind : spec.kind + ":" + spec.of;
     impl_->names.push_back(spec.name.empty() ? kind : spec.name);
   }

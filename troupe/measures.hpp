@@ -35,7 +35,8 @@ class Measures {
   /// - a JSON object as in a world file: `{"kind": "coverage", "cell_m": 0.5}`.
   ///
   /// If `wanted` is empty, the measures of the world file are computed. If the world file has none, all
-  /// measures that need no parameters are computed, except aliases (second names of other measures).
+  /// measures that need no parameters are computed, except aliases (second names of other measures) and
+  /// measures that would need too much memory in this world, such as `coverage` of very large ground.
   ///
   /// Throws InputError, whose text lists all errors: unknown measures, parameters and robots, and two
   /// measures with the same column name.

@@ -142,17 +142,32 @@ struct Made {
   std::string series;  ///< the rows of the run in series.csv; empty if the study has no series
 };
 
+/// The values of the measures with the names `columns`; NaN for a column that these measures do not have. If
+/// the study names no measures, the world of a run may have others than the world that gave the columns.
+std::vector<double> values_of(Measures& measures, const std::vector<std::string>& columns) {
+  const std::vector<double> own = measures.values();
+  std::vector<double> values;
+  for (const std::string& column : columns) {
+    const auto found = std::ranges::find(measures.columns(), column);
+    const bool is_there = found != measures.columns().end();
+    values.push_back(is_there ? own[static_cast<std::size_t>(found - measures.columns().begin())]
+                              : std::numeric_limits<double>::quiet_NaN());
+  }
+  return values;
+}
+
 /// Makes one run and returns its results; std::nullopt if Ctrl-C or SIGTERM stopped the run. index: index of
-/// the run in the study.
-std::optional<Made> make(const Study& study, std::size_t index, const SweepOptions& options) {
+/// the run in the study. columns: names of the measures in the tables
+std::optional<Made> make(const Study& study, std::size_t index, const std::vector<std::string>& columns,
+                         const SweepOptions& options) {
   Simulation simulation(study.world, options_of(study, study.run(index), options));
   Measures measures(simulation, study.measures);
-  Statistics statistics(measures.columns().size());
+  Statistics statistics(columns.size());
   const std::uint64_t end = engine::ticks_until(end_of(study, simulation), simulation.tick_s());
   const std::uint64_t every = engine::period_ticks(study.measure_every_s, simulation.tick_s());
   std::string series;
   const auto add_sample = [&] {
-    const std::vector<double> values = measures.values();
+    const std::vector<double> values = values_of(measures, columns);
     statistics.add(values);
     if (study.series) add_series_row(series, index, simulation.time_s(), values);
   };
@@ -305,11 +320,12 @@ void keep_series(const fs::path& file, const std::string& rows) {
   }
 }
 
-/// Makes the runs with these indices in parallel. When a run finishes or fails, writes its result or its
-/// error to the journal.
-/// Returns the errors of failed runs, by index. Throws the error if the result of a run cannot be written.
-/// During the runs, tells the other ranks that this rank is at work.
+/// Makes the runs with these indices in parallel. columns: names of the measures in the tables. When a run
+/// finishes or fails, writes its result or its error to the journal. Returns the errors of failed runs, by
+/// index. Throws the error if the result of a run cannot be written. During the runs, tells the other ranks
+/// that this rank is at work.
 std::map<std::size_t, std::string> make_all(const Study& study, const std::vector<std::size_t>& runs,
+                                            const std::vector<std::string>& columns,
                                             const SweepOptions& options, SweepJournal& journal,
                                             RankDeal& deal) {
   std::map<std::size_t, std::string> failed;
@@ -324,7 +340,7 @@ std::map<std::size_t, std::string> make_all(const Study& study, const std::vecto
       std::optional<Made> made;
       std::optional<std::string> error;
       try {
-        made = make(study, runs[i], options);
+        made = make(study, runs[i], columns, options);
       } catch (const std::exception& thrown) {
         error = thrown.what();
       } catch (...) {  // a plug-in may throw anything
@@ -575,7 +591,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
     options.quiet = options.quiet || deal.rank() > 0;
   }
   SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity.text);
-  Ended here{.failed = make_all(study, dealt(list, deal), options, journal, deal)};
+  Ended here{.failed = make_all(study, dealt(list, deal), identity.measures, options, journal, deal)};
   here.was_stopped = stop_requested();
   const Ended ended = gathered(here, deal);
   if (deal.rank() > 0) return k_finished;

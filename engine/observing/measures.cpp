@@ -53,13 +53,14 @@ void see_all(World& world, const Parts& parts, const std::vector<std::string>& c
 }  // namespace
 
 MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
-                       Diagnostics& diagnostics, std::span<const std::string> paths)
+                       Diagnostics& diagnostics, std::span<const std::string> paths,
+                       std::vector<std::size_t>* too_large)
     : world_(world) {
   world.require_whole();
   world.gather_distributed();
   for (const MeasureSpec& spec : specs) {
+    const auto index = static_cast<std::size_t>(&spec - specs.data());
     const auto error = [&](const std::string& message) {
-      const auto index = static_cast<std::size_t>(&spec - specs.data());
       diagnostics.error(spec.where,
                         index < paths.size() ? fmt::format("{}: {}", paths[index], message) : message);
     };
@@ -90,6 +91,12 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     }
     try {
       measures_.push_back(kind->make(world, spec.params, robots));
+    } catch (const std::length_error& thrown) {
+      if (too_large != nullptr)
+        too_large->push_back(index);
+      else
+        error(fmt::format("{}: {}", spec.kind, thrown.what()));
+      continue;
     } catch (const std::logic_error& thrown) {
       error(fmt::format("{}: {}", spec.kind, thrown.what()));
       continue;

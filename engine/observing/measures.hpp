@@ -37,8 +37,11 @@ class MeasureSet {
   ///
   /// paths: one per spec: the path of the measure in its file, such as "/measures/0", with which the text of
   /// an error begins. Empty if the specs come from no file
+  /// too_large: if not null, a measure that needs too much memory (std::length_error of MeasureKind::make) is
+  /// no error; the set omits the measure and adds the index of its spec to this list
   MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
-             Diagnostics& diagnostics, std::span<const std::string> paths = {});
+             Diagnostics& diagnostics, std::span<const std::string> paths = {},
+             std::vector<std::size_t>* too_large = nullptr);
 
   /// Names of the columns, in the order of the specs. By default, a name consists of the name of the kind of
   /// measure, the SI unit and, after a colon, the robots: `displacement_m:leaders` is the displacement, in

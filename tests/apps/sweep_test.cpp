@@ -237,6 +237,18 @@ TEST_F(Sweep, TheFirstRunMayFail) {
   EXPECT_THAT(outcome.err, StartsWith("run 0: "));
 }
 
+TEST_F(Sweep, UsualMeasuresThatAWorldCannotHaveAreLeftOut) {
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1,
+    "parameters": [{"set": "/bounds_m", "name": "bounds",
+                    "values": [[[-5, -5], [5, 5]], [[-5000, -5000], [5000, 5000]]]}]})");
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  const std::vector<std::string> lines = lines_of(table("out"));
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_THAT(lines[0], HasSubstr(",coverage,"));
+  EXPECT_THAT(lines[1], Not(HasSubstr("nan")));
+  EXPECT_THAT(lines[2], HasSubstr(",nan,"));
+}
+
 TEST_F(Sweep, ARunEndsWhereTheWorldSays) {
   std::string world(k_world);
   write("w.json", world.insert(1, R"("stop_when": ["path_length >= 0.05"], )"));

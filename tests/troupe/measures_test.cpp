@@ -87,6 +87,16 @@ TEST_F(MeasuresOfASimulation, AreThoseOfTheWorldElseAll) {
             std::ranges::count_if(all, &engine::MeasureKind::is_usual));
 }
 
+TEST_F(MeasuresOfASimulation, LeaveOutUsualOnesThatNeedTooMuchMemory) {
+  Simulation large(write("large.json", R"({"troupe": 1, "bounds_m": [[-1e5, -1e5], [1e5, 1e5]]})"));
+  Simulation small = simulation();
+  Measures measures(large);
+  EXPECT_EQ(measures.columns().size() + 1, Measures(small).columns().size());
+  EXPECT_FALSE(measures.find("coverage"));
+  EXPECT_EQ(measures.columns()[*measures.find("displacement")], "displacement_m");
+  EXPECT_THROW(Measures(large, {"coverage"}), InputError);
+}
+
 TEST_F(MeasuresOfASimulation, ListWhatIsWrong) {
   Simulation world = simulation();
   try {
