@@ -154,6 +154,23 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_simd_option(app);
 }
 
+void add_across_options(CLI::App& app, WorldOptions& options) {
+  app.add_flag("--across-versions", options.across_versions,
+               "Resume even if another version of Troupe wrote the checkpoint")
+      ->disable_flag_override();
+  app.add_flag("--across-plugins", options.across_plugins,
+               "Resume even if plug-ins were rebuilt since the checkpoint was saved")
+      ->disable_flag_override();
+}
+
+void refuse_across_options(const WorldOptions& options) {
+  if (options.across_versions || options.across_plugins)
+    throw InputError(
+        fmt::format("{}: error: --across-versions and --across-plugins are only for checkpoints: omit these "
+                    "options",
+                    options.world.string()));
+}
+
 void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
   add_value(app, "--rank-seed", "N",
             "For tests: delay messages between ranks and move robots to other ranks at random, with seed N",

@@ -63,6 +63,9 @@ struct WorldOptions {
   std::optional<double> for_s;  ///< --for: end in world time, s
   bool gives_ranks = false;     ///< whether --ranks is given, which is an error under mpirun
   double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, wall time, s
+  // For checkpoints:
+  bool across_versions = false;  ///< resume although another version of Troupe wrote the checkpoint
+  bool across_plugins = false;   ///< resume although plug-ins were rebuilt since the checkpoint
 };
 /// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which
 /// must outlive `app`.
@@ -75,6 +78,13 @@ void add_end_option(CLI::App& app, WorldOptions& options);
 /// Adds --set, for commands without the other options of add_run_settings(). help: the description of --set;
 /// set: receives, for each --set, the JSON pointer and the JSON text of the new value.
 void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set);
+
+/// Adds --across-versions and --across-plugins, for commands that resume checkpoints. Parsing fills
+/// `options`, which must outlive `app`.
+void add_across_options(CLI::App& app, WorldOptions& options);
+/// Throws InputError if an option of add_across_options() is given. For a world file, which has no use for
+/// them.
+void refuse_across_options(const WorldOptions& options);
 
 /// Returns the end of the run in world time (simulated time), s: the value of --for, or else the quit time
 /// that the world file gives. Throws InputError if neither is given.

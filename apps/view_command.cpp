@@ -133,8 +133,11 @@ Simulation load(const ViewOptions& options) {
     return Simulation::resume(options.world, {.threads = options.simulation.threads,
                                               .tile_size_m = options.simulation.tile_size_m,
                                               .set = options.simulation.set,
+                                              .across_versions = options.across_versions,
                                               .plugin_path = plugin_path(options.simulation.plugin_path),
-                                              .scripts = options.simulation.scripts});
+                                              .scripts = options.simulation.scripts,
+                                              .across_plugins = options.across_plugins});
+  refuse_across_options(options);
   SimulationOptions given = with_environment(options.simulation);
   given.mortal = true;
   return Simulation(options.world, given);
@@ -175,6 +178,7 @@ ExitCode view_checked(const ViewOptions& options) {
 void add_view_options(CLI::App& view, ViewOptions& options) {
   view.footer(k_view_footer);
   add_world_options(view, options);
+  add_across_options(view, options);
   add_value(view, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
   add_value(view, "--bind", "ADDRESS", "IP address to listen on (default: 127.0.0.1 and ::1; see below)",

@@ -176,14 +176,18 @@ Simulation load(const RenderOptions& options, bool is_checkpoint) {
   const SimulationOptions& simulation = options.simulation;
   if (is_checkpoint)
     return Simulation::resume(options.world, {.threads = simulation.threads,
+                                              .across_versions = options.across_versions,
                                               .plugin_path = plugin_path(simulation.plugin_path),
-                                              .scripts = simulation.scripts});
+                                              .scripts = simulation.scripts,
+                                              .across_plugins = options.across_plugins});
+  refuse_across_options(options);
   return Simulation(options.world, with_environment(simulation));
 }
 
 void render_checked(const RenderOptions& options) {
-  constexpr std::array<std::string_view, 5> k_of_checkpoints = {"--for", "--threads", "--plugin-path",
-                                                                "--controller", "--simd"};
+  constexpr std::array<std::string_view, 7> k_of_checkpoints = {
+      "--for",  "--threads",         "--plugin-path",   "--controller",
+      "--simd", "--across-versions", "--across-plugins"};
   constexpr std::array<std::string_view, 1> k_of_recordings = {"--simd"};
   const PictureFiles& wanted = options.pictures;
   std::vector<fs::path> outputs = snapshot_files(wanted);
@@ -242,6 +246,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_look_options(command, options.pictures.look);
   const std::size_t before = command.get_options().size();
   add_run_settings(command, options);
+  add_across_options(command, options);
   command.get_option("--for")->excludes(at);
   add_value(command, "--threads", "N", "Worker threads (default: one per available processor)",
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });

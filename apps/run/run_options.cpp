@@ -206,17 +206,10 @@ void add_resume_options(CLI::App& resume, RunOptions& options) {
   add_end_option(resume, options);
   add_set_option(resume, "Change a value of the stored world: a JSON pointer and a value; repeatable",
                  options.simulation.set);
-  resume
-      .add_flag("--across-versions", options.across_versions,
-                "Resume even if another version of Troupe wrote the checkpoint")
-      ->disable_flag_override();
+  add_across_options(resume, options);
   add_plugin_path_option(resume, options.simulation.plugin_path);
   add_controller_option(resume, options.simulation.scripts);
   add_simd_option(resume);
-  resume
-      .add_flag("--across-plugins", options.across_plugins,
-                "Resume even if plug-ins were rebuilt since the checkpoint was saved")
-      ->disable_flag_override();
   add_session_option(resume, options);
   add_clock_options(resume, options);
   add_output_options(resume, options);

@@ -33,9 +33,6 @@ struct RunOptions : WorldOptions {
   bool world_rate = false;  ///< limit the speed to the rate in the world file, and ignore `rate`
   // For `troupe resume`: `world` is then a checkpoint, and the only members of `simulation` that are used are
   // those that ResumeOptions also has, such as `threads` and `set`.
-  bool across_versions = false;  ///< resume although another version of Troupe wrote the checkpoint
-  bool across_plugins = false;   ///< resume although plug-ins were rebuilt since the checkpoint
-
   bool dry_run = false;  ///< --dry-run: load the world, print what the run would need, and end
   /// Whether slower ranks pass robots to faster ranks (--rank-balance time) or not (--rank-balance off).
   bool balances_ranks = true;

@@ -339,6 +339,9 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render", "room.world", "-o", "q.png", "--for", "-2"}, "\"-2\" is not a time in seconds"},
       {{"render", "room.world", "-o", "q.png", "--seed", "x"}, "\"x\" is not a whole number"},
       {{"render", "room.world", "-o", "q.png", "--threads", "0"}, "\"0\" is not a number of threads"},
+      {{"render", "room.world", "-o", "q.png", "--across-plugins"},
+       "room.world: error: --across-versions and --across-plugins are only for checkpoints: omit these "
+       "options"},
       {{"render", "room.world", "--film", "f%06d.png", "--at", "1"}, "--at requires --output"},
       {{"render", "room.world", "--film", "%06d.png"}, "no end time: give --for SECONDS"},
       {{"render", "room.world", "-o", "none/q.png"},

@@ -80,6 +80,8 @@ TEST_F(Usage, HelpOfCheckAndDiffNamesTheirOptionsAndExitCodes) {
   expect("check", {"WORLD", "--for", "--threads", "--tile-size", "--seed", "--raytracer", "--robots", "--set",
                    "--controllers", "quit_time", "Exit codes", "Examples"});
   expect("diff", {"--across-domains", "--across-runs", "Exit codes", "Examples"});
+  for (const char* command : {"resume", "render", "view"})  // errors about checkpoints name these options
+    expect(command, {"--across-versions", "--across-plugins"});
 }
 
 TEST_F(Usage, NoCommandShowsHelpAsAnError) {

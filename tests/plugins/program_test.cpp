@@ -229,6 +229,11 @@ TEST_F(PluginProgram, GoesOnFromACheckpoint) {
   EXPECT_EQ(across.code, 0) << across.err;
   EXPECT_THAT(across.err, StartsWith("c.h5: warning: "));
   EXPECT_EQ(troupe({"diff", "whole.log", "parts.log"}).code, 1) << "it goes another way";
+
+  std::vector<std::string> render{"render", "c.h5", "-o", "c.svg", "--plugin-path", folder_of("other")};
+  EXPECT_THAT(troupe(render).err, HasSubstr("give --across-plugins "));
+  render.push_back("--across-plugins");
+  EXPECT_EQ(troupe(render).code, 0);
 }
 
 TEST_F(PluginProgram, AControllerThatThrowsEndsTheRunWithAnError) {
