@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -80,12 +81,28 @@ std::string memory_name(const Measures& measures) {
   return fmt::format("measures {}", hex(hash_text(header_of(measures))));
 }
 
+/// Returns the first line of a table of measures; empty if the file is no such table.
+std::string columns_of_table(const fs::path& file) {
+  std::string line;
+  std::getline(std::ifstream(file), line);
+  return line.starts_with(k_measures_mark) ? line : "";
+}
+
 /// Returns `measures`. If the run was resumed, the data that they keep from earlier ticks are restored from
-/// the checkpoint. Throws OutputError, which names the table `file`, if the checkpoint lacks these data.
+/// the checkpoint. Throws OutputError, which names the table `file`, if the table has other measures, or if
+/// the checkpoint lacks these data.
 Measures remembering(const fs::path& file, const Simulation& simulation, Measures measures) {
   const auto fail = [&file](std::string_view reason) {
     throw OutputError(fmt::format("{}: error: {}", file.string(), reason));
   };
+  const std::string columns = goes_on(file, simulation) ? columns_of_table(file) : "";
+  const std::string header = header_of(measures);
+  if (!columns.empty() && columns != header.substr(0, header.find('\n')))  // names may contain line ends
+    fail(fmt::format(
+        "this table cannot be continued: its first line is \"{}\", but the measures of this run "
+        "have the columns \"{}\": repeat the --measure options of the run that wrote the table, or "
+        "give --measures a new file",
+        columns, header));
   if (const auto saved = simulation.saved_memory(memory_name(measures))) {
     if (!measures.remember(*saved))
       fail(

@@ -302,8 +302,11 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
           "measures of this run, because it was saved without them: give --measures a new file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("m.csv: error: cannot be written: this table cannot be continued after "
-                                     "the checkpoint, because its first line is not \"tick,time_s,order\""));
+  EXPECT_EQ(
+      outcome.err,
+      "m.csv: error: this table cannot be continued: its first line is \"tick,time_s,coverage\", but the "
+      "measures of this run have the columns \"tick,time_s,order\": repeat the --measure options of the "
+      "run that wrote the table, or give --measures a new file\n");
   EXPECT_EQ(read("m.csv"), before);
 }
 
