@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -46,6 +47,10 @@ class Clusters : public Measure {
         sizes_(world.rows()),
         is_member_(world.spec().bodies.size()),
         counts_(world.rows()) {
+    const auto is_pushable = [](const engine::BodyType& type) { return type.pushable; };
+    if (params.bodies == Bodies::pushable && std::ranges::none_of(world.types(), is_pushable))
+      throw std::invalid_argument(
+          "the world has no pushable bodies: for clusters of robots, give \"bodies\": \"robots\"");
     for (std::size_t row = 0; row < world.rows(); ++row)
       is_member_[world.body(Row(row)).index()] =
           params.bodies == Bodies::pushable && world.type(Row(row)).pushable;
@@ -121,7 +126,9 @@ engine::MeasureKind clusters_measure() {
       "clusters", Unit::none, "number of clusters of pushable bodies or of robots",
       "The number of connected components of the graph that joins all pairs of bodies whose origins are at "
       "most `distance` apart. By default the bodies are all pushable bodies, and the key `of` of the measure "
-      "has no effect. With `bodies`: \"robots\" they are the robots that `of` selects. A body without "
+      "has no effect; it is an error if the world has no pushable type. With `bodies`: \"robots\" they are "
+      "the "
+      "robots that `of` selects. A body without "
       "neighbours is a cluster of one. Source, for aggregates of robots: Garnier et al., The embodiment of "
       "cockroach aggregation behavior in a group of micro-robots, Artificial Life 14, 2008.",
       "number of components of the graph {(i, j): |x_i - x_j| <= distance}");

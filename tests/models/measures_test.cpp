@@ -750,6 +750,22 @@ TEST(Measures, ClustersOfRobotsAreThoseThatAreMeasured) {
   EXPECT_EQ(value("largest_cluster", "pushable"), 1);
 }
 
+TEST(Measures, ClustersNeedBodiesThatCanFormThem) {
+  test::SceneBuilder scene;
+  scene.body("r0", scene.robot("bot", {test::box(0.2, 0.2)}));
+  World world = scene.world();
+  for (const char* kind : {"clusters", "largest_cluster"}) {
+    Diagnostics diagnostics;
+    const MeasureSpec pucks = spec(kind, "r0", {{"distance", 1.0}});
+    const MeasureSet set(world, test::registry(), {&pucks, 1}, diagnostics);
+    ASSERT_EQ(diagnostics.findings().size(), 1u);
+    EXPECT_EQ(diagnostics.findings().front().message,
+              fmt::format("{}: the world has no pushable bodies: for clusters of robots, give \"bodies\": "
+                          "\"robots\"",
+                          kind));
+  }
+}
+
 TEST(Measures, VarianceIsTheMeanSquareAboutTheMean) {
   test::SceneBuilder scene;
   const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
