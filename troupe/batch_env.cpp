@@ -137,7 +137,9 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
       team.robots = swarm.size();
       team.names = swarm.names();
       if (team.robots == 0)
-        refuse(fmt::format("team \"{}\" has no robots: no body of the world has a drive", team.spec->name));
+        refuse(fmt::format("team \"{}\" has no robots: {}", team.spec->name,
+                           own.robots.empty() ? "no body of the world has a drive"
+                                              : "the world has no robot of \"" + own.robots + "\""));
       plan(team, copy);
     }
     bind(teams[t], copy, bound);

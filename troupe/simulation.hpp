@@ -669,8 +669,8 @@ class Simulation {
   /// threads    several threads may cast rays at once, between two steps; nothing is changed
   RayHit cast(const Pose& from, double range_max, const Model* without = nullptr) const;
   /// Returns a group of robots, in the order of their ids (troupe/swarm.hpp). of: name of a type, of a
-  /// population or of one robot; empty: all robots. Throws std::out_of_range, with the known names, for an
-  /// unknown name.
+  /// population or of one robot; empty: all robots. The group is empty if the type or population has no
+  /// robot. Throws std::out_of_range, with the known names, for an unknown name.
   Swarm swarm(std::string_view of = {});
   /// Returns a group that contains only this robot, even if a type or a population has the same name. Throws
   /// std::out_of_range if the body of the model has no drive, and std::logic_error for a model of another

@@ -247,7 +247,12 @@ std::vector<BodyId> World::bodies_of(const GroupSpec& group, Where where, Diagno
         return type.runs() && type.name == group.name;
       }))
     return bodies;  // the world has no body of this type, for example because of the option --robots
+  if (group.by == By::population &&
+      std::ranges::count(state_.spec.empty_populations, group.name, &EmptyPopulation::name) > 0)
+    return bodies;
   std::set<std::string> known;
+  if (group.by == By::population)
+    for (const EmptyPopulation& population : state_.spec.empty_populations) known.insert(population.name);
   for (std::size_t b = 1; b < state_.rows.size(); ++b) {
     if (location(BodyId(b)) == RowLocation::none) continue;
     const std::string name = state_.spec.name(BodyId(b));

@@ -37,12 +37,6 @@ auto call_measure(World& world, const MeasureKind& kind, const std::string& colu
   }
 }
 
-/// Whether a type with this name has a drive. There may be no robot of this type.
-bool is_type_of_robots(const World& world, std::string_view name) {
-  return std::ranges::any_of(world.types(),
-                             [&](const BodyType& type) { return type.drive && type.name == name; });
-}
-
 template <class Parts>
 void see_all(World& world, const Parts& parts, const std::vector<std::string>& columns,
              std::span<const std::unique_ptr<Measure>> measures) {
@@ -71,7 +65,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     }
     const MeasureKind* kind = *found;
     std::vector<BodyId> robots = robots_of(world, spec.of);
-    if (robots.empty() && !spec.of.empty() && !is_type_of_robots(world, spec.of)) {
+    if (robots.empty() && !spec.of.empty() && !is_name_of_no_robots(world, spec.of)) {
       const std::vector<std::string> known = names_of_robots(world);
       error(unknown_name("type or population of robots", spec.of,
                          std::vector<std::string_view>(known.begin(), known.end())));
@@ -200,9 +194,19 @@ std::vector<BodyId> robots_of(const World& world, std::string_view of) {
   return robots;
 }
 
+bool is_name_of_no_robots(const World& world, std::string_view name) {
+  const std::span<const BodyType> types = world.types();
+  return std::ranges::any_of(types, [&](const BodyType& type) { return type.drive && type.name == name; }) ||
+         std::ranges::any_of(world.spec().empty_populations, [&](const EmptyPopulation& population) {
+           return types[population.type.index()].drive && population.name == name;
+         });
+}
+
 std::vector<std::string> names_of_robots(const World& world) {
   std::set<std::string> names;
   const WorldSpec& spec = world.spec();
+  for (const EmptyPopulation& population : spec.empty_populations)
+    if (world.types()[population.type.index()].drive) names.insert(population.name);
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodyType& type = world.type(BodyId(b));
     if (!type.drive) continue;

@@ -104,6 +104,10 @@ class MeasureSet {
 /// "ant". The population is ignored if a single robot has the name or alias `of`: "r1" does not refer to
 /// "r10". If `of` is empty, all robots are returned. If nothing has this name, the list is empty
 std::vector<BodyId> robots_of(const World& world, std::string_view of);
+/// Whether a name that robots_of() does not find is nevertheless known: it is the name of a type of robots,
+/// or of a population of robots, without a robot. For example, the option --robots may have removed all of
+/// them.
+bool is_name_of_no_robots(const World& world, std::string_view name);
 /// Returns the names of all types of robots and of all populations, sorted, each once. The population of a
 /// robot has the name of the robot without the digits at its end: "ant" for "ant7".
 std::vector<std::string> names_of_robots(const World& world);

@@ -163,6 +163,8 @@ void Placer::add(const PopulationSpec& population, partition::Parallel& parallel
 }
 
 void Placer::add_bodies(const PopulationSpec& population, std::span<const Pose> poses) {
+  if (population.count == 0 && population.reserve == 0)
+    spec_.empty_populations.push_back({population.name, population.type});
   if (population.reserve > 0)
     spec_.reserves.push_back({population.name, BodyId(spec_.bodies.size() + poses.size()),
                               static_cast<std::uint32_t>(population.reserve)});

@@ -66,7 +66,8 @@ struct PlaceOptions {
   double most_bodies = 10000000;  ///< largest number of bodies in the world; more are an error
 };
 
-/// Appends populations to a world in their order: for each population first its bodies, then its reserve.
+/// Appends populations to a world in their order: for each population first its bodies, then its reserve. A
+/// population without both is added to WorldSpec::empty_populations.
 /// Each body is placed where it overlaps neither the static scene nor the crowd of `occupancy`, and is then
 /// added to the crowd. The poses depend only on the spec, `occupancy` and the populations, not on the number
 /// of threads.

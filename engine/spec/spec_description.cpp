@@ -166,6 +166,11 @@ constexpr void describe(Description<ReserveSpec>& d) {
   d.member<&ReserveSpec::count>("count");
 }
 
+constexpr void describe(Description<EmptyPopulation>& d) {
+  d.member<&EmptyPopulation::name>("name");
+  d.member<&EmptyPopulation::type>("type");
+}
+
 // An experiment is stored as in a JSON world file. File positions are stored only for whole entries, because
 // errors inside an entry were reported when the world was made.
 
@@ -260,6 +265,7 @@ constexpr void describe(Description<WorldSpec>& d) {
   d.apart<&WorldSpec::names>("words");
   d.apart<&WorldSpec::part_aliases>("part_names");
   d.member<&WorldSpec::reserves>("reserves", is_sparse);
+  d.member<&WorldSpec::empty_populations>("empty_populations", is_sparse);
   d.member<&WorldSpec::mortal>("mortal", is_sparse);
   d.member<&WorldSpec::types>("types");
   d.apart<&WorldSpec::bodies>("bodies");

@@ -97,6 +97,14 @@ void check_bodies(const WorldSpec& spec, const Report& report) {
   }
 }
 
+void check_empty_populations(const WorldSpec& spec, const Report& report) {
+  for (std::size_t p = 0; p < spec.empty_populations.size(); ++p)
+    if (const TypeId type = spec.empty_populations[p].type; type.value >= spec.types.size())
+      report({}, fmt::format("empty_populations[{}].type: the world has {} types, found index {} (counted "
+                             "from 0)",
+                             p, spec.types.size(), type.value));
+}
+
 void check_part_names(const WorldSpec& spec, const Report& report) {
   for (const auto& [name, place] : spec.part_aliases) {
     const auto has_part = [&spec, &place = place] {
@@ -183,6 +191,7 @@ void check_rules(const WorldSpec& spec, const Report& report) {
                  "order is [x_min, y_min, x_max, y_max]",
                  spec.bounds->min.x(), spec.bounds->min.y(), spec.bounds->max.x(), spec.bounds->max.y()));
   check_bodies(spec, note);
+  check_empty_populations(spec, note);
   if (!is_right) return;  // the following checks use the indices of bodies and types
   check_part_names(spec, note);
   check_reserves(spec, note);

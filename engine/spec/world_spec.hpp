@@ -213,6 +213,13 @@ struct ReserveSpec {
   std::uint32_t count = 0;  ///< number of bodies in the reserve
 };
 
+/// A population that has neither bodies nor a reserve, for example because of the option --robots. Its name
+/// is known to interventions, faults, measures and swarms, which then act on no body.
+struct EmptyPopulation {
+  std::string name;  ///< name of the population
+  TypeId type;       ///< type that its bodies would have
+};
+
 /// The part to which a name in WorldSpec::part_aliases refers.
 struct PartName {
   BodyId body;       ///< the body that has the part
@@ -253,6 +260,7 @@ struct WorldSpec {
   /// The bodies; BodyId is the position in this list. Body 0 is the ground, which add_ground() adds.
   std::vector<BodySpec> bodies;
   std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap
+  std::vector<EmptyPopulation> empty_populations;  ///< populations without bodies, in the order of the file
   /// True: programs may remove and disable bodies during a run. False: each of the two is allowed only in
   /// certain worlds. Programs may remove bodies if the world can have births or deaths anyway, for example
   /// because of a reserve (World::has_lives()). They may disable bodies if the world has faults, or

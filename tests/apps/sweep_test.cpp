@@ -249,6 +249,24 @@ TEST_F(Sweep, UsualMeasuresThatAWorldCannotHaveAreLeftOut) {
   EXPECT_THAT(lines[2], HasSubstr(",nan,"));
 }
 
+TEST_F(Sweep, APopulationMayBeEmptyInARun) {
+  std::string world(k_world);
+  write("w.json", world.insert(1, R"("stop_when": ["stalls:r > 90"],
+    "at": [{"time_s": 0.5, "remove": {"population": "r", "count": 1}}], )"));
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["alive:r"],
+    "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [0, 1, 4]}]})");
+  const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(lines_of(table("out")), ElementsAre(StartsWith("run,"), StartsWith("0,0,1,10,1,0,"),
+                                                  StartsWith("1,1,1,10,1,0,"), StartsWith("2,4,1,10,1,3,")));
+  if (worldio::has_hdf5()) {
+    EXPECT_EQ(troupe({"run", "w.json", "--robots", "0", "--for", "0.2", "--checkpoint", "c.h5"}).code, 0);
+    EXPECT_EQ(troupe({"resume", "c.h5", "--for", "1"}).code, 0);
+  }
+  EXPECT_EQ(troupe({"convert", "w.json", "v.json", "--set", "/populations/0/count=0"}).code, 0);
+  EXPECT_EQ(troupe({"run", "v.json", "--for", "1"}).code, 0);
+}
+
 TEST_F(Sweep, ARunEndsWhereTheWorldSays) {
   std::string world(k_world);
   write("w.json", world.insert(1, R"("stop_when": ["path_length >= 0.05"], )"));

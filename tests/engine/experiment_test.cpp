@@ -514,6 +514,19 @@ TEST(Experiment, ATypeMayHaveNoBodies) {
   EXPECT_NEAR(x_of(*world, "r1"), 0.5, 1e-9) << "the entries have no effect";
 }
 
+TEST(Experiment, APopulationMayHaveNoBodies) {
+  Squad row(2);
+  row.scene.spec.empty_populations = {{"idle", row.scene.spec.bodies.back().type}};
+  const GroupSpec idle{By::population, "idle", {}, {}};
+  row.scene.spec.experiment.at = {at(0.1, Action::disable, idle), at(0.2, Action::remove, idle)};
+  row.scene.spec.experiment.faults = {fault(idle, 0, "slow_wheels", {{"factor", 0.5}})};
+  ASSERT_EQ(row.errors(), "no error");
+  const auto world = row.world();
+  step(*world, 5);
+  EXPECT_THAT(there(*world), ElementsAre("r0", "r1"));
+  EXPECT_NEAR(x_of(*world, "r1"), 0.5, 1e-9) << "the entries have no effect";
+}
+
 // ---- determinism
 
 /// A crowd to which everything happens that can.

@@ -123,6 +123,18 @@ TEST(Populations, ReservesFollowWithoutAPlace) {
   EXPECT_EQ(again.bodies[8].pose_world_body.x, 4);
 }
 
+TEST(Populations, WithoutBodiesAreKeptByName) {
+  WorldSpec spec = room();
+  std::vector<PopulationSpec> populations{row_of("a", 1), row_of("b", 0), row_of("c", 0)};
+  populations[2].reserve = 1;
+  Diagnostics diagnostics;
+  place(populations, spec, diagnostics);
+  ASSERT_FALSE(diagnostics.has_errors());
+  ASSERT_EQ(spec.empty_populations.size(), 1u);
+  EXPECT_EQ(spec.empty_populations[0].name, "b");
+  EXPECT_EQ(spec.empty_populations[0].type, TypeId(2));
+}
+
 TEST(Populations, StaticBodiesOfAReserveTakeUpNoRoom) {
   WorldSpec spec = room();
   TypeSpec beacon{.name = "beacon"};

@@ -172,6 +172,11 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
   expect([](Spec& s) { s.bodies.clear(); }, "error: bodies: empty; body 0 of every world is the ground");
   expect(
       [](Spec& s) {
+        s.empty_populations = {{"r", TypeId(7)}};
+      },
+      "error: empty_populations[0].type: the world has 3 types, found index 7 (counted from 0)");
+  expect(
+      [](Spec& s) {
         s.reserves = {{"r", BodyId(9), 5}};
       },
       "error: reserves[0]: reserve \"r\" refers to bodies 9 to 13, but the world has ");

@@ -171,6 +171,22 @@ TEST(Swarms, GiveReadingsOfSensorsThatRun) {
   EXPECT_THAT(message_of<std::logic_error>([&] { bots.subscribe(); }), HasSubstr("before the first step"));
 }
 
+TEST(Swarms, OfAPopulationOrATypeWithoutRobotsAreEmpty) {
+  std::string text(k_yard);
+  text.replace(text.find(R"("count": 1, "reserve": 1)"), 24, R"("count": 0)");
+  text.insert(text.find(R"("truck": {)"), R"("cart": {"size_m": [1, 1, 1], "drive": {"kind": "omni"}}, )");
+  Simulation simulation = yard(text);
+  for (const char* name : {"c", "cart"}) {
+    Swarm none = simulation.swarm(name);
+    EXPECT_EQ(none.size(), 0u) << name;
+    EXPECT_THAT(none.types(), ElementsAre());
+    none.set_speeds({});
+  }
+  EXPECT_THAT(message_of<std::out_of_range>([&] { static_cast<void>(simulation.swarm("d")); }),
+              HasSubstr("known: b, bot, c, t, truck"));
+  simulation.step();
+}
+
 TEST(Swarms, SayWhatIsWrong) {
   Simulation simulation = yard();
   EXPECT_EQ(

@@ -130,6 +130,7 @@ WorldSpec full_spec() {
   spec.bodies.push_back({.name = spec.names.add("b", 0), .type = TypeId(1)});
   spec.bodies.push_back({.name = spec.names.add("b", 1), .type = TypeId(1)});
   spec.reserves = {{"b\xe9", BodyId(2), 2}};
+  spec.empty_populations = {{"none", TypeId(0)}, {"n\xe9", TypeId(1)}};
   spec.mortal = true;
   spec.aliases.push_back({spec.names.add("position:0"), BodyId(1)});
   spec.part_aliases["/x\xff"] = {BodyId(1), "ranger:0"};
@@ -249,6 +250,14 @@ TEST(SpecJson, ReadsLikeTheWorldFormat) {
   EXPECT_FALSE(json["types"][0].contains("drive"));
   for (const auto& type : json["types"])
     EXPECT_TRUE(!type.contains("drive") || type["drive"]["params"].contains("velocity_max_x_mps")) << type;
+}
+
+TEST(SpecJson, StoresEmptyPopulationsOnlyIfThereAreSome) {
+  WorldSpec spec = full_spec();
+  EXPECT_THAT(spec_to_json(spec, make_registry()), ::testing::HasSubstr("empty_populations"));
+  spec.empty_populations.clear();
+  EXPECT_THAT(spec_to_json(spec, make_registry()), ::testing::Not(::testing::HasSubstr("empty_populations")));
+  expect_comes_back(spec);
 }
 
 TEST(SpecJson, RefusesWhatJsonCannotSay) {

@@ -59,6 +59,7 @@ class WorldContractor {
   void contract_settings(const Checks& checks, bool with_bounds, WorldDocument& document) const;
   FloorplanDocument contract_floor_plan(const BodySpec& body) const;
   void contract_types(std::size_t first, WorldDocument& document);
+  PopulationDocument contract_empty_population(const engine::EmptyPopulation& population) const;
   ModelDocument contract_model(std::size_t body) const;
 
   WorldSpec spec_;
@@ -128,6 +129,8 @@ WorldDocument WorldContractor::contract(const Checks& checks, FloorPlans floor_p
   drop_images();
   contract_types(plans + 1, document);
   for (std::size_t b = plans + 1; b < spec_.bodies.size(); ++b) document.models.push_back(contract_model(b));
+  for (const engine::EmptyPopulation& population : spec_.empty_populations)
+    document.populations.push_back(contract_empty_population(population));
   for (const engine::MeasureSpec& measure : spec_.measures)
     document.measures.push_back(contract_measure(measure));
   contract_experiment(spec_, keys_, registry_, document.experiment);
@@ -191,6 +194,18 @@ void WorldContractor::contract_types(std::size_t first, WorldDocument& document)
     if (color == default_colors[t]) color.reset();
     document.types.emplace_back(key, contract_type(type, key, color, registry_, &folder_));
   }
+}
+
+/// Returns a population without bodies, whose rule of placement does not matter.
+PopulationDocument WorldContractor::contract_empty_population(
+    const engine::EmptyPopulation& population) const {
+  PopulationDocument document;
+  document.name = population.name;
+  document.type = keys_[population.type.index()];
+  document.count = 0;
+  document.place.emplace().rule = engine::PlacementRule::Kind::uniform;
+  document.place->region = spec_.bounds.value_or(Box::around(Vec2::Zero(), 1));
+  return document;
 }
 
 ModelDocument WorldContractor::contract_model(std::size_t b) const {
