@@ -41,8 +41,8 @@ bool is_called(int descriptor, const fs::path& name) {
 
 /// Returns the permissions with which a partial file is created, before the umask: no user may read it who
 /// may not read the file that it will replace.
-mode_t first_mode(std::optional<mode_t> replaced) {
-  return replaced ? (*replaced & k_new_mode) | S_IRUSR | S_IWUSR : k_new_mode;
+mode_t first_mode(std::optional<fs::perms> replaced) {
+  return replaced ? (static_cast<mode_t>(*replaced) & k_new_mode) | S_IRUSR | S_IWUSR : k_new_mode;
 }
 
 bool is_regular(int descriptor) {
@@ -58,8 +58,8 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
     throw std::system_error(std::make_error_code(std::errc::is_a_directory));
   if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // commit() would replace it
     throw std::system_error(std::make_error_code(std::errc::not_supported));
-  if (struct stat replaced{}; stat(file_.c_str(), &replaced) == 0) {
-    mode_ = replaced.st_mode & 0777;
+  if (const fs::file_status replaced = fs::status(file_, ignored); fs::is_regular_file(replaced)) {
+    permissions_ = replaced.permissions() & fs::perms::all;
     if (fs::is_symlink(file_, ignored)) file_ = fs::canonical(file_);
   }
   for (int n = 1; n <= k_most_writers; ++n) {
@@ -71,7 +71,7 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
     if (taken == Taken::yes) return;
     if (taken == Taken::no) continue;
     partial_ = called(fmt::format(".{}", getpid()));
-    descriptor_ = open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, first_mode(mode_));
+    descriptor_ = open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, first_mode(permissions_));
     if (descriptor_ >= 0) return;
     if (!is_of_the_name(errno)) check(-1);
   }
@@ -86,8 +86,8 @@ PartialFile::~PartialFile() {
 
 PartialFile::Taken PartialFile::take(const fs::path& partial) {
   for (;;) {
-    const int descriptor =
-        open(partial.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, first_mode(mode_));
+    const int descriptor = open(partial.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC,
+                                first_mode(permissions_));
     if (descriptor < 0) {
       if (!is_of_the_name(errno)) check(-1);
       return Taken::no;
@@ -135,7 +135,8 @@ void PartialFile::commit() {
   // Some file systems report a full disk only on close. Closing a duplicate of the descriptor also reports
   // this error, and keeps the lock until the file has its final name.
   check(close(dup(descriptor_)));
-  if (mode_) fchmod(descriptor_, *mode_);  // an error is ignored: some file systems have no permissions
+  if (permissions_)  // an error is ignored: some file systems have no permissions
+    static_cast<void>(fchmod(descriptor_, static_cast<mode_t>(*permissions_)));
   check(std::rename(partial_.c_str(), file_.c_str()));
   close(std::exchange(descriptor_, -1));
 }

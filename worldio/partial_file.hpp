@@ -6,8 +6,6 @@
 #include <span>
 #include <string_view>
 
-#include <sys/types.h>
-
 namespace troupe::worldio {
 
 /// A file NAME that gets its name only when it is complete. Until then it has a temporary name in the same
@@ -61,7 +59,7 @@ class PartialFile {
 
   std::filesystem::path file_;
   std::filesystem::path partial_;
-  std::optional<mode_t> mode_;  // permission bits of the replaced file
+  std::optional<std::filesystem::perms> permissions_;  // of the replaced file
   int descriptor_ = -1;
 };
 

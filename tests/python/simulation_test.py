@@ -930,6 +930,12 @@ class Swarms(InAFolder):
         with self.assertRaisesRegex(ValueError, "outside the world's bounds"):
             self.bots.set_poses(np.full((8, 4), 1e9))
 
+    def test_a_population_may_have_no_robots(self):
+        empty = {**ROOM["populations"][0], "count": 0, "reserve": 0}
+        none = troupe.Simulation({**ROOM, "populations": [empty]}).swarm("r")
+        self.assertEqual(len(none), 0)
+        self.assertEqual(none.poses().shape, (0, 4))
+
 
 class Looking(InAFolder):
     def test_measures(self):
