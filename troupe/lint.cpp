@@ -106,6 +106,7 @@ class Lint {
   void check() {
     check_types();
     check_sensors();
+    check_radios();
     check_floor_plans();
   }
 
@@ -117,6 +118,7 @@ class Lint {
   void check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                     const Heights& visible);
   void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor, const engine::SoughtMarks& sought);
+  void check_radios();
   void check_floor_plans();
   Result<> can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const;
   void check_who_stands_in(const std::vector<BodyId>& plans);
@@ -278,6 +280,35 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
     }
   diagnostics_.warning(where, called + missed_text(visible, looks, "no other body that rangers see",
                                                    "bodies that rangers see"));
+}
+
+/// Warns of radios on channels on which no other body has a radio.
+void Lint::check_radios() {
+  std::map<std::string, std::vector<std::uint32_t>> channels;  // the types with a radio on each channel
+  const auto for_each_radio = [&](auto&& visit) {
+    for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
+      for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d) {
+        const engine::DeviceSpec& device = spec_.types[t].devices[d];
+        if (device.kind == "radio")
+          visit(t, device,
+                engine::get(world_.types()[t].devices[d].kind->params, device.params, "channel").text());
+      }
+  };
+  for_each_radio([&](std::uint32_t t, const engine::DeviceSpec&, const std::string& channel) {
+    channels[channel].push_back(t);
+  });
+  for_each_radio([&](std::uint32_t t, const engine::DeviceSpec& radio, const std::string& channel) {
+    const auto is_heard = [&](std::uint32_t other) { return others(other, t) > 0; };
+    if (std::ranges::any_of(channels[channel], is_heard)) return;
+    std::string known;
+    for (const auto& [name, types] : channels)
+      if (name != channel)
+        known += fmt::format("{}\"{}\"", known.empty() ? "; other channels: " : ", ", name);
+    diagnostics_.warning(
+        radio.where,
+        fmt::format("radio \"{}\" of \"{}\" hears nothing: no other body has a radio on the channel \"{}\"{}",
+                    radio.name, world_.types()[t].name, channel, known));
+  });
 }
 
 /// Returns success if a floor plan can block a robot, else an error that states why it cannot. body: the

@@ -184,6 +184,28 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
       Contains(HasSubstr("sees nothing: no other body that rangers see is at the height of the sensor")));
 }
 
+TEST_F(LintTest, ReportsRadiosThatCanHearNothing) {
+  const auto world = [](const std::string& channel, int dogs) {
+    return R"({ "troupe": 1, "types": {
+    "dog": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "devices": [
+      {"name": "mouth", "kind": "radio", "range_m": 5, "channel": "bark"} ]},
+    "sheep": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "devices": [
+      {"name": "ear", "kind": "radio", "range_m": 5, "channel": ")" +
+           channel + R"("} ]} },
+  "populations": [
+    {"name": "d", "type": "dog", "count": )" +
+           std::to_string(dogs) +
+           R"(, "place": {"rule": "grid", "region_m": [[0, 0], [9, 1]]}},
+    {"name": "s", "type": "sheep", "count": 1, "place": {"rule": "grid", "region_m": [[0, 4], [9, 9]]}} ] })";
+  };
+  expect_nothing("same.json", world("bark", 1));
+  EXPECT_THAT(
+      findings("other.json", world("barks", 2)),
+      ElementsAre("other.json:5: warning: radio \"ear\" of \"sheep\" hears nothing: no other body has a "
+                  "radio on the channel \"barks\"; other channels: \"bark\"",
+                  "other.json: 1 finding"));
+}
+
 TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
   const auto world = [](const std::string& post, const std::string& finder, const std::string& z = "0") {
     return R"({ "troupe": 1, "types": {
