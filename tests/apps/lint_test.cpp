@@ -187,9 +187,9 @@ TEST_F(LintTest, ReportsSensorsThatCanMeetNothing) {
 TEST_F(LintTest, ReportsRadiosThatCanHearNothing) {
   const auto world = [](const std::string& channel, int dogs) {
     return R"({ "troupe": 1, "types": {
-    "dog": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "devices": [
+    "dog": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "sensors": [
       {"name": "mouth", "kind": "radio", "range_m": 5, "channel": "bark"} ]},
-    "sheep": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "devices": [
+    "sheep": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "sensors": [
       {"name": "ear", "kind": "radio", "range_m": 5, "channel": ")" +
            channel + R"("} ]} },
   "populations": [
