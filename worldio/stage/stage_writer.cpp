@@ -119,6 +119,11 @@ void WorldText::refuse_what_stage_lacks() {
   if (!spec_.reserves.empty())
     lacks(says("populations") ? "populations" : "models",
           "Stage has no \"reserve\" of bodies that are born later: remove the reserve");
+  for (const engine::EmptyPopulation& population : spec_.empty_populations)
+    diagnostics_.warning(
+        where_of("populations"),
+        fmt::format("population \"{}\" has no bodies, so the .world file does not contain it",
+                    population.name));
   if (spec_.mortal) lacks("mortal", "a .world file has no such property: remove this key");
   if (!spec_.experiment.stop_when.empty())
     lacks("stop_when", "in Stage, a run can end only at its \"quit_time\": remove this key");
