@@ -623,4 +623,9 @@ DeviceKind radio_kind() {
                                          "messages with the range and bearing of each sender");
 }
 
+const std::string* radio_channel(const std::any& prepared) {
+  const auto* radio = std::any_cast<Radio>(&prepared);
+  return radio == nullptr ? nullptr : &radio->params.channel;
+}
+
 }  // namespace troupe::sensors

@@ -3,6 +3,7 @@
 #include "base/fp_environment.hpp"
 #include "engine/observing/measures.hpp"
 #include "engine/world/world.hpp"
+#include "sensors/radio.hpp"
 #include "sensors/ranger.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "troupe/plugins.hpp"
@@ -287,12 +288,9 @@ void Lint::check_radios() {
   std::map<std::string, std::vector<std::uint32_t>> channels;  // the types with a radio on each channel
   const auto for_each_radio = [&](auto&& visit) {
     for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
-      for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d) {
-        const engine::DeviceSpec& device = spec_.types[t].devices[d];
-        if (device.kind == "radio")
-          visit(t, device,
-                engine::get(world_.types()[t].devices[d].kind->params, device.params, "channel").text());
-      }
+      for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d)
+        if (const std::string* channel = sensors::radio_channel(world_.types()[t].devices[d].prepared.data))
+          visit(t, spec_.types[t].devices[d], *channel);
   };
   for_each_radio([&](std::uint32_t t, const engine::DeviceSpec&, const std::string& channel) {
     channels[channel].push_back(t);
