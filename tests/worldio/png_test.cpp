@@ -180,9 +180,10 @@ TEST_F(WritePng, KeepsTheOldFileWhenTheDiskIsFull) {
 
 TEST_F(WritePng, RefusesWhatIsNoImage) {
   const fs::path file = folder_ / "a.png";
-  EXPECT_EQ(error_of(file, {0, 5, {}}), file.string() +
-                                            ": cannot be written: the image has 0 x 5 pixels and 0 bytes; "
-                                            "expected at least 1 x 1 pixels and exactly 4 bytes per pixel");
+  EXPECT_EQ(error_of(file, {0, 5, {}}),
+            file.string() +
+                ": error: cannot be written: the image has 0 x 5 pixels and 0 bytes; "
+                "expected at least 1 x 1 pixels and exactly 4 bytes per pixel");
   EXPECT_THAT(error_of(file, {2, 2, std::vector<std::uint8_t>(15)}), HasSubstr("2 x 2 pixels and 15 bytes"));
   EXPECT_THAT(names(), ::testing::IsEmpty());
 }

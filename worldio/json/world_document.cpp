@@ -901,8 +901,10 @@ void PopulationDocument::describe(DocumentKeys<PopulationDocument>& d) {
       .require("the population's name");
   d.other<&PopulationDocument::type>(Form::name, "type", "the name of one of the types", k_type_of)
       .require(k_type_of);
-  DocumentKey& count =
-      d.value<&PopulationDocument::count>("count", within(0, LoadOptions().most_bodies), "number of bodies");
+  DocumentKey& count = d.value<&PopulationDocument::count>(
+      "count", within(0, LoadOptions().most_bodies),
+      "number of bodies; if it is 0, interventions, faults and measures may still "
+      "name the population, and then act on no body");
   count.require().counts_bodies = true;
   d.value<&PopulationDocument::reserve>(
        "reserve", within(0, LoadOptions().most_bodies),
