@@ -44,6 +44,7 @@ class PlacedRows {
     for (const Placed& placed : list_) at_[placed.row.index()] = 0;
     list_.clear();
   }
+  /// Exchanges the contents of two lists.
   void swap(PlacedRows& other) {
     list_.swap(other.list_);
     at_.swap(other.at_);

@@ -223,10 +223,10 @@ const std::vector<Observed> k_observed{
     {"failures.json",
      220,
      {R"({"kind": "state_mean", "component": "laser", "field": "ranges", "name": "range"})"}},
-    {"colony.json", 60, {R"({"kind": "deaths", "type": "ant"})"}},                        // births and deaths
-    {"magpies.json", 60, {}},                                                             // carried bodies
-    {"lift.world", 60, {}},                                                               // joints
-    {"pucks.json", 60, {R"({"kind": "clusters", "distance_m": 0.5, "name": "piles"})"}},  // pushing
+    {"colony.json", 60, {R"({"kind": "deaths", "type": "ant"})"}},  // births and deaths
+    {"magpies.json", 60, {}},                                       // carried bodies
+    {"lift.world", 60, {}},                                         // joints
+    {"pucks.json", 60, {R"({"kind": "clusters", "distance_m": 0.5, "bodies": "robots"})"}},
     {"crowd.json", 10, {}}};
 
 INSTANTIATE_TEST_SUITE_P(Worlds, RowsThatChange,
