@@ -195,8 +195,8 @@ TEST_F(LintTest, ReportsRadiosThatCanHearNothing) {
   "populations": [
     {"name": "d", "type": "dog", "count": )" +
            std::to_string(dogs) +
-           R"(, "place": {"rule": "grid", "region_m": [[0, 0], [9, 1]]}},
-    {"name": "s", "type": "sheep", "count": 1, "place": {"rule": "grid", "region_m": [[0, 4], [9, 9]]}} ] })";
+           R"(, "place": {"rule": "uniform", "region_m": [[0, 0], [9, 1]]}},
+    {"name": "s", "type": "sheep", "count": 1, "place": {"rule": "uniform", "region_m": [[0, 4], [9, 9]]}} ] })";
   };
   expect_nothing("same.json", world("bark", 1));
   EXPECT_THAT(

@@ -160,7 +160,7 @@ TEST_F(PluginProgram, ASweepDoesNotMixTheResultsOfTwoBuilds) {
   write("uses.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 0.5, "seeds": [1]})");
   // The first run does not use the plug-in.
   write("chooses.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 0.5, "parameters": [
-    {"set": "/types/bot/controller", "values": [{"kind": "wander"}, {"kind": "walker"}]}]})");
+    {"set": "/types/bot/controller", "values": [{"kind": "script", "law": "line"}, {"kind": "walker"}]}]})");
   for (const char* study : {"uses.json", "chooses.json"}) {
     use_build("plugins");
     ASSERT_EQ(sweep(study).code, 0);
