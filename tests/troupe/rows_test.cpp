@@ -226,7 +226,7 @@ const std::vector<Observed> k_observed{
     {"colony.json", 60, {R"({"kind": "deaths", "type": "ant"})"}},  // births and deaths
     {"magpies.json", 60, {}},                                       // carried bodies
     {"lift.world", 60, {}},                                         // joints
-    {"pucks.json", 60, {R"({"kind": "clusters", "distance_m": 0.5, "bodies": "robots"})"}},
+    {"pucks.json", 60, {}},
     {"crowd.json", 10, {}}};
 
 INSTANTIATE_TEST_SUITE_P(Worlds, RowsThatChange,
