@@ -48,7 +48,7 @@ struct Effect {
   BodyId source;             ///< the acting body
   std::uint32_t device = 0;  ///< the acting device: index in BodyType::devices of the type of `source`
   /// Number that orders the effects of one device of one body in a tick. Each of these effects must have a
-  /// different number, because the order of effects with equal numbers is unspecified.
+  /// different number: World::step() throws a StepError if two have the same, because they have no order.
   std::uint32_t sequence = 0;
   std::uint32_t verb = 0;  ///< the action: k_birth, k_death, or a number that the device's kind defines
   BodyId target;           ///< the affected body; not valid() if there is none
