@@ -14,7 +14,7 @@ namespace troupe::engine {
 ///   which a device moves a joint.
 /// - The code of a sensor, other device, drive or controller threw an exception.
 /// - A device emitted an effect that it must not emit, or two effects with the same number
-/// (Effect::sequence).
+///   (Effect::sequence).
 /// - The callback that a program gave to World::on_decide() threw an exception.
 /// - In the test mode World::hide_beyond_reach(), a device acted on a body beyond the reach of the device
 ///   (DeviceKind::Prepared::reach_m), or changed a body that its kind must not change (DeviceKind::scope).
