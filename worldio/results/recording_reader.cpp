@@ -239,7 +239,7 @@ std::optional<std::string> present_name(std::string_view name, const RecordingRe
 
 std::string shown_name(std::string_view component) {
   constexpr std::string_view k_sensors = "sensors/";
-  const std::string given = text_of_hdf5_name(engine::given_name(component));
+  std::string given = text_of_hdf5_name(engine::given_name(component));
   if (!component.starts_with(k_sensors)) return given;
   const std::string_view rest = component.substr(k_sensors.size());
   return fmt::format("{} ({})", given, text_of_hdf5_name(rest.substr(0, rest.find('/'))));
