@@ -37,7 +37,8 @@ const JsonNode* JsonObject::require(std::string_view key, std::string_view hint)
 }
 
 void JsonObject::missing(std::string_view key, std::string_view hint) const {
-  if (members_) at_.error(fmt::format("missing \"{}\": {}", key, hint));
+  // The first clause of a description says what the value is; the clauses after a semicolon explain it.
+  if (members_) at_.error(fmt::format("missing \"{}\": {}", key, hint.substr(0, hint.find(';'))));
 }
 
 void JsonObject::finish() const {
