@@ -75,7 +75,7 @@ std::vector<ProgramCommand> program_commands() {
       row("view", "Watch and steer a world in a browser", add_view_options, view_world),
       row_of_any("sweep", "Run a world many times with varied parameters and seeds, and tabulate the results",
                  add_sweep_options, sweep),
-      row("plot", "Plot a measure of a sweep over time", add_plot_options, plot),
+      row("plot", "Plot a measure of a sweep over time or over a parameter", add_plot_options, plot),
       row_of_ranks("check",
                    "Check that results do not depend on the number of threads or ranks or the tile size",
                    add_check_options, check_shipped),

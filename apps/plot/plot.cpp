@@ -17,9 +17,12 @@ namespace troupe::apps {
 namespace {
 
 constexpr const char* k_plot_footer = R"(
-Plots a measure over time, from the results of troupe sweep. DIR is the folder of the results (-o of troupe sweep); the
-study file must have "series": true. At each time, a line shows the mean over all runs that have a value at this time;
-the band around the line shows one standard deviation of these runs above and below the mean. Without --by there is one
+Plots a measure from the results of troupe sweep. DIR is the folder of the results (-o of troupe sweep).
+
+Without --over, the x axis is the time, and the study file must have "series": true. At each time, a line shows the mean
+over all runs that have a value at this time; the band around the line shows one standard deviation of these runs above
+and below the mean. With --over, the x axis is a parameter of the study, and each point shows a result of table.csv: the
+mean over the runs with this value of the parameter, with a bar of one standard deviation. Without --by there is one
 line per combination of values of the parameters that vary between runs.
 
 Needs python3 with matplotlib: the interpreter in TROUPE_PYTHON, else the first python3 on PATH.
@@ -28,7 +31,8 @@ Exit codes: 0 plotted; 1 failed, or python3 or matplotlib is missing; 2 bad inpu
 
 Examples:
   troupe sweep apps/examples/study/coverage.json -o results
-  troupe plot results --measure coverage --by robots -o coverage.pdf)";
+  troupe plot results --measure coverage --by robots -o coverage.pdf
+  troupe plot results --measure coverage --over robots)";
 
 void add_text(CLI::App& command, const char* name, const char* value, const char* help, std::string& to) {
   add_value(command, name, value, help, [name, &to](const std::string& text) {
@@ -48,10 +52,12 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
       ->option_text(" ")
       ->required();
   add_text(command, "--measure", "NAME", "Measure to plot (default: the first)", options.measure);
+  add_text(command, "--over", "NAME", "Parameter on the x axis (default: the time)", options.over);
   add_text(command, "--by", "NAME,...",
            "Parameters: one line per combination of their values (default: those that vary)", options.by);
   add_text(command, "--title", "TEXT", "Title above the plot", options.title);
-  add_value(command, "-o,--out", "FILE", "Output, a .png, .svg or .pdf (default: DIR/MEASURE.png)",
+  add_value(command, "-o,--out", "FILE",
+            "Output, a .png, .svg or .pdf (default: DIR/MEASURE.png, or DIR/MEASURE-over-NAME.png)",
             [&options](const std::string& text) { options.out = file_name("--out", text); });
 }
 
@@ -64,6 +70,7 @@ ExitCode plot(const PlotOptions& options) {
     if (!value.empty()) words.push_back(fmt::format("{}={}", name, value));
   };
   add("--measure", options.measure);
+  add("--over", options.over);
   add("--by", options.by);
   add("--title", options.title);
   add("--out", options.out.string());

@@ -11,12 +11,13 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe plot`, which plots a measure (a number computed from the state) over time. The data are
-/// results of `troupe sweep`, which runs a world many times with different parameters. If an option is empty,
-/// the script python/troupe/plot.py uses a default.
+/// Options of `troupe plot`, which plots a measure (a number computed from the state) over time or over a
+/// parameter. The data are results of `troupe sweep`, which runs a world many times with different
+/// parameters. If an option is empty, the script python/troupe/plot.py uses a default.
 struct PlotOptions {
   std::filesystem::path folder;  ///< folder with the results of the sweep
   std::string measure;           ///< name of the measure
+  std::string over;              ///< parameter on the x axis; empty: the time
   std::string by;                ///< parameters, "A,B": one line in the plot per combination of values
   std::string title;             ///< title above the plot
   std::filesystem::path out;     ///< picture to write

@@ -1,4 +1,4 @@
-"""Draws a measure of a sweep over time: mean and standard deviation over runs, one line per value of a parameter.
+"""Draws a measure of a sweep, over time or over the values of a parameter: mean and standard deviation over runs.
 
 `troupe plot` runs this file. In Python, call troupe.plot.draw("results", "coverage", by="robots", out="coverage.png"),
 where "results" is the folder of the sweep. The module needs matplotlib and Python's standard library only.
@@ -12,7 +12,7 @@ import math
 import os
 import sys
 import textwrap
-from typing import Dict, List, Optional, Sequence, Set, Tuple, Union
+from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 _File = Union[str, "os.PathLike[str]"]
 _Key = Tuple[str, ...]
@@ -83,9 +83,50 @@ def _stray_ends(runs: Sequence[Sequence[float]]) -> Set[float]:
     return {end for end in ends if any(times[0] < end < times[-1] for times in runs)}
 
 
+class _Table:
+    """The table of a sweep, and its rows by the number of the run."""
+
+    def __init__(self, folder: _File):
+        self.file = os.path.join(folder, "table.csv")
+        self.head, rows = _read(self.file)
+        if "run" not in self.head or "seed" not in self.head:
+            raise PlotError(f"{self.file}: error: this is not the table of a sweep: it must have the columns run and seed")
+        self.parameters = self.head[1:self.head.index("seed")]
+        self.rows = {row[0]: dict(zip(self.head, row)) for row in rows}
+
+    def varying(self, by: Optional[str], without: Optional[str] = None) -> List[str]:
+        """Returns the parameters that distinguish the lines: those of `by`, or else all that vary, but `without`."""
+        if by is not None:
+            names = [_known("parameter", name, self.parameters) for name in by.split(",")]
+            if without in names:
+                raise PlotError(f'error: the parameter "{without}" is on the x axis, so it cannot distinguish lines: leave it out '
+                                "of --by (in Python: by)")
+            return names
+        return [name for name in self.parameters
+                if name != without and len({row[name] for row in self.rows.values()}) > 1]
+
+    def key_of(self, run: str, names: Sequence[str]) -> _Key:
+        return tuple(self.rows[run][name] for name in names)
+
+
+def _check_lines(lines: Mapping[_Key, object], measure: str, names: Sequence[str], parameters: Sequence[str]) -> None:
+    if len(lines) > MOST_LINES:
+        raise PlotError(f"error: one line per value of {' and '.join(names)} gives {len(lines)} lines, but a plot has "
+                        f"at most {MOST_LINES}: select fewer parameters with --by (in Python: by), from: {', '.join(parameters)}")
+    if not lines:
+        raise PlotError(f'error: the measure "{measure}" has no value in any run')
+
+
+def _average(numbers: Sequence[float]) -> Tuple[float, float, int]:
+    """Returns the mean, the sample standard deviation (0 for one number) and how many numbers there are."""
+    mean = math.fsum(numbers) / len(numbers)
+    spread = math.fsum((number - mean) ** 2 for number in numbers)
+    return mean, math.sqrt(spread / max(len(numbers) - 1, 1)), len(numbers)
+
+
 def series_by(folder: _File, measure: Optional[str] = None,
               by: Optional[str] = None) -> Tuple[str, List[str], Dict[_Key, _Points]]:
-    """Reads the tables of a sweep and averages a measure over its runs.
+    """Reads the tables of a sweep and averages a measure over its runs, at each time.
 
     folder   the folder of the sweep
     measure  name of the measure, with or without its unit; None: the first measure in series.csv
@@ -99,23 +140,16 @@ def series_by(folder: _File, measure: Optional[str] = None,
     errors   PlotError if a table is missing or invalid, if a measure or parameter does not exist, if the measure has no
              value in any run, or if there are more than 12 lines
     """
-    table_head, table = _read(os.path.join(folder, "table.csv"))
+    table = _Table(folder)
     series_file = os.path.join(folder, "series.csv")
     if not os.path.exists(series_file):
-        raise PlotError(f'{series_file}: error: there is no such file: set "series": true in the study, and run the sweep again')
+        raise PlotError(f'{series_file}: error: there is no such file: set "series": true in the study, and run the sweep again; '
+                        "or plot results at the end of the runs against a parameter, with --over (in Python: over)")
     head, series = _read(series_file)
     if head[:2] != ["run", "time_s"] or len(head) < 3:
         raise PlotError(f"{series_file}: error: this is not the series of a sweep: it must begin with run,time_s")
-    if "run" not in table_head or "seed" not in table_head:
-        raise PlotError(f"{os.path.join(folder, 'table.csv')}: error: this is not the table of a sweep: it "
-                        "must have the columns run and seed")
     measure = _column_of(measure, head[2:]) if measure else head[2]
-    parameters = table_head[1:table_head.index("seed")]
-    values = {row[0]: dict(zip(table_head, row)) for row in table}
-    if by is None:
-        names = [name for name in parameters if len({row[name] for row in values.values()}) > 1]
-    else:
-        names = [_known("parameter", name, parameters) for name in by.split(",")]
+    names = table.varying(by)
 
     column = head.index(measure)
     lines: Dict[_Key, Dict[float, List[float]]] = {}
@@ -123,38 +157,87 @@ def series_by(folder: _File, measure: Optional[str] = None,
     for row in series:
         number = _number(row[column])
         time_s = _number(row[1])
-        if number is None or time_s is None or row[0] not in values:
+        if number is None or time_s is None or row[0] not in table.rows:
             raise PlotError(f"{series_file}: error: this is not the series of the sweep in table.csv: a run is not in "
                             "that table, or a value is not a number")
-        key = tuple(values[row[0]][name] for name in names)
+        key = table.key_of(row[0], names)
         sampled.setdefault(key, {}).setdefault(row[0], []).append(time_s)
         if not math.isnan(number):
             lines.setdefault(key, {}).setdefault(time_s, []).append(number)
-    if len(lines) > MOST_LINES:
-        raise PlotError(f"error: one line per value of {' and '.join(names)} gives {len(lines)} lines, but a plot has "
-                        f"at most {MOST_LINES}: select fewer parameters with --by (in Python: by), from: {', '.join(parameters)}")
-    if not lines:
-        raise PlotError(f'error: the measure "{measure}" has no value in any run')
+    _check_lines(lines, measure, names, table.parameters)
     result: Dict[_Key, _Points] = {}
     for key in sorted(lines, key=_order):
-        result[key] = []
         regular = set(lines[key]) - _stray_ends(list(sampled[key].values()))
-        for time_s in sorted(regular or lines[key]):  # a line has at least one point
-            numbers = lines[key][time_s]
-            mean = math.fsum(numbers) / len(numbers)
-            spread = math.fsum((number - mean) ** 2 for number in numbers)
-            result[key].append((time_s, mean, math.sqrt(spread / max(len(numbers) - 1, 1)), len(numbers)))
+        times = sorted(regular or lines[key])  # a line has at least one point
+        result[key] = [(time_s, *_average(lines[key][time_s])) for time_s in times]
     return measure, names, result
 
 
+def final_by(folder: _File, over: str, measure: Optional[str] = None,
+             by: Optional[str] = None) -> Tuple[str, List[str], Dict[_Key, List[Tuple[str, float, float, int]]]]:
+    """Reads the table of a sweep and averages one of its results over the runs, at each value of a parameter.
+
+    folder   the folder of the sweep
+    over     name of the parameter of the x axis
+    measure  a column of results in table.csv: a measure, with or without its unit, or a statistic of a measure
+             (coverage_mean); also time_s, the simulated time at which a run ended. None: the first measure
+    by       as in series_by(), but without `over`
+    returns  the name of the column, the names of the parameters that distinguish the lines, and a dict from their
+             values to the points of a line: a list of (value of `over` as in the table, mean, sample standard
+             deviation, number of runs). Numbers come first, in ascending order, then other values. Runs that failed
+             and runs whose value is NaN are left out
+    errors   as those of series_by(); also PlotError if `over` is in `by`
+    """
+    table = _Table(folder)
+    _known("parameter", over, table.parameters)
+    columns = [name for name in table.head[len(table.parameters) + 1:] if name not in OWN_COLUMNS]
+    if not measure and not columns:
+        raise PlotError(f"{table.file}: error: the table has no measure")
+    measure = _column_of(measure, [*columns, "time_s"]) if measure else columns[0]
+    names = table.varying(by, without=over)
+
+    lines: Dict[_Key, Dict[_Key, List[float]]] = {}
+    for run, row in table.rows.items():
+        if row.get("error"):
+            continue
+        number = _number(row[measure])
+        if number is None:
+            raise PlotError(f'{table.file}: error: "{row[measure]}" is not a number, in the column {measure} of run {run}')
+        if not math.isnan(number):
+            lines.setdefault(table.key_of(run, names), {}).setdefault((row[over],), []).append(number)
+    _check_lines(lines, measure, names, table.parameters)
+    return measure, names, {key: [(value[0], *_average(lines[key][value])) for value in sorted(lines[key], key=_order)]
+                            for key in sorted(lines, key=_order)}
+
+
+def _positions(lines: Mapping[_Key, Sequence[Tuple[str, float, float, int]]]) -> Tuple[Dict[str, float], bool]:
+    """Returns the position on the x axis of each value of a parameter, and whether these are the values themselves:
+    values that are not all finite numbers are placed side by side, in the order of their lines."""
+    values = sorted({(value,) for points in lines.values() for value, *_ in points}, key=_order)
+    numbers = [_number(value[0]) for value in values]
+    if all(number is not None and math.isfinite(number) for number in numbers):
+        return {value[0]: number for value, number in zip(values, numbers) if number is not None}, True
+    return {value[0]: float(i) for i, value in enumerate(values)}, False
+
+
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
-         title: Optional[str] = None) -> str:
-    """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. folder, measure, by:
-    as in series_by(). out: name of the file; None: MEASURE.png in the folder. title: title of the plot; None: no title.
-    Raises PlotError in the cases of series_by(), if the name has another ending, and if the file cannot be written;
-    raises ImportError if matplotlib is missing."""
-    measure, names, lines = series_by(folder, measure, by)
-    file = os.fspath(out) if out else os.path.join(folder, f"{measure}.png")
+         title: Optional[str] = None, over: Optional[str] = None) -> str:
+    """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter of
+    the x axis, for the results at the end of the runs as final_by() reads them; None: the time, for the series that
+    series_by() reads. folder, measure, by: as in these functions. out: name of the file; None: MEASURE.png or
+    MEASURE-over-PARAMETER.png in the folder. title: title of the plot; None: no title. Raises PlotError in the cases of these functions, if the name has
+    another ending, and if the file cannot be written; raises ImportError if matplotlib is missing."""
+    ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
+    if over is None:
+        measure, names, lines = series_by(folder, measure, by)
+    else:
+        measure, names, final = final_by(folder, over, measure, by)
+        positions, are_numbers = _positions(final)
+        lines = {key: [(positions[value], mean, deviation, runs) for value, mean, deviation, runs in points]
+                 for key, points in final.items()}
+        ticks = None if are_numbers else positions
+    default = f"{measure}.png" if over is None else f"{measure}-over-{over}.png".replace(os.sep, "-")
+    file = os.fspath(out) if out else os.path.join(folder, default)
     if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):
         raise PlotError(f'error: "{file}" is not the name of a picture: it must end in .png, .svg or .pdf')
     import matplotlib
@@ -164,21 +247,27 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
 
     figure, axes = pyplot.subplots(figsize=(6.4, 4.0), constrained_layout=True)
     for i, (key, points) in enumerate(lines.items()):
-        times, means, deviations, _ = zip(*points)
+        at, means, deviations, _ = zip(*points)
         color = COLORS[i % len(COLORS)]
         style = "-" if i < len(COLORS) else "--"
-        label = ", ".join(f"{name} = {value}" for name, value in zip(names, key))
-        axes.plot(times, means, style, color=color, label=label or None, linewidth=1.6)
-        axes.fill_between(times, [m - d for m, d in zip(means, deviations)], [m + d for m, d in zip(means, deviations)],
-                          color=color, alpha=0.18, linewidth=0)
+        label = ", ".join(f"{name} = {value}" for name, value in zip(names, key)) or None
+        if over is None:
+            axes.plot(at, means, style, color=color, label=label, linewidth=1.6)
+            axes.fill_between(at, [m - d for m, d in zip(means, deviations)], [m + d for m, d in zip(means, deviations)],
+                              color=color, alpha=0.18, linewidth=0)
+        else:
+            axes.errorbar(at, means, deviations, color=color, label=label, linewidth=1.6, elinewidth=1.0, capsize=3,
+                          marker="o", markersize=4, linestyle=style if ticks is None else "none")
     most = max(runs for points in lines.values() for *_, runs in points)
-    axes.set_xlabel("time (s)")
+    axes.set_xlabel(over or "time (s)")
+    if ticks is not None:
+        axes.set_xticks(list(ticks.values()), list(ticks))
     label = f"{measure}, mean and standard deviation" if most > 1 else measure
     axes.set_ylabel(textwrap.fill(label, LABEL_WIDTH))
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
     if names:
-        axes.legend(frameon=False, title=None if most == 1 else f"{most} runs per line")
+        axes.legend(frameon=False, title=None if most == 1 else f"{most} runs per {'line' if over is None else 'point'}")
     if title:
         axes.set_title(title)
     try:
@@ -194,12 +283,13 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser = argparse.ArgumentParser(prog="troupe plot", description=__doc__.splitlines()[0])
     parser.add_argument("folder")
     parser.add_argument("--measure")
+    parser.add_argument("--over")
     parser.add_argument("--by")
     parser.add_argument("--out")
     parser.add_argument("--title")
     given = parser.parse_args(arguments)
     try:
-        print(draw(given.folder, given.measure, given.by, given.out, given.title))
+        print(draw(given.folder, given.measure, given.by, given.out, given.title, given.over))
     except PlotError as error:
         text = str(error)
         print(text if not text.startswith("error:") else f"troupe plot: {text}", file=sys.stderr)

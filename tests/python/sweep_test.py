@@ -171,6 +171,47 @@ class Plot(unittest.TestCase):
         self.assertEqual(lines[("10",)], [(0.0, 4.0, 0.0, 1), (1.0, 5.0, 0.0, 1)])  # runs without values at a time are not counted
         self.assertEqual(troupe.plot.series_by(self.folder, "order", "robots")[2], lines)
 
+    def test_results_are_averaged_over_a_parameter(self):
+        (self.folder / "series.csv").unlink()
+        (self.folder / "table.csv").write_text(
+            "run,robots,rule,seed,ticks,time_s,order_m,order_m_mean,stopped_by,state_hash,error\n"
+            "0,10,near,1,10,4,1,6,,0,\n1,10,near,2,10,2,3,6,,0,\n2,2,near,1,10,1,5,6,,0,\n3,2,far,1,10,1,nan,7,,0,\n"
+            "4,10,far,1,10,1,8,7,,0,\n5,10,far,2,0,0,nan,nan,,,no room\n")
+        measure, names, lines = troupe.plot.final_by(self.folder, "robots")
+        self.assertEqual((measure, names), ("order_m", ["rule"]))
+        self.assertEqual(lines, {("near",): [("2", 5.0, 0.0, 1), ("10", 2.0, math.sqrt(2), 2)], ("far",): [("10", 8.0, 0.0, 1)]})
+        self.assertEqual(list(lines), [("far",), ("near",)])
+        measure, names, lines = troupe.plot.final_by(self.folder, "rule", "order_m_mean", by="robots")
+        self.assertEqual((measure, names), ("order_m_mean", ["robots"]))
+        self.assertEqual(lines[("10",)], [("far", 7.0, 0.0, 1), ("near", 6.0, 0.0, 2)])
+        self.assertEqual(troupe.plot.final_by(self.folder, "robots", "time_s", by="rule")[2][("near",)][1][1], 3)
+        self.assertEqual(troupe.plot.final_by(self.folder, "robots", "order")[0], "order_m")
+
+        for arguments, text in ((("size",), 'unknown parameter "size"; known: robots, rule'),
+                                (("robots", "seed"), 'unknown measure "seed"; known: order_m, order_m_mean, time_s'),
+                                (("robots", None, "robots"), "on the x axis, so it cannot distinguish lines")):
+            with self.assertRaisesRegex(troupe.plot.PlotError, text):
+                troupe.plot.final_by(self.folder, *arguments)
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_the_x_axis_has_the_values_of_a_parameter(self):
+        from matplotlib import pyplot
+
+        def axes(**named):
+            with unittest.mock.patch.object(pyplot, "close"):
+                file = troupe.plot.draw(self.folder, **named)
+            self.addCleanup(pyplot.close, pyplot.gcf())
+            return file, pyplot.gcf().axes[0]
+
+        file, numbers = axes(over="robots")
+        self.assertEqual(pathlib.Path(file).name, "order-over-robots.png")
+        self.assertEqual(numbers.get_xlabel(), "robots")
+        self.assertEqual([list(line.get_xdata()) for line in numbers.lines[:1]], [[2, 10]])
+        (self.folder / "table.csv").write_text(TABLE.replace(",10,1,10,", ",ten,1,10,").replace("robots", "rule/0"))
+        file, texts = axes(over="rule/0")
+        self.assertEqual(pathlib.Path(file).name, "order-over-rule-0.png")
+        self.assertEqual([label.get_text() for label in texts.get_xticklabels()], ["2", "ten"])
+
     def test_the_end_of_a_stopped_run_is_no_point_between_samples(self):
         def points(*runs):  # of a line with two runs, whose values are always 10 and 11
             rows = [f"{run},{time_s},{10 + run}" for run, times in enumerate(runs) for time_s in times]
