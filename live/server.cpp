@@ -41,6 +41,8 @@ constexpr std::size_t k_most_message = 65536;    // bytes of a text from a clien
 constexpr std::size_t k_most_waiting = 256;      // texts queued for a client
 constexpr int k_most_in_flight = 2;  // pictures that were sent to a client and that it has not drawn yet
 constexpr std::chrono::seconds k_handshake{5};  // time from the connection until the token must arrive
+constexpr std::chrono::milliseconds k_accept_again{
+    100};  // time until accept() is called again after an error
 constexpr std::chrono::seconds k_idle{
     30};  // a client from which no frame, not even ping or pong, arrives for this time is disconnected
 
@@ -84,11 +86,17 @@ std::string_view view_of(beast::string_view text) { return {text.data(), text.si
 
 struct ViewServer::Impl {
   class Connection;
+  /// A port on which the server accepts connections.
+  struct Listener {
+    explicit Listener(asio::io_context& context) : acceptor(context), accept_again(context) {}
+    tcp::acceptor acceptor;
+    asio::steady_timer accept_again;  // runs after accept() has failed
+  };
 
   Options options;
   ViewBackend& backend;
   asio::io_context context{1};
-  std::vector<std::unique_ptr<tcp::acceptor>> acceptors;
+  std::vector<std::unique_ptr<Listener>> listeners;
   std::map<std::uint64_t, std::shared_ptr<Connection>> connections;  // by client, the oldest first
   std::uint64_t last_client = 0;
   std::size_t clients = 0;  // connections that have sent a valid token
@@ -96,7 +104,8 @@ struct ViewServer::Impl {
 
   Impl(const Options& given, ViewBackend& to) : options(given), backend(to) {}
   void listen(const asio::ip::address& address, std::uint16_t port);
-  void accept(tcp::acceptor& acceptor);
+  void accept(Listener& listener);
+  void accept_later(Listener& listener);
   void make_room();
   /// Whether a Host header names this machine: as a loopback name, as the address that the client has
   /// connected to, or with a name that Options::hosts lists. No other name is accepted, because another site
@@ -328,18 +337,32 @@ bool ViewServer::Impl::is_allowed(std::string_view host, const tcp::socket& sock
   return !error && name == url_text(own.address());
 }
 
-void ViewServer::Impl::accept(tcp::acceptor& acceptor) {
-  acceptor.async_accept([this, &acceptor](error_code error, tcp::socket socket) {
+void ViewServer::Impl::accept(Listener& listener) {
+  listener.acceptor.async_accept([this, &listener](error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error) {
-      make_room();
-      error_code ignored;
-      socket.set_option(tcp::no_delay(true), ignored);
-      const auto connection = std::make_shared<Connection>(*this, ++last_client, std::move(socket));
-      connections.emplace(last_client, connection);
-      connection->begin();
+    if (error) {
+      backend.refused(fmt::format(
+          "a connection, until the system can accept it: {}; for example, close other connections "
+          "or raise the limit of open files (ulimit -n)",
+          error.message()));
+      return accept_later(listener);
     }
-    accept(acceptor);
+    make_room();
+    error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
+    const auto connection = std::make_shared<Connection>(*this, ++last_client, std::move(socket));
+    connections.emplace(last_client, connection);
+    connection->begin();
+    accept(listener);
+  });
+}
+
+/// Accepts connections again after a pause. Without free file descriptors, the waiting connection stays in
+/// the queue of the port, so that accept() without a pause would fail again at once, in a busy loop.
+void ViewServer::Impl::accept_later(Listener& listener) {
+  listener.accept_again.expires_after(k_accept_again);
+  listener.accept_again.async_wait([this, &listener](error_code error) {
+    if (!error) accept(listener);
   });
 }
 
@@ -347,13 +370,14 @@ void ViewServer::Impl::accept(tcp::acceptor& acceptor) {
 /// available.
 void ViewServer::Impl::listen(const asio::ip::address& address, std::uint16_t port) {
   const tcp::endpoint here(address, port);
-  auto acceptor = std::make_unique<tcp::acceptor>(context);
-  acceptor->open(here.protocol());
-  acceptor->set_option(tcp::acceptor::reuse_address(true));
-  if (address.is_v6()) acceptor->set_option(asio::ip::v6_only(true));
-  acceptor->bind(here);
-  acceptor->listen();
-  acceptors.push_back(std::move(acceptor));
+  auto listener = std::make_unique<Listener>(context);
+  tcp::acceptor& acceptor = listener->acceptor;
+  acceptor.open(here.protocol());
+  acceptor.set_option(tcp::acceptor::reuse_address(true));
+  if (address.is_v6()) acceptor.set_option(asio::ip::v6_only(true));
+  acceptor.bind(here);
+  acceptor.listen();
+  listeners.push_back(std::move(listener));
 }
 
 ViewServer::ViewServer(const Options& options, ViewBackend& backend)
@@ -374,7 +398,8 @@ ViewServer::ViewServer(const Options& options, ViewBackend& backend)
   }
   if (!options.bind.empty()) return;
   try {
-    impl_->listen(asio::ip::address_v6::loopback(), impl_->acceptors.front()->local_endpoint().port());
+    impl_->listen(asio::ip::address_v6::loopback(),
+                  impl_->listeners.front()->acceptor.local_endpoint().port());
   } catch (const boost::system::system_error&) {  // ignored: the machine has no IPv6, or the port is in use
   }
 }
@@ -382,14 +407,17 @@ ViewServer::ViewServer(const Options& options, ViewBackend& backend)
 ViewServer::~ViewServer() { stop(); }
 
 void ViewServer::start() {
-  for (const auto& acceptor : impl_->acceptors) impl_->accept(*acceptor);
+  for (const auto& listener : impl_->listeners) impl_->accept(*listener);
   impl_->thread = std::thread([this] { impl_->context.run(); });
 }
 
 void ViewServer::stop() {
   if (!impl_->thread.joinable()) return;
   asio::post(impl_->context, [this] {
-    for (const auto& acceptor : impl_->acceptors) acceptor->close();
+    for (const auto& listener : impl_->listeners) {
+      listener->acceptor.close();
+      listener->accept_again.cancel();
+    }
     const auto all = impl_->connections;  // a copy, because close() erases from the map
     for (const auto& [client, connection] : all) connection->close();
     impl_->context.stop();
@@ -398,7 +426,7 @@ void ViewServer::stop() {
 }
 
 std::string ViewServer::authority() const {
-  const tcp::endpoint here = impl_->acceptors.front()->local_endpoint();
+  const tcp::endpoint here = impl_->listeners.front()->acceptor.local_endpoint();
   asio::ip::address address = here.address();
   if (address.is_unspecified())
     address = address.is_v6() ? asio::ip::address(asio::ip::address_v6::loopback())

@@ -40,7 +40,9 @@ class ViewBackend {
   virtual std::optional<ViewFrames> picture(std::uint64_t client) = 0;
   /// Called when the server refuses something: an HTTP request because of its Host or Origin header, a
   /// connection because its token is wrong or there are too many connections, or a message because it is too
-  /// long or binary. Not called for HTTP requests with an unknown path or method.
+  /// long or binary. Also called when the system cannot accept a connection, for example because there is no
+  /// free file descriptor; the server then tries again every 0.1 s. Not called for HTTP requests with an
+  /// unknown path or method.
   ///
   /// what: what the server refused, for example "a binary message"
   virtual void refused(const std::string& what) = 0;

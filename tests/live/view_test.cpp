@@ -3,17 +3,22 @@
 #include "tests/support/scratch.hpp"
 #include "troupe/simulation.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <ctime>
 #include <filesystem>
 #include <initializer_list>
 #include <mutex>
@@ -22,6 +27,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 // Requests whose order in time matters. tests/view_test.py tests `troupe view` as a whole.
 namespace troupe::live {
@@ -160,7 +166,69 @@ class Shown {
   std::thread thread_;
 };
 
+/// Opens files until the process has no free file descriptor but one.
+class FewDescriptors {
+ public:
+  FewDescriptors() {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit fewer{std::min<rlim_t>(before_.rlim_cur, 256), before_.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &fewer);
+    for (int file; (file = ::open("/dev/null", O_RDONLY | O_CLOEXEC)) >= 0;) files_.push_back(file);
+    ::close(files_.back());
+    files_.pop_back();
+  }
+  ~FewDescriptors() {
+    for (const int file : files_) ::close(file);
+    setrlimit(RLIMIT_NOFILE, &before_);
+  }
+  FewDescriptors(const FewDescriptors&) = delete;
+  FewDescriptors& operator=(const FewDescriptors&) = delete;
+
+ private:
+  rlimit before_{};
+  std::vector<int> files_;
+};
+
+/// Processor time of all threads of this process, s.
+double processor_s() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 class ViewTest : public test::ScratchTest {};
+
+TEST_F(ViewTest, WaitsWithoutFreeFileDescriptors) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  std::mutex mutex;
+  std::condition_variable told;
+  std::vector<std::string> reports;
+  const View view(simulation, View::Options{.folder = folder_, .report = [&](const std::string& text) {
+                                              const std::scoped_lock lock(mutex);
+                                              reports.push_back(text);
+                                              told.notify_all();
+                                            }});
+  Json first;
+  std::thread viewer;
+  double used_s = 0;
+  {
+    const FewDescriptors few;
+    // The socket of the viewer has the last descriptor. The connection is not accepted yet, so the thread
+    // waits for an answer.
+    viewer = std::thread([&] { first = Viewer(view.address()).receive(); });
+    std::unique_lock lock(mutex);
+    EXPECT_TRUE(told.wait_for(lock, std::chrono::seconds(k_most_s), [&] { return !reports.empty(); }));
+    lock.unlock();
+    const double before_s = processor_s();
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+    used_s = processor_s() - before_s;
+  }
+  viewer.join();
+  EXPECT_EQ(first["type"], "hello") << first;
+  EXPECT_LT(used_s, 0.3) << "the server tries again without a pause";
+  ASSERT_EQ(reports.size(), 1u);
+  EXPECT_THAT(reports[0], HasSubstr("a connection, until the system can accept it: Too many open files"));
+}
 
 TEST_F(ViewTest, ACheckpointOfAPausedRunDoesNotContainALaterAct) {
   Shown shown(folder_);
