@@ -8,12 +8,14 @@
 #include "engine/world/world.hpp"
 #include "troupe/input_files.hpp"
 #include "worldio/files.hpp"
+#include "worldio/partial_file.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace troupe::apps {
@@ -35,14 +37,23 @@ Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const
       others_(std::move(others)),
       period_(every_s ? engine::period_ticks(*every_s, simulation.tick_s()) : 0),
       first_tick_(simulation.tick()) {
-  const fs::path rehearsal = fs::path(file_).concat(".rehearsal");
+  rehearse(simulation);
+}
+
+void Checkpointing::rehearse(const Simulation& simulation) const {
+  // The partial file is in the folder in which save() writes, and has the permissions of the checkpoint that
+  // it replaces, as every checkpoint has. The rehearsal then replaces the partial file.
+  std::optional<worldio::PartialFile> partial;
   try {
-    simulation.save(rehearsal);
-  } catch (const std::runtime_error& error) {
-    throw OutputError(worldio::error_about(error.what(), rehearsal, file_));
+    partial.emplace(file_, ".rehearsal");
+  } catch (const std::system_error& error) {
+    refuse_output(file_, error.code().message());
   }
-  std::error_code ignored;
-  fs::remove(rehearsal, ignored);
+  try {
+    simulation.save(partial->path());
+  } catch (const std::runtime_error& error) {
+    throw OutputError(worldio::error_about(error.what(), partial->path(), file_));
+  }
 }
 
 void Checkpointing::observe(const Simulation& simulation) {

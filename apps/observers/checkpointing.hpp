@@ -33,9 +33,9 @@ class SaveRequests {
 /// resumed. The class saves a checkpoint periodically, on SIGUSR1, and when the run ends or is stopped.
 class Checkpointing : public Observer {
  public:
-  /// Tests whether checkpoints can be saved: writes a checkpoint next to `file`, and removes it again. Throws
-  /// OutputError if this fails, for example because the disk is full. The user then sees the error before the
-  /// run.
+  /// Tests whether checkpoints can be saved: writes a checkpoint into the folder of `file`, or of the file to
+  /// which the link `file` points, and removes it again. Throws OutputError if this fails, for example
+  /// because the disk is full. The user then sees the error before the run.
   ///
   /// file: the checkpoint. Each save replaces it.
   /// every_s: interval of the periodic checkpoints, simulated seconds; not given: no periodic checkpoints
@@ -53,6 +53,7 @@ class Checkpointing : public Observer {
   void save_at_least(const Simulation& simulation) override;
 
  private:
+  void rehearse(const Simulation& simulation) const;
   void save(const Simulation& simulation);
 
   std::filesystem::path file_;

@@ -5,12 +5,16 @@
 #include "worldio/results/hdf5_file.hpp"
 
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -20,6 +24,7 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -237,6 +242,36 @@ TEST_F(Resume, AnExistingCheckpointIsRefusedWithoutForce) {
   EXPECT_EQ(read("c.h5"), "precious");
   good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5", "--force"});
   good({"resume", "c.h5", "--for", "1.1"});
+}
+
+TEST_F(Resume, TheRehearsalOfACheckpointIsWhereTheCheckpointIs) {
+  fs::create_directory(path("real"));
+  write("real/c.h5", "an earlier checkpoint");
+  fs::permissions(path("real/c.h5"), fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("real/c.h5", path("c.h5"));
+  const Simulation simulation(path("room.world"), {.threads = 1});
+  const pid_t child = fork();
+  if (child == 0) {  // the limit kills it during the rehearsal, so that its files remain
+    const rlimit small{4096, 4096};
+    const rlimit none{0, 0};
+    setrlimit(RLIMIT_CORE, &none);
+    setrlimit(RLIMIT_FSIZE, &small);
+    const Checkpointing checkpointing(path("c.h5"), std::nullopt, simulation, {});
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  std::size_t files = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path("real"))) {
+    ++files;
+    EXPECT_EQ(entry.status().permissions(), fs::perms::owner_read | fs::perms::owner_write) << entry.path();
+  }
+  EXPECT_GT(files, 1u);
+  for (const fs::directory_entry& entry : fs::directory_iterator(path(".")))
+    EXPECT_THAT(entry.path().filename().string(), AnyOf("c.h5", "real", "room.world"));
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5", "--force"});
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("real")), fs::directory_iterator()), 1) << "leftovers";
 }
 
 TEST_F(Resume, ACheckpointOfNoTickIsTheWholeRun) {
