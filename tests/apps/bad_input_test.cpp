@@ -88,9 +88,9 @@ std::vector<BadInput> stage_inputs() {
 std::vector<BadInput> json_inputs() {
   return {
       {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3",
-       "expected ',' or '}'"},
-      {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:7", "missing closing quote"},
-      {"empty", "bad.json", "", "bad.json:1", "unexpected end of input"},
+       "a comma is missing before"},
+      {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:7", "no closing quotation mark"},
+      {"empty", "bad.json", "", "bad.json:1", "the text is empty"},
       {"repeated_key", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1, \"tick_s\": 0.2,"),
        "bad.json:2", "tick_s"},
       {"unknown_key", "bad.json", json_world("\"count\": 5", "\"cuont\": 5"), "bad.json:10",
@@ -108,7 +108,7 @@ std::vector<BadInput> json_inputs() {
        "above 0"},
       {"short_size", "bad.json", json_world("[0.2, 0.2, 0.2]", "[0.2, 0.2]"), "bad.json:4",
        "/types/bot/size_m"},
-      {"nan", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": NaN"), "bad.json:2", "invalid literal"},
+      {"nan", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": NaN"), "bad.json:2", "JSON has no NaN"},
       {"infinite", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 1e999"), "bad.json:2", "1e999"},
       {"zero_tick", "bad.json", json_world("\"tick_s\": 0.1", "\"tick_s\": 0"), "bad.json:2",
        "must be from 0.000001 to 3600 s"},

@@ -5,6 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace troupe::worldio {
 namespace {
 
@@ -66,47 +70,104 @@ TEST(JsonDocument, KeepsWholeNumbersWhole) {
   EXPECT_EQ(std::get<double>(list[3].value), 1000);
 }
 
-TEST(JsonDocument, SyntaxErrorsNameTheLine) {
-  EXPECT_EQ(error("{\n  \"a\": 1\n  \"b\": 2\n}"),
-            "maze.json:3: error: syntax error while parsing object - unexpected string literal; expected ',' "
-            "or '}'");
-  EXPECT_EQ(
-      error("{\n  \"a\": 1,\n}"),
-      "maze.json:3: error: syntax error while parsing object key - unexpected '}'; expected string literal");
-  EXPECT_EQ(error("{\n\"a\": NaN}"),
-            "maze.json:2: error: syntax error while parsing value - invalid literal; last read: '\"a\": N'");
-  EXPECT_EQ(error("{\n\"a\": [1,\n"),
-            "maze.json:3: error: syntax error while parsing value - unexpected end of input; expected '[', "
-            "'{', or a "
-            "literal");
-  EXPECT_EQ(error("{\n\"a\": \"b\n\"}"),
-            "maze.json:2: error: syntax error while parsing value - invalid string: control character U+000A "
-            "(LF) must "
-            "be escaped to \\u000A or \\n; last read: '\"b<U+000A>'");
-  EXPECT_EQ(error("{\n\"a\": 1e999\n}"), "maze.json:2: error: /a: number overflow parsing '1e999'");
-  EXPECT_EQ(error("{\"a\": [1, {\"b/c\": [[2], [3],\n1e999]}]}"),
-            "maze.json:2: error: /a/1/b~1c/2: number overflow parsing '1e999'");
-  EXPECT_EQ(error("1e999"), "maze.json:1: error: number overflow parsing '1e999'");
-  EXPECT_EQ(error(""),
-            "maze.json:1: error: syntax error while parsing value - unexpected end of input; expected '[', "
-            "'{', or a literal");
-  EXPECT_EQ(error("{} {}"),
-            "maze.json:1: error: syntax error while parsing value - unexpected '{'; expected end of input");
+TEST(JsonDocument, SyntaxErrorsSayWhatToWriteInstead) {
+  const std::string no_comments = "JSON has no comments: remove this comment";
+  const std::string unclosed =
+      "this string has no closing quotation mark on its line; a line break in a string is written as \\n";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"{\n  // one\n  \"a\": 1\n}", "2: error: column 3: " + no_comments},
+      {"{\n  \"a\": 1, /* one */\n  \"b\": 2\n}", "2: error: column 11: " + no_comments},
+      {"{\n  \"a\": 1 // one\n}", "2: error: column 10: " + no_comments},
+      {"# one\n{}", "1: error: column 1: " + no_comments},
+      {"{\n  \"a\": 1,\n}",
+       "2: error: column 9: JSON has no trailing commas: remove this comma before the }"},
+      {"[1,\n2, ]", "2: error: column 2: JSON has no trailing commas: remove this comma before the ]"},
+      {"[1,, 2]", "1: error: column 4: found , after a comma: remove one of the two"},
+      {"[, 2]", "1: error: column 2: expected a value, found ,"},
+      {"{\n  \"a\": 1\n  \"b\": 2\n}", "3: error: column 3: a comma is missing before \"b\""},
+      {"[1 2]", "1: error: column 4: a comma is missing before 2"},
+      {"[1 {}]", "1: error: column 4: a comma is missing before {"},
+      {"[1; 2]", "1: error: column 3: expected a comma or ], found ;"},
+      {"[1\n}", "2: error: column 1: expected a comma or ], which closes the [ of line 1, found }"},
+      {"[\"say \"hi\"\"]",
+       "1: error: column 8: expected a comma or ], found hi; a quotation mark in a string is written as "
+       "\\\""},
+      {"{'a': 1}", "1: error: column 2: JSON has no single quotes: write \"a\""},
+      {"{\"a\": 'b c'}", "1: error: column 7: JSON has no single quotes: write \"b c\""},
+      {"{\"a\": 'b\n}", "1: error: column 7: JSON has no single quotes: write strings in double quotes, \""},
+      {"{a: 1}", "1: error: column 2: a key must be in double quotes: write \"a\""},
+      {"{1: 1}", "1: error: column 2: expected a key in double quotes, found 1"},
+      {"{\"a\" = 1}", "1: error: column 6: expected a colon after the key \"a\", found ="},
+      {"{\"gr\u00fcn\": 1, \"\u00fc\" 1}",
+       "1: error: column 17: expected a colon after the key \"\u00fc\", found 1"},
+      {"{\"a\": }", "1: error: column 7: expected a value after the colon, found }"},
+      {"{\n\"a\": NaN}", "2: error: column 6: JSON has no NaN: write a finite number"},
+      {"[-Infinity]", "1: error: column 2: JSON has no -Infinity: write a finite number"},
+      {"[inf]", "1: error: column 2: JSON has no inf: write a finite number"},
+      {"[True]", "1: error: column 2: expected a value, found True: write true"},
+      {"[None]", "1: error: column 2: expected a value, found None: write null"},
+      {"[red]", "1: error: column 2: expected a value, found red: a text must be in double quotes"},
+      {"[.5]", "1: error: column 2: .5 is not a number of JSON: write a digit before the point, as in 0.5"},
+      {"[1.]", "1: error: column 2: 1. is not a number of JSON: write a digit after the point, as in 1.0"},
+      {"[+1]", "1: error: column 2: +1 is not a number of JSON: write it without +"},
+      {"[01]", "1: error: column 2: 01 is not a number of JSON: write it without the leading 0"},
+      {"[0x1f]", "1: error: column 2: 0x1f is not a number of JSON: write it in decimal digits"},
+      {"[1m]", "1: error: column 2: 1m is not a number of JSON: numbers are written as in 12, -0.5 or 2e-3"},
+      {"{\n\"a\": \"b\n\"}", "2: error: column 6: " + unclosed},
+      {"[\"b", "1: error: column 2: " + unclosed},
+      {"[\"a\tb\"]", "1: error: column 4: a string contains a tab: write it as \\t"},
+      {"[\"C:\\maps\"]",
+       "1: error: column 5: a backslash in a string must begin an escape sequence, and JSON has no \\m: "
+       "write "
+       "a backslash as \\\\"},
+      {"[\"\\u12\"]",
+       "1: error: column 3: four hexadecimal digits must follow \\u in a string; a backslash is written as "
+       "\\\\"},
+      {"[\"\\ud800\"]",
+       "1: error: column 3: \\ud800 to \\udfff must come in pairs, which stand for one character"},
+      {"{\n\"a\": [1,\n", "3: error: column 1: the text ends too early: the [ of line 2 has no closing ]"},
+      {"", "1: error: column 1: the text is empty: expected a JSON value, such as an object in braces {}"},
+      {"{} {}",
+       "1: error: column 4: found { after the end of the JSON value: remove it, or remove a closing bracket "
+       "before it"},
+      {"\xef\xbb\xbf[1 2]", "1: error: column 4: a comma is missing before 2"},
+  };
+  for (const auto& [text, expected] : cases) EXPECT_EQ(error(text), "maze.json:" + expected) << text;
   using std::string_view_literals::operator""sv;
   EXPECT_EQ(error("{\"a\": 1}\n\0garbage {{{"sv),
             "maze.json:2: error: the text contains a NUL byte (U+0000), which is not allowed in JSON");
 }
 
+TEST(JsonDocument, SyntaxErrorsOfTextsWithoutAFileNameTheLineOfTheText) {
+  const auto error_of = [](std::string_view text) {
+    Diagnostics diagnostics;
+    EXPECT_FALSE(parse_json(text, {diagnostics.files()->add("c.h5"), 0}, true, diagnostics));
+    return findings(diagnostics).at(0);
+  };
+  EXPECT_EQ(error_of("[1 2]"), "c.h5: error: column 4: a comma is missing before 2");
+  EXPECT_EQ(error_of("[1\n2]"), "c.h5: error: line 2, column 1: a comma is missing before 2");
+}
+
+TEST(JsonDocument, TooLargeNumbersHaveAPointer) {
+  const std::string limits = "1e999 is too large: numbers are from -1.7e308 to 1.7e308";
+  EXPECT_EQ(error("{\n\"a\": 1e999\n}"), "maze.json:2: error: /a: " + limits);
+  EXPECT_EQ(error("{\"a\": [1, {\"b/c\": [[2], [3],\n1e999]}]}"),
+            "maze.json:2: error: /a/1/b~1c/2: " + limits);
+  EXPECT_EQ(error("1e999"), "maze.json:1: error: " + limits);
+}
+
 TEST(JsonDocument, CharactersThatAreNotAsciiAreNamedWhole) {
   EXPECT_EQ(error("{\"a\": 1,\n \u201cb\u201d: 2}"),
-            "maze.json:2: error: unexpected quotation mark \u201c: write the straight one, \"");
+            "maze.json:2: error: column 2: unexpected quotation mark \u201c: write the straight one, \"");
   EXPECT_EQ(error("{\"a\": \u22121}"),
-            "maze.json:1: error: unexpected dash \u2212: write the minus sign of ASCII, -");
-  EXPECT_EQ(error("{\"a\":\u00a01}"), "maze.json:1: error: unexpected blank U+00A0: write an ordinary blank");
+            "maze.json:1: error: column 7: unexpected dash \u2212: write the minus sign of ASCII, -");
+  EXPECT_EQ(error("{\"a\":\u00a01}"),
+            "maze.json:1: error: column 6: unexpected blank U+00A0: write an ordinary blank");
   EXPECT_EQ(error("{\"a\": t\u00fc}"),
-            "maze.json:1: error: unexpected character U+00FC (\u00fc): it may be only in strings");
+            "maze.json:1: error: column 8: unexpected character U+00FC (\u00fc): it may be only in strings");
   EXPECT_EQ(error("{\"a\":\n\"\xff\"}"),
-            "maze.json:2: error: a string contains bytes that are not valid UTF-8: save the file in UTF-8");
+            "maze.json:2: error: column 2: a string contains bytes that are not valid UTF-8: save the file "
+            "in UTF-8");
   using std::string_view_literals::operator""sv;
   EXPECT_EQ(error("{\0\n\0}\0"sv), "maze.json: error: the file is encoded in UTF-16: save it in UTF-8");
 }

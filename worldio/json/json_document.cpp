@@ -2,6 +2,7 @@
 
 #include "base/number_text.hpp"
 #include "worldio/characters.hpp"
+#include "worldio/json/json_syntax.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -52,6 +53,15 @@ std::uint32_t line_at(std::string_view text, std::size_t position) {
   return 1 + static_cast<std::uint32_t>(std::ranges::count(text.substr(0, position), '\n'));
 }
 
+/// Returns the column, from 1, of the character at this position of a text in UTF-8.
+std::size_t column_at(std::string_view text, std::size_t position) {
+  const std::string_view before = text.substr(0, position);
+  std::string_view line = before.substr(before.rfind('\n') + 1);  // npos + 1 is 0
+  if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);    // byte-order mark
+  const auto is_first = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
+  return 1 + static_cast<std::size_t>(std::ranges::count_if(line, is_first));
+}
+
 void report_repeated(const JsonNode::Object& members, bool fixed_place, Diagnostics& diagnostics) {
   std::unordered_map<std::string_view, Where> seen;
   for (const JsonMember& member : members) {
@@ -99,35 +109,29 @@ class TreeBuilder {
   }
 
   bool parse_error(std::size_t position, const std::string&, const nlohmann::json::exception& error) {
-    // The parser's message is "[json.exception...] parse error at line 2, column 3: what". Only "what" is
-    // kept: `where` has the line.
-    std::string_view message = error.what();
-    if (const std::size_t end = message.find("] "); end != std::string_view::npos)
-      message.remove_prefix(end + 2);
-    if (message.starts_with("parse error at line "))
-      if (const std::size_t end = message.find(": "); end != std::string_view::npos)
-        message.remove_prefix(end + 2);
-    std::string what(message);
-    // The parser's message names only the closing bracket, although a comma would also be valid there.
-    for (const std::string_view end : {"expected '}'", "expected ']'"})
-      if (what.ends_with(end)) what.insert(what.size() - 3, "',' or ");
     const std::size_t last = position > 0 ? position - 1 : 0;  // the last byte that the parser has read
-    Where where = start_;
-    if (!fixed_place_) where.line = line_at(text_, last);
-    // The parser's message ends with what it has read, which may end within a character.
-    if (last < text_.size() && static_cast<unsigned char>(text_[last]) > 127)
-      what = what.find("invalid string") == what.npos
-                 ? stray_character(text_, last, "strings").error
-                 : "a string contains bytes that are not valid UTF-8: save the file in UTF-8";
     constexpr int k_out_of_range = 406;  // nlohmann's id for a number that is too large for a double
-    const bool has_pointer = error.id == k_out_of_range && !open_.empty();
-    diagnostics_.error(where, has_pointer ? fmt::format("{}: {}", next_pointer(), what) : what);
+    if (error.id == k_out_of_range) {
+      const std::string_view read = text_.substr(0, last + 1);
+      const std::string_view number = read.substr(read.find_last_not_of("0123456789.eE+-") + 1);
+      report(last, fmt::format("{}{}{} is too large: numbers are from -1.7e308 to 1.7e308", next_pointer(),
+                               open_.empty() ? "" : ": ", number));
+      return false;
+    }
+    const JsonSyntaxError found = json_syntax_error(text_, last);
+    const std::uint32_t line = line_at(text_, found.at);
+    const std::string line_text = fixed_place_ && line > 1 ? fmt::format("line {}, ", line) : "";
+    report(found.at, fmt::format("{}column {}: {}", line_text, column_at(text_, found.at), found.what));
     return false;
   }
 
   JsonNode take() { return std::move(root_); }
 
  private:
+  void report(std::size_t at, const std::string& what) {
+    diagnostics_.error(fixed_place_ ? start_ : Where{start_.file, line_at(text_, at)}, what);
+  }
+
   /// Returns the place of the value or key that the parser has just read. `read_ahead` must be true for a
   /// number: the parser finds the end of a number only by reading the next character, which may be the end of
   /// the line.
