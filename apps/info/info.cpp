@@ -129,7 +129,8 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
   if (worldio::is_checkpoint(file)) return summary_of_checkpoint(file);
   if (start.starts_with(k_events_mark)) return summary_of_events(file);
   if (start.starts_with(k_measures_mark)) return summary_of_measures(file);
-  if (start.starts_with(k_profile_mark)) return summary_of_profile(file);
+  constexpr std::string_view k_profile_line = k_profile_mark.substr(0, k_profile_mark.find('\n'));
+  if (start.starts_with(k_profile_line)) return summary_of_profile(file);
   if (start.starts_with(k_series_mark)) return summary_of_series(file);
   if (is_start_of_results(start)) return summary_of_results(file);
   if (file.extension() == ".json" && worldio::is_utf16(start))

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::apps {
@@ -113,6 +114,12 @@ TEST_F(Info, OfAProfile) {
   EXPECT_THAT(lines, Contains("seed 7"));
   EXPECT_THAT(lines, Contains("ticks 4"));
   EXPECT_EQ(lines.back(), "complete yes");
+  std::string other_ends;
+  for (const char c : read("p.json")) other_ends += c == '\n' ? "\r\n" : std::string(1, c);
+  write("p2.json", other_ends);
+  std::vector<std::string> same = info("p2.json");
+  EXPECT_EQ(std::exchange(same.front(), "p.json"), "p2.json");
+  EXPECT_EQ(same, lines);
   cut("p.json", 30);
   EXPECT_EQ(info("copy").back(), "complete no: cut off");
 }
