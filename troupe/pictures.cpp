@@ -199,7 +199,8 @@ std::optional<render::VectorFormat> vector_format(const fs::path& file) {
   return std::nullopt;
 }
 
-/// Throws std::invalid_argument if a number in the options cannot be drawn.
+/// Throws std::invalid_argument if a number in the options cannot be drawn, or if the range of colours is
+/// empty or reversed.
 void check_picture_numbers(const PictureOptions& options) {
   if (const auto across = options.across_m; across && !(*across > 0 && std::isfinite(*across)))
     throw std::invalid_argument(fmt::format("across_m is {}: give a finite number above 0", *across));
@@ -209,6 +210,9 @@ void check_picture_numbers(const PictureOptions& options) {
     if (pair && !(std::isfinite((*pair)[0]) && std::isfinite((*pair)[1])))
       throw std::invalid_argument(
           fmt::format("{} is ({}, {}): give two finite numbers", name, (*pair)[0], (*pair)[1]));
+  if (const auto range = options.color_range; range && (*range)[0] >= (*range)[1])
+    throw std::invalid_argument(fmt::format(
+        "color_range is ({}, {}): give two different numbers, the lower first", (*range)[0], (*range)[1]));
 }
 
 }  // namespace

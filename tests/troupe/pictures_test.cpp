@@ -4,6 +4,7 @@
 #include "models/devices/led.hpp"
 #include "tests/support/scratch.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -290,6 +291,9 @@ TEST_F(PicturesTest, NumbersThatCannotBeDrawnAreErrors) {
   refused({.center_m = {{0, k_nan}}}, "center_m is (0, nan): give two finite numbers");
   refused({.color_by = "velocity.x", .color_range = {{k_nan, 1}}},
           "color_range is (nan, 1): give two finite numbers");
+  for (const double high : {2.0, 1.5})
+    refused({.color_by = "velocity.x", .color_range = {{2, high}}},
+            fmt::format("color_range is (2, {}): give two different numbers, the lower first", high));
 }
 
 TEST_F(PicturesTest, ErrorsOfWritingNameThePicture) {
