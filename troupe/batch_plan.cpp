@@ -1,4 +1,5 @@
 #include "base/diagnostics.hpp"
+#include "engine/spec/names.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/batch_impl.hpp"
@@ -258,7 +259,7 @@ std::vector<BodyId> BatchEnv::Impl::targets_of(const TeamData& team, const Batch
   std::vector<BodyId> targets;
   for (const Model& robot : robots) {
     const std::string& name = robot.name();
-    const std::size_t digits = name.find_last_not_of("0123456789") + 1;
+    const std::size_t digits = engine::without_number(name).size();
     const std::string target = part.name + name.substr(digits);
     const BodyId own = digits < name.size() ? world.find(target) : BodyId();
     if (!own.valid())

@@ -18,12 +18,6 @@ using engine::WorldSpec;
 
 constexpr std::size_t k_most_names = 100;  // names in an error
 
-/// Whether the body with this name is the robot `robots` or belongs to the population `robots`.
-bool is_of(std::string_view name, std::string_view robots) {
-  return name == robots || (name.starts_with(robots) && name.size() > robots.size() &&
-                            name.find_first_not_of("0123456789", robots.size()) == name.npos);
-}
-
 /// Returns the types that `robots` selects (Script::Controller::robots). The error says why there are none.
 Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::string& robots) {
   std::vector<std::size_t> types;
@@ -39,7 +33,9 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
   std::vector<bool> has_others(world.types.size(), false);
   for (std::size_t b = 1; b < world.bodies.size(); ++b) {
     const std::size_t type = world.bodies[b].type.index();
-    (is_of(world.name(BodyId(b)), robots) ? has : has_others)[type] = true;
+    const std::string name = world.name(BodyId(b));
+    const bool is_meant = name == robots || engine::is_of_population(name, robots);
+    (is_meant ? has : has_others)[type] = true;
   }
   for (std::size_t t = 0; t < world.types.size(); ++t) {
     if (!has[t]) continue;
@@ -56,10 +52,10 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
     if (engine::is_mobile(type)) names.push_back(type.name);
   for (std::size_t b = 1; b < world.bodies.size(); ++b) {
     if (!engine::is_mobile(world.type(BodyId(b)))) continue;
-    std::string name(world.name(BodyId(b)));
-    const std::size_t end = name.find_last_not_of("0123456789");  // the robots of a population are numbered
-    if (end != name.npos) name.resize(end + 1);
-    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+    const std::string name = world.name(BodyId(b));
+    const std::string_view population = engine::without_number(name);
+    const std::string_view listed = population.empty() ? std::string_view(name) : population;
+    if (std::ranges::find(names, listed) == names.end()) names.emplace_back(listed);
     if (names.size() >= k_most_names) break;
   }
   const std::vector<std::string_view> known(names.begin(), names.end());

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/random.hpp"
+#include "engine/interventions/groups.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
@@ -12,7 +13,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -28,22 +28,6 @@ using Of = SettingSpec::Of;
 using FaultEvent = Experiment::FaultEvent;
 
 constexpr std::uint32_t k_trials = 1000;  // random positions per added body, as when a world is loaded
-
-std::string_view without_number(std::string_view name) {
-  return name.substr(0, name.find_last_not_of("0123456789") + 1);
-}
-
-/// Whether the name of a body is the name of a population followed by digits. The name "r217" fits population
-/// "r2", and also population "r".
-bool is_of_population(const Names& names, Name name, std::string_view population) {
-  const std::string& word = names.words()[name.word];
-  if (word == population)
-    return name.number != Name::k_no_number;  // most names need not be converted to text
-  if (!word.starts_with(population) && !population.starts_with(word)) return false;
-  const std::string text = names.text(name);
-  return text.size() > population.size() && text.starts_with(population) &&
-         without_number(text).size() <= population.size();
-}
 
 /// Whether event `a` comes after event `b`: by tick, then by the order of the faults in the file, then by the
 /// id of the body. A heap with this order has the earliest event on top.
@@ -222,51 +206,6 @@ void build_part(std::string_view key, std::size_t index, Diagnostics& diagnostic
 
 // ---- Compiling the spec
 
-std::vector<BodyId> World::bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const {
-  std::vector<BodyId> bodies;
-  if (group.by == By::model) {
-    const BodyId body = find(group.name);
-    if (body.valid() && location(body) != RowLocation::none) return {body};
-    if (body.valid()) {
-      diagnostics.error(where,
-                        fmt::format("\"{}\" is a static body: interventions and faults can only act on "
-                                    "bodies that can move, sense, decide, be gripped or be pushed",
-                                    group.name));
-      return bodies;
-    }
-  }
-  for (std::size_t b = 1; b < state_.rows.size(); ++b) {
-    if (location(BodyId(b)) == RowLocation::none || group.by == By::model) continue;
-    const BodySpec& body = state_.spec.bodies[b];
-    if (group.by == By::type ? state_.types[body.type.index()].name == group.name
-                             : is_of_population(state_.spec.names, body.name, group.name))
-      bodies.push_back(BodyId(b));
-  }
-  if (!bodies.empty()) return bodies;
-  if (group.by == By::type && std::ranges::any_of(state_.types, [&](const BodyType& type) {
-        return type.runs() && type.name == group.name;
-      }))
-    return bodies;  // the world has no body of this type, for example because of the option --robots
-  if (group.by == By::population &&
-      std::ranges::count(state_.spec.empty_populations, group.name, &EmptyPopulation::name) > 0)
-    return bodies;
-  std::set<std::string> known;
-  if (group.by == By::population)
-    for (const EmptyPopulation& population : state_.spec.empty_populations) known.insert(population.name);
-  for (std::size_t b = 1; b < state_.rows.size(); ++b) {
-    if (location(BodyId(b)) == RowLocation::none) continue;
-    const std::string name = state_.spec.name(BodyId(b));
-    if (group.by == By::type) known.insert(state_.type(BodyId(b)).name);
-    if (group.by == By::model) known.insert(name);
-    if (group.by == By::population && without_number(name).size() < name.size())
-      known.emplace(without_number(name));
-  }
-  constexpr std::array<std::string_view, 3> k_what{"population", "type", "model"};
-  diagnostics.error(where, unknown_name(k_what[static_cast<std::size_t>(group.by)], group.name,
-                                        std::vector<std::string_view>(known.begin(), known.end())));
-  return bodies;
-}
-
 void World::build_experiment(const Registry& registry, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
   const ExperimentSpec& spec = state_.spec.experiment;
@@ -278,14 +217,15 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
   }
   std::ranges::stable_sort(e.interventions, {}, &Experiment::Intervention::tick);
   std::map<std::uint32_t, TypeSpec> types;  // by type id, with all settings so far applied
+  Groups groups(*this);
   std::size_t most = 0;
   for (Experiment::Intervention& intervention : e.interventions) {
     build_part("at", intervention.spec, diagnostics,
-               [&](Diagnostics& own) { build_intervention(intervention, registry, types, own); });
-    most = std::max(most, intervention.whom.size());
+               [&](Diagnostics& own) { build_intervention(intervention, registry, groups, types, own); });
+    if (intervention.whom) most = std::max(most, intervention.whom->size());
   }
   warn_of_small_reserves(state_.spec, diagnostics);
-  build_faults(registry, diagnostics);
+  build_faults(registry, groups, diagnostics);
   e.candidates.reserve(most);
   if (std::ranges::any_of(spec.at, [](const auto& at) { return at.action == Action::move; }))
     for (PlacedRows* list : {&placed_, &placed_before_}) list->reserve(rows());
@@ -293,19 +233,20 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
 
 /// Compiles the faults of the spec, selects the bodies that may fail, and computes the first event of each
 /// fault in each of these bodies. Throws if the spec of a fault has errors.
-void World::build_faults(const Registry& registry, Diagnostics& diagnostics) {
+void World::build_faults(const Registry& registry, Groups& groups, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
   e.faults.clear();
   e.first_fault_events.clear();
   for (std::size_t i = 0; i < state_.spec.experiment.faults.size(); ++i)
-    build_part("faults", i, diagnostics, [&](Diagnostics& own) { build_fault(i, registry, own); });
+    build_part("faults", i, diagnostics, [&](Diagnostics& own) { build_fault(i, registry, groups, own); });
   diagnostics.throw_if_errors();
   std::ranges::make_heap(e.first_fault_events, is_later);
   e.fault_events.reserve(e.first_fault_events.size());
 }
 
 void World::build_intervention(Experiment::Intervention& intervention, const Registry& registry,
-                               std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics) {
+                               Groups& groups, std::map<std::uint32_t, TypeSpec>& types,
+                               Diagnostics& diagnostics) {
   const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
   const auto error = [&](const std::string& what) {
     diagnostics.error(spec.where, fmt::format("at {:g} s: {}", spec.time_s, what));
@@ -331,7 +272,7 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
       error("\"add\" needs \"region_m\" or \"pose\", because the world has no bounds");
     return;
   }
-  intervention.whom = bodies_of(spec.whom, spec.where, diagnostics);
+  intervention.whom = groups.find(spec.whom, spec.where, diagnostics);
   if (spec.action == Action::move && !state_.bounds().contains(spec.pose->position()))
     error(fmt::format("\"{}\" would be moved to x {}, y {} (m), {}", spec.whom.name, spec.pose->x,
                       spec.pose->y, outside_text(state_.bounds())));
@@ -385,11 +326,11 @@ void World::bind_kinds_again(const Registry& registry) {
         require(build_setting(*state_.spec.experiment.at[each.spec].setting, registry, types, each));
 }
 
-void World::build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics) {
+void World::build_fault(std::size_t at, const Registry& registry, Groups& groups, Diagnostics& diagnostics) {
   const FaultSpec& spec = state_.spec.experiment.faults[at];
   const std::uint32_t chooses = stream_id("fault", fmt::format("{}", at));
   experiment_.candidates.clear();
-  for (const BodyId body : bodies_of(spec.whom, spec.where, diagnostics))
+  for (const BodyId body : *groups.find(spec.whom, spec.where, diagnostics))
     if (state_.spec.starts(body))
       experiment_.candidates.push_back({key_of({state_.spec.seed, chooses, body.value, 0}), body});
   const std::span<const Experiment::Candidate> chosen = choose(spec.whom);
@@ -485,36 +426,46 @@ double World::speed_scale(Row row) const {
 /// engine/ranks/halo.hpp).
 void World::intervene() {
   Experiment& e = experiment_;
-  bool is_other_crowd = false;
+  bool is_index_old = false;  // bodies are elsewhere, were born or have died
+  bool has_cargo_to_follow = false;
   bool has_moved = false;  // bodies are elsewhere, or no longer part of a tree because another body died
   bool has_added = false;
+  // The work that takes time proportional to the number of bodies is done once for many interventions: cargo
+  // follows after consecutive interventions `move`, and the index is rebuilt at the end and before `add`.
+  const auto let_cargo_follow = [&] {
+    if (std::exchange(has_cargo_to_follow, false)) carry_placed();
+  };
   while (e.next < e.interventions.size() && e.interventions[e.next].tick <= state_.now.tick) {
     Experiment::Intervention& due = e.interventions[e.next++];
     const Action action = state_.spec.experiment.at[due.spec].action;
+    if (action != Action::move) let_cargo_follow();
     // A rank tests whether poses on its ground are free, so it needs the rows of the bodies that moved there.
     if (action == Action::add && has_moved) follow_newborn();
     has_moved = has_moved && action != Action::add;
-    is_other_crowd = carry_out(due) || is_other_crowd;
+    const bool has_changed = carry_out(due);
+    is_index_old = is_index_old || has_changed;
+    has_cargo_to_follow = has_cargo_to_follow || (action == Action::move && has_changed);
     has_added = has_added || action == Action::add;
     has_moved = has_moved || action == Action::move || (action == Action::remove && state_.carrier_table);
   }
+  let_cargo_follow();
   while (!e.fault_events.empty() && e.fault_events.front().tick <= state_.now.tick)
     apply_fault_event(take_fault_event());
   find_due();
   if ((has_moved || has_added) && replica_ != nullptr) replica_->follow_jumps();
-  if (!is_other_crowd) return;
+  if (!is_index_old) return;
   movement_.count_stalls();
   index_bodies();
 }
 
-/// Applies an intervention. Returns true if bodies were born or died; the caller must then rebuild the
-/// spatial index.
+/// Applies an intervention. Returns true if bodies were moved, were born or died; the caller must then
+/// rebuild the spatial index. After `move`, the caller must also call carry_placed().
 bool World::carry_out(Experiment::Intervention& intervention) {
   const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
   switch (spec.action) {
     case Action::set: swap_setting(intervention); return false;
     case Action::add: return add(intervention);
-    case Action::move: move_body(intervention); return false;
+    case Action::move: return move_body(intervention);
     case Action::remove: list_candidates(intervention); return remove_all(choose(spec.whom));
     case Action::disable:
     case Action::enable: break;
@@ -525,11 +476,15 @@ bool World::carry_out(Experiment::Intervention& intervention) {
   return false;
 }
 
-void World::move_body(const Experiment::Intervention& intervention) {
-  const BodyId body = intervention.whom.front();
-  if (location(body) != RowLocation::here) return;
-  const Placed placed{row(body), *state_.spec.experiment.at[intervention.spec].pose};
-  if (is_there(placed.row) && !carrier(placed.row)) set_poses({&placed, 1});
+/// Applies an intervention `move`. Returns whether the body was moved.
+bool World::move_body(const Experiment::Intervention& intervention) {
+  if (intervention.whom->empty()) return false;
+  const BodyId body = intervention.whom->front();
+  if (location(body) != RowLocation::here) return false;
+  const Row row = this->row(body);
+  if (!is_there(row) || carrier(row)) return false;
+  place(row, *state_.spec.experiment.at[intervention.spec].pose);
+  return true;
 }
 
 /// Lists in Experiment::candidates the bodies that `remove`, `disable` or `enable` can affect, with a random
@@ -542,7 +497,7 @@ void World::list_candidates(const Experiment::Intervention& intervention) {
   // be the same on all ranks (has_many_newborn()).
   const bool needs_all = spec.whom.count || spec.whom.share || spec.action == Action::remove;
   experiment_.candidates.clear();
-  for (const BodyId id : intervention.whom) {
+  for (const BodyId id : *intervention.whom) {
     if (location(id) != RowLocation::here) continue;
     const Row row = this->row(id);
     if (!is_there(row)) continue;
@@ -555,12 +510,13 @@ void World::list_candidates(const Experiment::Intervention& intervention) {
   if (needs_all && replica_ != nullptr) replica_->add_candidates(experiment_.candidates);
 }
 
-/// Removes the bodies from the world. Returns whether there are any.
+/// Removes the bodies from the world. Returns whether there are any. chosen: in order of ids
 bool World::remove_all(std::span<const Experiment::Candidate> chosen) {
-  for (const Experiment::Candidate& each : chosen) {
-    std::erase_if(newborn_, [&](const Newborn& newborn) { return newborn.body == each.body; });
+  std::erase_if(newborn_, [&](const Newborn& newborn) {
+    return std::ranges::binary_search(chosen, newborn.body, {}, &Experiment::Candidate::body);
+  });
+  for (const Experiment::Candidate& each : chosen)
     if (location(each.body) == RowLocation::here) die(row(each.body));
-  }
   return !chosen.empty();
 }
 

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <vector>
 
 namespace troupe::engine {
@@ -37,8 +38,9 @@ struct Experiment {
     /// number. 0 if World::set() has added the intervention, which then needs no random numbers.
     std::uint32_t stream = 0;
     /// Ids of all bodies of the group InterventionSpec::whom, in ascending order, including bodies that are
-    /// not in the world. Empty for the interventions `add` (spawns bodies) and `set` (changes parameters).
-    std::vector<BodyId> whom;
+    /// not in the world. Interventions on the same group share one list. Null for the interventions `add`
+    /// (spawns bodies) and `set` (changes parameters).
+    std::shared_ptr<const std::vector<BodyId>> whom;
     std::size_t reserve = 0;  ///< for `add`: list of bodies to spawn, index into WorldSpec::reserves
     /// For `set` of a drive or controller. Before the intervention is applied: the data that the kind of the
     /// drive or controller has prepared from the new parameters. Afterwards: the data of the old parameters.

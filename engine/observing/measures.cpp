@@ -1,5 +1,6 @@
 #include "engine/observing/measures.hpp"
 
+#include "engine/spec/names.hpp"
 #include "engine/world/kind_errors.hpp"
 
 #include <fmt/format.h>
@@ -10,10 +11,6 @@
 
 namespace troupe::engine {
 namespace {
-
-bool is_number(std::string_view text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == text.npos;
-}
 
 std::string column_name(const MeasureSpec& spec, const MeasureKind& kind) {
   const std::string_view unit = unit_suffixes(kind.unit).front().suffix;
@@ -185,11 +182,9 @@ std::vector<BodyId> robots_of(const World& world, std::string_view of) {
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodyId body(b);
     if (!is_robot(body)) continue;
-    if (!of.empty() && world.type(body).name != of && !(is_one && body == named)) {
-      const std::string name = spec.name(body);
-      if (is_one || !name.starts_with(of) || !is_number(name.substr(of.size()))) continue;
-    }
-    robots.push_back(body);
+    const bool is_meant = of.empty() || world.type(body).name == of ||
+                          (is_one ? body == named : is_of_population(spec.names, spec.bodies[b].name, of));
+    if (is_meant) robots.push_back(body);
   }
   return robots;
 }
@@ -211,9 +206,9 @@ std::vector<std::string> names_of_robots(const World& world) {
     const BodyType& type = world.type(BodyId(b));
     if (!type.drive) continue;
     names.insert(type.name);
-    std::string name = spec.name(BodyId(b));
-    name.erase(name.find_last_not_of("0123456789") + 1);
-    if (!name.empty()) names.insert(std::move(name));
+    const std::string name = spec.name(BodyId(b));
+    if (const std::string_view population = without_number(name); !population.empty())
+      names.emplace(population);
   }
   return {names.begin(), names.end()};
 }

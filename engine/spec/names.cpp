@@ -76,6 +76,23 @@ std::string Names::text(Name name) const {
   return name.number == Name::k_no_number ? word : fmt::format("{}{}", word, name.number);
 }
 
+std::string_view without_number(std::string_view name) {
+  while (!name.empty() && is_digit(name.back())) name.remove_suffix(1);
+  return name;
+}
+
+bool is_of_population(std::string_view name, std::string_view population) {
+  return name.size() > population.size() && name.starts_with(population) &&
+         std::ranges::all_of(name.substr(population.size()), is_digit);
+}
+
+bool is_of_population(const Names& names, Name name, std::string_view population) {
+  const std::string& word = names.words()[name.word];
+  if (word == population) return name.number != Name::k_no_number;
+  if (!word.starts_with(population) && !population.starts_with(word)) return false;
+  return is_of_population(names.text(name), population);
+}
+
 std::size_t NameMap::slot_of(Name name) const {
   // Consecutive numbers are in blocks of eight slots, 1.5 cache lines, because they are looked up together.
   constexpr std::uint32_t k_block = 8;

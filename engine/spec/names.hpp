@@ -57,6 +57,15 @@ class Names {
   std::map<std::string, std::uint32_t, std::less<>> positions_;  // in words_
 };
 
+/// The name without the digits at its end. The bodies "r0", "r1", ... of the population "r" all give "r". If
+/// the name has no digits at its end, returns the whole name.
+std::string_view without_number(std::string_view name);
+/// Whether `name` is the name of a body of the population `population`: the name of the population, followed
+/// by one or more digits. The name "r217" fits the population "r2", and also the population "r".
+bool is_of_population(std::string_view name, std::string_view population);
+/// As the function above, for a name of the table `names`. Faster, because it converts few names to text.
+bool is_of_population(const Names& names, Name name, std::string_view population);
+
 /// A name and the body that has it.
 struct NamedBody {
   Name name;    ///< the name, in the table WorldSpec::names

@@ -2,6 +2,7 @@
 
 #include "base/exact_sum.hpp"
 #include "base/fp_environment.hpp"
+#include "engine/interventions/groups.hpp"
 #include "engine/kinds/finite.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/world/kind_errors.hpp"
@@ -216,19 +217,29 @@ void World::set_poses(std::span<const Placed> placed) {
                       state_.spec.name(body(place.row)), state_.spec.name(*by)));
   }
   touch();
-  for (const auto& [row, p] : placed) {
-    const Pose pose{p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0};
-    state_.poses()[row.index()] = pose;
-    state_.stalls()[row.index()] = WorldState::k_free;
-    movement_.rest(row);
-    state_.update_outlines(row, type(row), Transform(pose));
-  }
-  if (links_.any()) links_.carry();
-  for (const Placed& place : placed) remember_placed(place.row);
-  for (std::size_t r = 0; state_.now.carried > 0 && r < rows(); ++r)
-    if (carrier(Row(r))) remember_placed(Row(r));
+  for (const auto& [row, pose] : placed) place(row, pose);
+  carry_placed();
   movement_.count_stalls();
   index_bodies();
+}
+
+/// Places a body that is not carried at a pose. carry_placed(), Movement::count_stalls() and index_bodies()
+/// must follow; one call of each is enough for several bodies.
+void World::place(Row row, const Pose& pose) {
+  const Pose placed = at_start(pose);
+  state_.poses()[row.index()] = placed;
+  state_.stalls()[row.index()] = WorldState::k_free;
+  movement_.rest(row);
+  state_.update_outlines(row, type(row), Transform(placed));
+  remember_placed(row);
+}
+
+/// Called after place(): moves all carried bodies with their carriers.
+void World::carry_placed() {
+  if (state_.now.carried == 0) return;
+  links_.carry();
+  for (std::size_t r = 0; r < rows(); ++r)
+    if (carrier(Row(r))) remember_placed(Row(r));
 }
 
 void World::remember_placed(Row row) { placed_.set(row, poses()[row.index()]); }
@@ -312,11 +323,12 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
     has_any_changed = has_any_changed || has_moved || bodies[b].color != old.color;
   }
   Diagnostics diagnostics(state_.spec.files);  // build_faults() finds no error: the constructor has checked
+  Groups groups(*this);
   const auto begin_with = [&](std::uint64_t next_seed, std::span<const BodySpec> next) {
     state_.spec.seed = next_seed;
     std::ranges::copy(next, state_.spec.bodies.begin());
     if (has_scene_changed) build_scene();
-    build_faults(registry, diagnostics);
+    build_faults(registry, groups, diagnostics);
     forget_settings();
     if (has_any_changed) bind_kinds_again(registry);
     start();

@@ -37,6 +37,7 @@
 namespace troupe::engine {
 
 class Blinkers;  // engine/state/blinkers.hpp
+class Groups;    // engine/interventions/groups.hpp
 // engine/observing/frame.hpp
 struct Frame;
 struct FrameScene;
@@ -730,23 +731,16 @@ class World {
   /// Compiles an intervention of the spec. `types` is a map from TypeId to the spec of a type. It contains
   /// each type whose parameters earlier interventions change, with the changed parameters. The function adds
   /// the changes of this intervention to the map.
-  void build_intervention(Experiment::Intervention& intervention, const Registry& registry,
+  void build_intervention(Experiment::Intervention& intervention, const Registry& registry, Groups& groups,
                           std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics);
   /// Compiles a change of parameters, `setting`, into `intervention`. `types` is as for build_intervention().
   /// The error says what is wrong with the change.
   Result<> build_setting(const SettingSpec& setting, const Registry& registry,
                          std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
-  void build_faults(const Registry& registry, Diagnostics& diagnostics);
+  void build_faults(const Registry& registry, Groups& groups, Diagnostics& diagnostics);
   void bind_kinds_again(const Registry& registry);
-  void build_fault(std::size_t at, const Registry& registry, Diagnostics& diagnostics);
+  void build_fault(std::size_t at, const Registry& registry, Groups& groups, Diagnostics& diagnostics);
   void build_conditions();
-  /// Returns the bodies of a group of the world file that have rows, in order of ids. The random selection of
-  /// the group (GroupSpec::count, GroupSpec::share) is not made here.
-  ///
-  /// If there is no such body, the function returns an empty list and reports an error at `where`, a position
-  /// in the world file. There is one exception: no error is reported if the group names a type of the world
-  /// whose bodies would have rows.
-  std::vector<BodyId> bodies_of(const GroupSpec& group, Where where, Diagnostics& diagnostics) const;
   /// Computes from the tick which interventions have been applied: those whose tick is before the present
   /// one. The next step applies the interventions of the present tick.
   void derive_experiment();
@@ -755,7 +749,7 @@ class World {
   void count_impaired();
   void intervene();
   bool carry_out(Experiment::Intervention& intervention);
-  void move_body(const Experiment::Intervention& intervention);
+  bool move_body(const Experiment::Intervention& intervention);
   void list_candidates(const Experiment::Intervention& intervention);
   bool remove_all(std::span<const Experiment::Candidate> chosen);
   void toggle_disabled(Row row);
@@ -778,6 +772,8 @@ class World {
 
   void report_joints();
   void redraw_ray_grid();
+  void place(Row row, const Pose& pose);
+  void carry_placed();
   void remember_placed(Row row);
   void begin_placing();
   void index_bodies();

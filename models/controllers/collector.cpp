@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/spec/names.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
@@ -44,8 +45,6 @@ constexpr double k_back_off_s = 1.5;  // time of driving backwards from a sink o
 constexpr double k_turn_s = 1;        // least time of turning away from a sink or a charger
 constexpr double k_more_turn_s = 2;   // the random time of turning away exceeds k_turn_s by at most this
 constexpr Evasion k_evasion{.min_front = 0.5, .stop = 0.3};
-
-bool is_number(std::string_view text) { return text.find_first_not_of("0123456789") == text.npos; }
 
 struct Collector {
   enum Mode : std::uint8_t { seeking, gripping, carrying, releasing, leaving, charging };
@@ -141,7 +140,7 @@ Result<> Collector::bind_world(const WorldSpec& world, const engine::TypeSpec&, 
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     if (!world.starts(BodyId(b))) continue;
     const std::string name = world.name(BodyId(b));
-    if (name.starts_with(params.sink) && is_number(std::string_view(name).substr(params.sink.size())))
+    if (name == params.sink || engine::is_of_population(name, params.sink))
       sinks.push_back(world.bodies[b].pose_world_body.position());
   }
   if (has_pack)

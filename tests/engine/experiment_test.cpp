@@ -2,6 +2,7 @@
 // whatever the threads, and again after a reset or from the middle of it.
 
 #include "base/random.hpp"
+#include "engine/interventions/groups.hpp"
 #include "engine/observing/events.hpp"
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/spec/ticks.hpp"
@@ -27,6 +28,7 @@ using test::box;
 using test::SceneBuilder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using Action = InterventionSpec::Action;
 using By = GroupSpec::By;
 
@@ -366,6 +368,57 @@ TEST(Experiment, ABodyIsPutElsewhereAndSeenThere) {
                   static_cast<float>(3 - 0.2 / std::cos(7 - 2 * k_pi)));
 }
 
+TEST(Experiment, WhatIsAddedMeetsWhoWasMovedInTheSameTick) {
+  Squad row(4);
+  row.scene.spec.reserves.push_back({"more", BodyId(row.scene.spec.bodies.size()), 5});
+  for (int i = 0; i < 5; ++i) row.scene.body(fmt::format("more{}", i), row.type);
+  const auto with_pose = [](Action action, GroupSpec whom, double x, double y) {
+    InterventionSpec spec = at(0, action, std::move(whom));
+    spec.pose = Pose{x, y, 0, 0};
+    return spec;
+  };
+  const auto move = [&](std::string name, double x, double y) {
+    return with_pose(Action::move, model(std::move(name)), x, y);
+  };
+  const auto add = [&](double x, double y) { return with_pose(Action::add, population("more", 1), x, y); };
+  row.scene.spec.experiment.at = {move("r0", 5, 0),
+                                  move("r1", 5, 1),
+                                  move("r0", 6, 0),
+                                  add(6, 0),  // r0 is here
+                                  add(5, 0),  // r0 was here for a moment
+                                  at(0, Action::remove, model("r2")),
+                                  move("r1", 0, 2),
+                                  add(5, 1),
+                                  add(0, 2),  // r1 is here, in the place of r2
+                                  move("more0", 0, 0),
+                                  at(0, Action::remove, model("more1")),
+                                  add(5, 1)};
+  const auto world = row.world();
+  for (std::size_t r = 0; r < world->rows(); ++r) world->set_command(Row(r), {});
+  world->step();
+  EXPECT_THAT(there(*world), ElementsAre("r0", "r1", "r3", "more0", "more2"));
+  const auto position = [&](std::string_view name) { return world->pose(world->find(name)).position(); };
+  EXPECT_EQ(position("r0"), Vec2(6, 0));
+  EXPECT_EQ(position("r1"), Vec2(0, 2));
+  EXPECT_EQ(position("more0"), Vec2(0, 0));
+  EXPECT_EQ(position("more2"), Vec2(5, 1));
+  EXPECT_EQ(world->placed_before_step().size(), 3u) << "r0, r1 and more0";
+}
+
+TEST(Experiment, EntriesOnOneGroupShareOneList) {
+  Squad row(3);
+  const auto world = row.world();
+  Diagnostics diagnostics;
+  Groups groups(*world);
+  const Groups::Bodies all = groups.find(population("r"), {}, diagnostics);
+  EXPECT_THAT(*all, ElementsAre(BodyId(1), BodyId(2), BodyId(3)));
+  EXPECT_EQ(groups.find(population("r", 2, 0.5), {}, diagnostics), all);
+  EXPECT_NE(groups.find({By::type, "bot", {}, {}}, {}, diagnostics), all);
+  EXPECT_THAT(*groups.find(model("r1"), {}, diagnostics), ElementsAre(BodyId(2)));
+  for (int time = 0; time < 2; ++time) EXPECT_THAT(*groups.find(model("q"), {}, diagnostics), IsEmpty());
+  EXPECT_EQ(diagnostics.findings().size(), 2u) << "each use of a wrong name is an error";
+}
+
 InterventionSpec setting(double time_s, TypeId type, SettingSpec::Of of, const FieldTable& table,
                          std::string_view name, Value value) {
   Record params(table.fields.size());
@@ -503,7 +556,9 @@ TEST(Experiment, TheCapacityOfAPowerPackIsNotSet) {
 
 /// Expects that interventions and faults for a group without bodies are no errors and have no effect.
 void expect_no_effect(Squad& row, const GroupSpec& idle) {
-  row.scene.spec.experiment.at = {at(0.1, Action::disable, idle), at(0.2, Action::remove, idle)};
+  row.scene.spec.experiment.at = {at(0.1, Action::disable, idle), at(0.2, Action::remove, idle),
+                                  at(0.3, Action::move, idle)};
+  row.scene.spec.experiment.at.back().pose = Pose{1, 1, 0, 0};
   row.scene.spec.experiment.faults = {fault(idle, 0, "slow_wheels", {{"factor", 0.5}})};
   ASSERT_EQ(row.errors(), "no error");
   const auto world = row.world();

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::engine {
@@ -49,6 +50,32 @@ TEST(Names, EqualTextsAreEqualNamesAndComeBackWhole) {
     for (std::size_t j = 0; j < i; ++j) EXPECT_NE(made[i], made[j]) << texts[i] << " and " << texts[j];
   }
   EXPECT_EQ(names.add(""), Name());
+}
+
+TEST(Names, OfAPopulationIsWhoseNameContinuesInDigits) {
+  Names names;
+  const auto is_of = [&](std::string_view name, std::string_view population) {
+    const bool as_text = is_of_population(name, population);
+    EXPECT_EQ(is_of_population(names, names.add(name), population), as_text) << name << " of " << population;
+    return as_text;
+  };
+  EXPECT_TRUE(is_of("r0", "r"));
+  EXPECT_TRUE(is_of("r007", "r"));
+  EXPECT_TRUE(is_of("r217", "r2"));
+  EXPECT_TRUE(is_of("r217", "r"));
+  EXPECT_TRUE(is_of("r99999999999999999999", "r"));
+  EXPECT_TRUE(is_of("r99999999999999999999", "r9999"));
+  EXPECT_TRUE(is_of("r10x20", "r10x"));
+  EXPECT_FALSE(is_of("r", "r"));
+  EXPECT_FALSE(is_of("r2", "r2"));
+  EXPECT_FALSE(is_of("r2", "r21"));
+  EXPECT_FALSE(is_of("r10x20", "r10"));
+  EXPECT_FALSE(is_of("truck1", "r"));
+  EXPECT_FALSE(is_of("r1x", "r"));
+  EXPECT_EQ(without_number("r217"), "r");
+  EXPECT_EQ(without_number("r10x20"), "r10x");
+  EXPECT_EQ(without_number("r"), "r");
+  EXPECT_EQ(without_number("42"), "");
 }
 
 TEST(Names, ACrowdSharesItsWord) {

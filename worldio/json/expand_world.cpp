@@ -1,4 +1,5 @@
 #include "base/math.hpp"
+#include "engine/spec/names.hpp"
 #include "engine/spec/populations.hpp"
 #include "engine/spec/watch_spec.hpp"
 #include "worldio/colors.hpp"
@@ -283,13 +284,10 @@ void WorldExpander::expand_population(const PopulationDocument& document, const 
   }
   // The bodies of "r" are r0, r1, ... and those of "r2" are r20, r21, ..., so that r20 could belong to
   // either.
-  const auto extends = [](std::string_view name, std::string_view other) {
-    return name.size() > other.size() && name.starts_with(other) &&
-           name.find_first_not_of("0123456789", other.size()) == name.npos;
-  };
   for (const engine::PopulationSpec& other : populations_)
     if (!document.name.empty() && !other.name.empty() &&
-        (extends(document.name, other.name) || extends(other.name, document.name)))
+        (engine::is_of_population(document.name, other.name) ||
+         engine::is_of_population(other.name, document.name)))
       DocumentPath(at, "name", document.where_of("name"))
           .error(fmt::format(
               "the names of the populations \"{}\" and \"{}\" differ only in digits at the end, so a body "

@@ -1,0 +1,73 @@
+#include "engine/interventions/groups.hpp"
+
+#include "engine/spec/names.hpp"
+#include "engine/world/world.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <set>
+
+namespace troupe::engine {
+
+using By = GroupSpec::By;
+
+Groups::Bodies Groups::find(const GroupSpec& group, Where where, Diagnostics& diagnostics) {
+  Bodies& bodies = lists_[{group.by, group.name}];
+  if (!bodies) bodies = std::make_shared<const std::vector<BodyId>>(bodies_of(group));
+  if (bodies->empty() && !may_be_empty(group)) diagnostics.error(where, text_of_unknown(group));
+  return bodies;
+}
+
+std::vector<BodyId> Groups::bodies_of(const GroupSpec& group) const {
+  const auto has_row = [&](BodyId body) { return world_.location(body) != RowLocation::none; };
+  std::vector<BodyId> bodies;
+  if (group.by == By::model) {
+    if (const BodyId body = world_.find(group.name); body.valid() && has_row(body)) bodies.push_back(body);
+    return bodies;
+  }
+  const WorldSpec& spec = world_.spec();
+  for (std::size_t b = 1; b < spec.bodies.size(); ++b)  // body 0 is the ground
+    if (has_row(BodyId(b)) &&
+        (group.by == By::type ? world_.type(BodyId(b)).name == group.name
+                              : is_of_population(spec.names, spec.bodies[b].name, group.name)))
+      bodies.push_back(BodyId(b));
+  return bodies;
+}
+
+/// Whether a group without bodies is no error. The option --robots, for example, can remove all bodies of a
+/// type.
+bool Groups::may_be_empty(const GroupSpec& group) const {
+  if (group.by == By::type)
+    return std::ranges::any_of(world_.types(),
+                               [&](const BodyType& type) { return type.runs() && type.name == group.name; });
+  return group.by == By::population &&
+         std::ranges::count(world_.spec().empty_populations, group.name, &EmptyPopulation::name) > 0;
+}
+
+std::string Groups::text_of_unknown(const GroupSpec& group) const {
+  if (group.by == By::model && world_.find(group.name).valid())
+    return fmt::format(
+        "\"{}\" is a static body: interventions and faults can only act on bodies that can move, sense, "
+        "decide, be gripped or be pushed",
+        group.name);
+  const WorldSpec& spec = world_.spec();
+  std::set<std::string, std::less<>> known;
+  if (group.by == By::population)
+    for (const EmptyPopulation& population : spec.empty_populations) known.insert(population.name);
+  for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
+    if (world_.location(BodyId(b)) == RowLocation::none) continue;
+    const std::string name = spec.name(BodyId(b));
+    if (group.by == By::type) known.insert(world_.type(BodyId(b)).name);
+    if (group.by == By::model) known.insert(name);
+    if (group.by == By::population && without_number(name).size() < name.size())
+      known.emplace(without_number(name));
+  }
+  constexpr std::array<std::string_view, 3> k_what{"population", "type", "model"};
+  return unknown_name(k_what[static_cast<std::size_t>(group.by)], group.name,
+                      std::vector<std::string_view>(known.begin(), known.end()));
+}
+
+}  // namespace troupe::engine

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "base/diagnostics.hpp"
+#include "base/ids.hpp"
+#include "engine/spec/experiment_spec.hpp"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace troupe::engine {
+
+class World;  // engine/world/world.hpp
+
+/// The groups of bodies on which the interventions and faults of a world act. Each list is made once, however
+/// many interventions and faults refer to the group. The world must exist as long as this object.
+class Groups {
+ public:
+  using Bodies = std::shared_ptr<const std::vector<BodyId>>;  ///< never null
+
+  explicit Groups(const World& world) : world_(world) {}
+  /// Returns the bodies of a group of the world file that are not static, in order of ids, including bodies
+  /// that are not in the world. The random selection of the group (GroupSpec::count, GroupSpec::share) is not
+  /// made here.
+  ///
+  /// If there is no such body, the function returns an empty list and reports an error at `where`, a position
+  /// in the world file. There is one exception: no error is reported if the group names a population, or a
+  /// type of the world whose bodies would not be static, and the world has no body of it.
+  Bodies find(const GroupSpec& group, Where where, Diagnostics& diagnostics);
+
+ private:
+  std::vector<BodyId> bodies_of(const GroupSpec& group) const;
+  bool may_be_empty(const GroupSpec& group) const;
+  std::string text_of_unknown(const GroupSpec& group) const;
+
+  const World& world_;
+  std::map<std::pair<GroupSpec::By, std::string>, Bodies> lists_;  // by the members `by` and `name`
+};
+
+}  // namespace troupe::engine
