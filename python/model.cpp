@@ -154,8 +154,8 @@ void bind_models(py::module_& module) {
       .def(
           "set_estimate", [](HeldModel& m, const Pose& pose) { m.use().set_estimate(pose); }, py::arg("pose"),
           "Overwrites the odometry estimate, m and rad, in the frame of estimate(). pose.z is ignored. "
-          "Raises RuntimeError if the\nlocalization of the robot is not `odom`, and ValueError if a number "
-          "is not finite.")
+          "Raises RuntimeError if the\nlocalization of the robot is not `odom` or if the robot is not in the "
+          "world, and ValueError if a number is not\nfinite.")
       .def(
           "set_pose", [](HeldModel& m, const Pose& pose) { m.use().set_pose(pose); }, py::arg("pose"),
           "Places the body at a pose in the world frame, m and rad, between two steps. The place may overlap "

@@ -297,8 +297,8 @@ class Model {
   /// The numbers are 0 for a body that is not yet born.
   Pose estimate() const;
   /// Overwrites the odometry estimate: m and rad, in the frame of estimate(); pose.z is ignored. Throws
-  /// std::logic_error if the localization of the robot is not `odom`, and std::invalid_argument if a number
-  /// is not finite.
+  /// std::logic_error if the localization of the robot is not `odom` or if the robot is not in the world, and
+  /// std::invalid_argument if a number is not finite.
   void set_estimate(const Pose& pose);
 
   /// Places the body at a pose in the world frame, m and rad, between two steps. Bodies that it carries move

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -745,7 +746,9 @@ void World::apply_fault_event(const Experiment::FaultEvent& event) {
   if (event.begins) {
     now.dead |= impairment.dead;
     if (impairment.speed != 1) {
-      now.speed = speed_scale(row) * impairment.speed;
+      // A product that underflows to 0 would act as 1, and the reciprocal of a denormal number can be
+      // infinite.
+      now.speed = std::max(speed_scale(row) * impairment.speed, std::numeric_limits<double>::min());
       // The velocity is scaled too, because the drive's acceleration limits refer to it.
       Velocity& v = state_.as<Velocity>(WorldState::k_velocity)[row.index()];
       v = {v.x * impairment.speed, v.y * impairment.speed, v.turn * impairment.speed};

@@ -144,9 +144,16 @@ void check_reserves(const WorldSpec& spec, const Report& report) {
   }
 }
 
-void check_settings(const WorldSpec& spec, const Report& report) {
+void check_interventions(const WorldSpec& spec, const Report& report) {
   for (std::size_t i = 0; i < spec.experiment.at.size(); ++i) {
     const InterventionSpec& at = spec.experiment.at[i];
+    const auto error = [&](std::string_view what) {
+      report(at.where, fmt::format("experiment.at[{}]{}", i, what));
+    };
+    if (at.action == InterventionSpec::Action::move && !at.pose)
+      error(".pose: missing, but the action `move` needs the new pose of the body");
+    if (at.action == InterventionSpec::Action::set && !at.setting)
+      error(".setting: missing, but the action `set` needs the new parameters");
     if (!at.setting) continue;
     const SettingSpec& setting = *at.setting;
     const auto has_it = [&] {
@@ -160,10 +167,7 @@ void check_settings(const WorldSpec& spec, const Report& report) {
       return setting.index < type.controllers.size();
     };
     if (!has_it())
-      report(at.where,
-             fmt::format("experiment.at[{}].setting: refers to a type, or to a drive, device or controller "
-                         "of a type, that does not exist",
-                         i));
+      error(".setting: refers to a type, or to a drive, device or controller of a type, that does not exist");
   }
 }
 
@@ -195,7 +199,7 @@ void check_rules(const WorldSpec& spec, const Report& report) {
   if (!is_right) return;  // the following checks use the indices of bodies and types
   check_part_names(spec, note);
   check_reserves(spec, note);
-  check_settings(spec, note);
+  check_interventions(spec, note);
 }
 
 void add_ground(WorldSpec& spec) {

@@ -212,9 +212,10 @@ std::uint32_t World::first_free(BodyId id, const partition::ObstacleShape& shape
 
 /// Puts an unborn body into the world at this pose, with the state that a body has at tick 0.
 void World::enter(Row row, const Pose& pose) {
+  // A program may have set the commands of the unborn body.
+  state_.tables[WorldState::k_command].clear_row(row.index());
   for (const BodyType::Device& device : type(row).devices)
-    if (device.command_table)  // a program may have kept a reference to this command, and written to it
-      state_.tables[*device.command_table].clear_row(slot(row));
+    if (device.command_table) state_.tables[*device.command_table].clear_row(slot(row));
   state_.life(row).presence = static_cast<std::uint8_t>(Presence::there);
   --state_.now.absent;
   start(row, pose);

@@ -186,6 +186,11 @@ void World::set_estimate(Row row, const Pose& pose) {
     throw std::logic_error(
         fmt::format("\"{}\" has no odometry: its estimated pose is its true pose and cannot be set",
                     state_.spec.name(body(row))));
+  if (!is_there(row))
+    throw std::logic_error(fmt::format(
+        "the estimated pose of \"{}\" cannot be set: the robot was removed from the world, or has not been "
+        "added to it yet",
+        state_.spec.name(body(row))));
   if (!is_finite(pose))
     throw std::invalid_argument(fmt::format(
         "the estimated pose of \"{}\" cannot be x {}, y {}, z {} (m), heading {} (rad): the numbers must "

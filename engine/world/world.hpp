@@ -399,7 +399,8 @@ class World {
   Estimates estimates(const BodyType& type) const;
   /// Overwrites the odometry estimate of a robot with a pose, m and rad, in the same frame as estimate(). The
   /// z of the pose is ignored. The heading is wrapped into [-pi, pi]. Throws std::logic_error if the robot
-  /// has no odometry, and std::invalid_argument if a number of the pose, z included, is not finite.
+  /// has no odometry or is not in the world, and std::invalid_argument if a number of the pose, z included,
+  /// is not finite.
   void set_estimate(Row row, const Pose& pose);
   /// Overwrites the command to the drive of a robot. The drive executes the new command from the next step
   /// on. Call this between steps. If a number is not finite, the next step in which the drive runs throws a

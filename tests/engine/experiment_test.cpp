@@ -419,6 +419,19 @@ TEST(Experiment, EntriesOnOneGroupShareOneList) {
   EXPECT_EQ(diagnostics.findings().size(), 2u) << "each use of a wrong name is an error";
 }
 
+TEST(Experiment, ARobotWithVerySlowWheelsDoesNotDriveAtFullSpeed) {
+  Squad row(3);
+  row.scene.spec.experiment.faults = {fault(model("r0"), 0, "slow_wheels", {{"factor", 1e-200}}),
+                                      fault(model("r0"), 0, "slow_wheels", {{"factor", 1e-200}}),
+                                      fault(model("r1"), 0, "slow_wheels", {{"factor", 1e-310}})};
+  const auto world = row.world();
+  world->set_command(world->row(world->find("r1")), {0.3, 0, 0.1, ControlMode::acceleration});
+  step(*world, 10);
+  EXPECT_LT(x_of(*world, "r0"), 1e-100) << "although the product of the factors is 0";
+  EXPECT_LT(x_of(*world, "r1"), 1e-100);
+  EXPECT_NEAR(x_of(*world, "r2"), 1, 1e-12);
+}
+
 InterventionSpec setting(double time_s, TypeId type, SettingSpec::Of of, const FieldTable& table,
                          std::string_view name, Value value) {
   Record params(table.fields.size());

@@ -114,6 +114,31 @@ TEST(Lives, BornBodiesAreSeenMetAndMoved) {
   EXPECT_LE(world.pose(plain.robot).x, 1.6 + 1e-9);
 }
 
+TEST(Lives, ACommandBeforeTheBirthHasNoEffectAfterIt) {
+  Plain plain;
+  World world = plain.scene.world();
+  world.set_command(world.row(world.find("more0")), {1, 0, 0});
+  const Birth birth = world.spawn(0, {2, 0, 0, 0});
+  ASSERT_EQ(birth.status, BirthStatus::born);
+  world.step();
+  world.step();
+  EXPECT_EQ(world.pose(birth.body).x, 2);
+}
+
+TEST(Lives, NoEstimateIsSetOfWhoIsNotThere) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {box(0.4, 0.4)});
+  scene[type].drive = test::drive("diff", {{"localization", "odom"}});
+  const BodyId robot = scene.body("r", type);
+  add_reserve(scene, "more", type, 1);
+  World world = scene.world();
+  const std::uint64_t hash = world.hashes().state;
+  EXPECT_THROW(world.set_estimate(world.row(world.find("more0")), {1, 2, 0, 3}), std::logic_error);
+  EXPECT_EQ(world.hashes().state, hash);
+  world.remove(world.row(robot));
+  EXPECT_THROW(world.set_estimate(world.row(robot), {1, 2, 0, 3}), std::logic_error);
+}
+
 TEST(Lives, ABirthNeedsAFreePlaceInTheWorldAndAnUnbornBody) {
   Plain plain;
   plain.scene.wall(3, -1, 4, 1);

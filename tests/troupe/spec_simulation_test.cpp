@@ -198,6 +198,15 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
         s.experiment.at[0].setting = {TypeId(1), engine::SettingSpec::Of::drive, 0, {}};
       },
       "error: experiment.at[0].setting: refers to a type, or to a drive");
+  expect([](Spec& s) { s.experiment.at.emplace_back().action = engine::InterventionSpec::Action::set; },
+         "error: experiment.at[0].setting: missing, but the action `set` needs the new parameters");
+  expect(
+      [](Spec& s) {
+        engine::InterventionSpec& at = s.experiment.at.emplace_back();
+        at.action = engine::InterventionSpec::Action::move;
+        at.whom = {.by = engine::GroupSpec::By::model, .name = "r0", .count = {}, .share = {}};
+      },
+      "error: experiment.at[0].pose: missing, but the action `move` needs the new pose of the body");
   // Where a value has a place in a file, that stands in front.
   expect(
       [](Spec& s) {
