@@ -49,7 +49,8 @@ void BodyIndex::reserve(const Box& ground) {
   directory_.reserve(reserved_);
   counts_.reserve(reserved_);
   tiles_.reserve(reserved_ + 1);
-  begins_.reserve(reserved_ * geometry_.cells_per_tile() + 1);
+  constexpr std::size_t k_most_cells = 1 << 22;
+  begins_.reserve(std::min(reserved_ * geometry_.cells_per_tile(), k_most_cells) + 1);
 }
 
 /// Calls visit(tile) for each tile that the row's body touches. If the body is not wide, calls it only for

@@ -56,9 +56,9 @@ class BodyIndex {
   BodyIndex() = default;
   explicit BodyIndex(const GridGeometry& geometry) : geometry_(geometry) {}  ///< an empty index
 
-  /// Reserves memory for the tiles in the box `ground` (metres, world frame), but for at most 2^14 tiles. An
-  /// empty box reserves nothing. The reserved memory lets bodies enter new tiles without allocations in
-  /// rebuild().
+  /// Reserves memory for the tiles in the box `ground` (metres, world frame), but for at most 2^14 tiles and
+  /// 2^22 cells. An empty box reserves nothing. The reserved memory lets bodies enter new tiles without
+  /// allocations in rebuild().
   void reserve(const Box& ground);
 
   /// Replaces the contents of the index. The arguments `places` and `radii` have one entry per row.

@@ -52,7 +52,8 @@ struct WorldOptions {
   unsigned threads = 0;
   /// Edge of the tiles of the spatial index, m. Tiles are the squares into which the index divides the plane.
   /// With 0, the World chooses the edge from the sizes of the bodies and the ranges of their sensors. Wide
-  /// bodies can make the tiles wider than the given edge.
+  /// bodies can make the tiles wider than the given edge. The World uses narrower tiles if the given edge is
+  /// so large that a search for neighbours would visit most bodies.
   double tile_size_m = 0;
 };
 

@@ -15,6 +15,14 @@ using Layout = StateTable::Layout;
 // Limit on the number of beams of all types together. A beam takes about a hundred bytes of memory.
 constexpr double k_most_beams = 10e6;
 
+// A given width of tiles must not make cells so wide that each query visits most bodies, nor give each body a
+// tile with far more cells than bodies: each cell of a tile in use takes four bytes, and each tick visits it.
+constexpr double k_most_coarsening = 8;        // given tiles may widen the cells by this factor
+constexpr unsigned k_most_tile_bits = 8;       // a tile is at most 2^8 cells wide
+constexpr double k_most_cells = 1 << 22;       // in all tiles in use, or k_most_cells_per_body
+constexpr double k_most_cells_per_body = 256;  // as with tiles of the default width, one for each body
+constexpr unsigned k_default_tile_bits = 4;
+
 // Longest reach that counts for the width of the cells, m. A device may have an infinite reach.
 constexpr double k_most_hint = 10'000;
 
@@ -23,8 +31,9 @@ constexpr double k_most_hint = 10'000;
 /// or reach_m if that is not set) plus its radius; without such devices, it counts as 16 radii. Such cells
 /// are small enough to exclude most bodies out of reach, and large enough that a query visits few of them.
 /// The mean is used, not the maximum, so that a few robots of long range do not coarsen the grid. If
-/// `tile_size_m` is positive, tiles have this width, m, and are divided into cells of about the width above;
-/// wide bodies may require wider tiles.
+/// `tile_size_m` is positive, tiles have this width, m, and are divided into cells of about the width above.
+/// Wide bodies may require wider tiles. Larger tiles than k_most_coarsening allows are made narrower, and
+/// tiles with more cells than k_most_cells allows are divided into wider cells.
 partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
                                         double tile_size_m) {
   double sum = 0;
@@ -55,11 +64,16 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
   const double own_width = widths > 0 ? (1 + 1e-9) * widths2 / widths : 0;
   const double least = std::max({0.05, own_width, width / 8});
   const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
-  constexpr unsigned k_default_tile_bits = 4;
   if (!(tile_size_m > 0)) return {cell, k_default_tile_bits};
+  const double tile = std::min(tile_size_m, k_most_coarsening * (1u << k_most_tile_bits) * cell);
+  const Vec2 ground = spec.bounds.value_or(Box::around(Vec2::Zero(), k_world_reach_m)).size() / tile;
+  const double tiles = std::min(count, (ground.x() + 2) * (ground.y() + 2));
+  const double most_cells = std::max(k_most_cells, k_most_cells_per_body * count);
   unsigned bits = 0;
-  while (bits < 8 && tile_size_m / (1u << bits) > cell && tile_size_m / (2u << bits) >= least) ++bits;
-  return {std::max(least, tile_size_m / (1u << bits)), bits};
+  while (bits < k_most_tile_bits && tile / (1u << bits) > cell && tile / (2u << bits) >= least &&
+         tiles * static_cast<double>(4u << (2 * bits)) <= most_cells)
+    ++bits;
+  return {std::max(least, tile / (1u << bits)), bits};
 }
 
 /// Adds the tables that every world has, in the order of WorldState::TableIndex.

@@ -2,6 +2,7 @@
 
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/ticks.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/scene.hpp"
 
 #include <fmt/format.h>
@@ -484,6 +485,27 @@ TEST(World, BodiesOfOneWidthLieInOneCellEachHoweverManyThereAre) {
       world.step();
       EXPECT_FALSE(world.index().has_wide()) << count << " of " << edge << " m";
     }
+}
+
+TEST(World, GivenTilesMakeNeitherHugeCellsNorHugeTables) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.2, 0.2)});
+  scene[type].devices = {test::ranger("eye", {{.range_max = 1}})};
+  for (int i = 0; i < 900; ++i)
+    scene.body(fmt::format("r{}", i), type, {100.0 * (i % 30), 100.0 * (i / 30), 0, 0});
+  const auto hash = [&](double tile_size_m) {
+    World world = scene.world({.threads = 1, .tile_size_m = tile_size_m});
+    EXPECT_LE(world.index().tiles() * world.geometry().cells_per_tile(), 1u << 22) << tile_size_m;
+    world.step();
+    return world.hashes().state;
+  };
+  const World plain = scene.world({.threads = 1});
+  const double cell_m = plain.geometry().cell_m;
+  const std::uint64_t expected = hash(0);
+  for (const double tile_size_m : {1e-300, 1.0, 45.0, 90.0, 1e9, 1e300})
+    EXPECT_EQ(hash(tile_size_m), expected);
+  EXPECT_EQ(scene.world({.threads = 1, .tile_size_m = 8 * cell_m}).geometry().tile_m(), 8 * cell_m);
+  EXPECT_LE(scene.world({.threads = 1, .tile_size_m = 1e300}).geometry().tile_m(), 2048 * cell_m);
 }
 
 #if defined(__SSE2__)
