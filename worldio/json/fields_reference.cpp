@@ -26,6 +26,7 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::Value;
 
+/// Returns the spellings of a key, one for each unit, as Markdown.
 std::string keys(const Field& field) {
   std::string text;
   for (const engine::UnitSuffix& suffix : engine::unit_suffixes(field.unit))
@@ -84,9 +85,10 @@ void append_table(const FieldTable& table, std::string& text) {
     return;
   }
   text += "| key | value | default | meaning |\n|---|---|---|---|\n";
-  for (const Field& field : table.fields)
-    text += fmt::format("| {} | {} | {} | {} |\n", keys(field), what(field),
-                        value_text(field.fallback, field), field.text);
+  for (const Field& field : table.fields) {
+    const KeyRow row = key_row(field);
+    text += fmt::format("| {} | {} | {} | {} |\n", keys(field), row.value, row.usual, row.meaning);
+  }
   text += '\n';
   for (const Field& field : table.fields) {
     if (!field.record || field.record == &engine::pose_fields())
@@ -212,7 +214,7 @@ std::string form_text(const DocumentKey& key, const Field& field) {
 
 std::string default_text(const DocumentTable& table, const DocumentKey& key, const Field& field) {
   if (key.required) return "required";
-  if (!key.by_default.empty()) return with_links(key.by_default);
+  if (!key.by_default.empty()) return std::string(key.by_default);
   if (key.is_resolved || key.form == Form::kind || key.form == Form::faults) return "none";
   if (key.form == Form::value) {
     if (field.type == FieldType::record) return "the defaults of its keys";
@@ -227,7 +229,7 @@ std::string default_text(const DocumentTable& table, const DocumentKey& key, con
   return "none";
 }
 
-std::string meaning(const DocumentTable& table, const DocumentKey& key, std::string_view heading) {
+std::string meaning(const DocumentTable& table, const DocumentKey& key) {
   std::string text;
   if (key.variants != ~0u) {
     const auto& choices = table.find(table.variant)->field.choices;
@@ -240,17 +242,22 @@ std::string meaning(const DocumentTable& table, const DocumentKey& key, std::str
   else if (key.form == Form::faults)
     text += "a kind of fault, with its parameters";
   else
-    text += with_links(key.field.text);
-  const std::string_view below = heading_of(key);
-  if (text.empty() && key.table != nullptr && below.empty())
+    text += key.field.text;
+  if (text.empty() && key.table != nullptr && heading_of(key).empty())
     for (const DocumentKey& inner : key.table().keys)
       text += fmt::format("{}`{}`: {}", text.empty() ? "" : "; ", inner.field.name, inner.field.text);
   if (key.other)
     text += fmt::format("; called `{}{}` for kinds with a parameter `{}`", key.other->name,
                         engine::unit_suffixes(key.other->unit).front().suffix, key.field.name);
-  if (!below.empty() && below != heading)
-    text += fmt::format("{}[below](#{})", text.empty() ? "" : ": ", anchor(below));
   return text;
+}
+
+/// Returns the names of all faults, each with `mark` before and after it.
+std::string fault_names(const engine::Registry& registry, std::string_view mark) {
+  std::string names;
+  for (const engine::FaultKind& fault : registry.faults)
+    names += fmt::format("{}{}{}{}", names.empty() ? "" : ", ", mark, fault.name, mark);
+  return names;
 }
 
 /// A row of a table.
@@ -265,13 +272,15 @@ TableRow row_of(const DocumentTable& table, const DocumentKey& key, std::string_
   if (key.form == Form::heading)
     names = fmt::format("{}, `{}`", keys(heading_field()), key.field.name);
   else if (key.form == Form::faults)
-    for (const engine::FaultKind& fault : registry.faults)
-      names += fmt::format("{}`{}`", names.empty() ? "" : ", ", fault.name);
+    names = fault_names(registry, "`");
   else
     names = keys(key.field);
+  const KeyRow row = key_row(table, key, registry);
+  std::string meaning = with_links(row.meaning);
+  if (const std::string_view below = heading_of(key); !below.empty() && below != heading)
+    meaning += fmt::format("{}[below](#{})", meaning.empty() ? "" : ": ", anchor(below));
   return {names.substr(0, names.find(',')),
-          fmt::format("| {} | {} | {} | {} |\n", names, form_text(key, key.field),
-                      default_text(table, key, key.field), meaning(table, key, heading))};
+          fmt::format("| {} | {} | {} | {} |\n", names, row.value, with_links(row.usual), meaning)};
 }
 
 /// Appends the rows of a table. One row that refers to an earlier table replaces each group of `k_fewest` or
@@ -299,6 +308,26 @@ void append_rows(const std::vector<TableRow>& rows, const std::map<std::string, 
 }
 
 }  // namespace
+
+std::string key_text(const Field& field) {
+  const auto units = engine::unit_suffixes(field.unit);
+  std::string others;
+  for (const engine::UnitSuffix& unit : units.subspan(1))
+    others += fmt::format("{}{}", others.empty() ? "" : ", ", unit.suffix);
+  return fmt::format("{}{}{}", field.name, units.front().suffix, others.empty() ? "" : " (" + others + ")");
+}
+
+KeyRow key_row(const DocumentTable& table, const DocumentKey& key, const engine::Registry& registry) {
+  const std::string names = key.form == Form::faults ? fault_names(registry, {})
+                            : key.form == Form::heading
+                                ? fmt::format("{}, {}", key_text(heading_field()), key.field.name)
+                                : key_text(key.field);
+  return {names, form_text(key, key.field), default_text(table, key, key.field), meaning(table, key)};
+}
+
+KeyRow key_row(const Field& field) {
+  return {key_text(field), what(field), value_text(field.fallback, field), std::string(field.text)};
+}
 
 std::string world_format_reference(const engine::Registry& registry) {
   std::string text = "### Poses\n\n";

@@ -1,0 +1,124 @@
+#include "worldio/json/find_keys.hpp"
+
+#include "troupe/registry.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace troupe::worldio {
+namespace {
+
+using testing::Contains;
+using testing::Each;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::Field;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+const engine::Registry& registry() {
+  static const engine::Registry made = make_registry();
+  return made;
+}
+
+/// The paths of all keys to which a name refers.
+std::vector<std::string> paths(std::string_view name) {
+  std::vector<std::string> all;
+  for (const FoundKey& found : find_keys(registry(), name))
+    all.insert(all.end(), found.paths.begin(), found.paths.end());
+  return all;
+}
+
+TEST(FindKeys, AKeyOfAListHasTheKeysOfItsObjects) {
+  const std::vector<FoundKey> found = find_keys(registry(), "populations");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0].paths, ElementsAre("populations[]"));
+  EXPECT_EQ(found[0].row.value, "list");
+  EXPECT_THAT(found[0].row.meaning, StartsWith("groups of many bodies"));
+  EXPECT_THAT(found[0].keys, Contains(Field(&KeyRow::names, "place")));
+  EXPECT_THAT(found[0].what, IsEmpty());
+}
+
+TEST(FindKeys, AKeyOfObjectsWithKindsHasTheNamesOfTheKinds) {
+  const std::vector<FoundKey> found = find_keys(registry(), "types.drive");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].what, "drive");
+  EXPECT_THAT(found[0].kinds, ElementsAre("car", "diff", "omni"));
+}
+
+TEST(FindKeys, AKeyIsFoundWithAndWithoutItsUnit) {
+  for (const char* name : {"tick", "tick_s", "tick_ms"})
+    EXPECT_THAT(paths(name), ElementsAre("tick_s")) << name;
+  const std::vector<FoundKey> found = find_keys(registry(), "tick");
+  EXPECT_EQ(found[0].row.names, "tick_s (_ms)");
+  EXPECT_EQ(found[0].row.usual, "0.1 s");
+  EXPECT_THAT(paths("place.heading_deg"), ElementsAre("populations[].place.heading"));
+}
+
+TEST(FindKeys, SeveralNamesLeadToAKey) {
+  for (const char* name : {"populations.place.pitch", "place.pitch_cm", "populations[0].place.pitch_m",
+                           "/populations/0/place/pitch_m"})
+    EXPECT_THAT(paths(name), ElementsAre("populations[].place.pitch_m")) << name;
+  EXPECT_THAT(paths("populations.pitch"), IsEmpty()) << "it is a key of place";
+  EXPECT_THAT(paths("/place/pitch_m"), IsEmpty()) << "a pointer begins at the top level";
+}
+
+TEST(FindKeys, APointerContainsTheNamesAndIndicesOfEntries) {
+  EXPECT_THAT(paths("/types/bot/drive"), ElementsAre("types{}.drive"));
+  EXPECT_THAT(paths("/types/7/drive"), ElementsAre("types{}.drive"));
+  EXPECT_THAT(paths("/types/bot"), ElementsAre("types{}"));
+  EXPECT_THAT(paths("/populations/0/place/region_m/1"), ElementsAre("populations[].place.region_m"));
+  EXPECT_THAT(paths("/populations/0/place/region_m/x"), IsEmpty());
+}
+
+TEST(FindKeys, ParametersOfKindsAreKeys) {
+  EXPECT_THAT(
+      paths("/types/bot/sensors/0/range_m"),
+      ElementsAre("types{}.sensors[].range_m (kind blobfinder)", "types{}.sensors[].range_m (kind radio)"));
+  EXPECT_THAT(paths("sensors.transducers.samples"),
+              ElementsAre("types{}.sensors[].transducers[].samples (kind ranger)",
+                          "types{}.parts[].sensors[].transducers[].samples (kind ranger)"));
+  EXPECT_THAT(paths("faults.rate"), Not(IsEmpty()));
+  EXPECT_THAT(paths("faults.rate"), Each(StartsWith("faults[].")));
+}
+
+TEST(FindKeys, KeysWithTheSameDescriptionHaveSeveralPaths) {
+  EXPECT_THAT(find_keys(registry(), "types.color").size(), 1u);
+  EXPECT_THAT(paths("alias"), Contains("types{}.parts[].alias"));
+  bool is_shared = false;
+  for (const FoundKey& found : find_keys(registry(), "size_m"))
+    is_shared = is_shared || (testing::Value(found.paths, Contains("types{}.size_m")) &&
+                              testing::Value(found.paths, Contains("types{}.parts[].size_m")));
+  EXPECT_TRUE(is_shared);
+}
+
+TEST(FindKeys, ThereMayBeNone) {
+  for (const char* name :
+       {"", "/", ".", "nothing", "populations.nothing", "0", "populations..nothing", "[", "/7"})
+    EXPECT_THAT(find_keys(registry(), name), IsEmpty()) << name;
+}
+
+TEST(FindKeys, AKindMayFollowTheKeyOfObjectsWithKinds) {
+  EXPECT_EQ(kind_in_path(registry(), "sensors.ranger"), "ranger");
+  EXPECT_EQ(kind_in_path(registry(), "types.drive.diff"), "diff");
+  EXPECT_EQ(kind_in_path(registry(), "faults.drop_out"), "drop_out");
+  EXPECT_EQ(kind_in_path(registry(), "sensors.nothing"), "nothing");
+  for (const char* name : {"ranger", "populations.ranger", "nothing.ranger", ""})
+    EXPECT_THAT(kind_in_path(registry(), name), IsEmpty()) << name;
+}
+
+TEST(FindKeys, NamesForSuggestionsAreThoseAtThePlace) {
+  EXPECT_THAT(names_near(registry(), "populations.plase"), Contains("populations.place"));
+  EXPECT_THAT(names_near(registry(), "populations.plase"), Each(StartsWith("populations.")));
+  EXPECT_THAT(names_near(registry(), "/populations/0/plase"), Contains("/populations/0/place"));
+  EXPECT_THAT(names_near(registry(), "popualtions"), Contains("populations"));
+  EXPECT_THAT(names_near(registry(), "popualtions.place"), Contains("tick_s"));
+}
+
+}  // namespace
+}  // namespace troupe::worldio
