@@ -191,12 +191,12 @@ std::span<T> elements(py::array_t<Element>& array) {
 }
 
 /// Loads Python scripts (python/troupe/_script.py), which define controllers and measures. A controller is a
-/// class that decides what robots do; a measure is a function that computes a number from the state. Each
-/// element of `sources` is either the file name of a script or a class derived from troupe.Controller.
+/// class that decides what robots do; a measure is a function that computes a number from the state.
+/// `sources` is the file name of a script, a class derived from troupe.Controller, or a list of these.
 ///
-/// Throws py::error_already_set if an element cannot be loaded. It contains the Python exception InputError
-/// for an invalid script, and TypeError for an element of another type.
-std::vector<std::shared_ptr<const Script>> scripts_of(const py::list& sources);
+/// Throws py::error_already_set if a source cannot be loaded. It contains the Python exception InputError
+/// for an invalid script, and TypeError for a source of another type.
+std::vector<std::shared_ptr<const Script>> scripts_of(const py::object& sources);
 
 /// Returns the NumPy type for an element type of the state of a simulation, such as float64 for Element::f64.
 py::dtype dtype_of(engine::Element element);

@@ -47,6 +47,7 @@ struct PythonController {
   py::dtype memory;                              ///< structured type of the memory of one robot
   std::string start;                             ///< initial bytes of the memory of one robot
   std::optional<std::vector<std::string>> uses;  ///< names or kinds of the devices; not set: all
+  std::vector<std::string> params;               ///< names of the parameters
 };
 
 /// A measure in Python: a function of a swarm that returns a number.
@@ -105,6 +106,7 @@ struct UsedDevice {
 struct PreparedController {
   const PythonController* controller;
   std::vector<UsedDevice> devices;
+  engine::Record params;  ///< a value for each of PythonController::params
 };
 
 /// A film of a simulation; `filming` is null after the `with` block.
@@ -118,6 +120,15 @@ void check_output(const Holder& held, const std::filesystem::path& file) {
   std::vector<apps::Input> inputs;
   apps::add_inputs(held->use(), inputs);
   apps::check_outputs(inputs, {file});
+}
+
+/// Returns the value of a parameter of a controller. A list becomes a tuple.
+py::object object_of(const engine::Value& value) {
+  if (const auto* x = std::get_if<bool>(&value.v)) return py::bool_(*x);
+  if (const auto* x = std::get_if<std::int64_t>(&value.v)) return py::int_(*x);
+  if (const auto* x = std::get_if<double>(&value.v)) return py::float_(*x);
+  if (const auto* x = std::get_if<std::string>(&value.v)) return py::str(*x);
+  return py::tuple(py::cast(std::get<std::vector<double>>(value.v)));
 }
 
 /// The robots of a call of decide(). The object can be used only during this call.
@@ -155,6 +166,14 @@ class RobotBatch {
     if (memory_.size() == 0 && prepared_.controller->start.empty())
       throw py::attribute_error("the controller has no memory: declare its fields in `memory`");
     return memory_;
+  }
+  /// A dict that cannot be changed: a change would not be part of the state.
+  py::object params() const {
+    batch();
+    py::dict values;
+    for (std::size_t i = 0; i < prepared_.params.size(); ++i)
+      values[py::str(prepared_.controller->params[i])] = object_of(prepared_.params[i]);
+    return py::module_::import("types").attr("MappingProxyType")(values);
   }
   py::array_t<std::uint32_t> ids() const {
     py::array_t<std::uint32_t> out(size());
@@ -314,7 +333,7 @@ void RobotBatch::drive(const Numbers& x, const Numbers& turn, const Numbers& y, 
 
 // ---- the callbacks of the kinds
 
-Result<ControllerKind::Prepared> prepare(const PythonController& controller,
+Result<ControllerKind::Prepared> prepare(const PythonController& controller, const engine::Record& params,
                                          std::span<const engine::DeviceInfo> devices) {
   std::vector<std::size_t> chosen;
   if (controller.uses) {
@@ -343,7 +362,7 @@ Result<ControllerKind::Prepared> prepare(const PythonController& controller,
   if (chosen.size() > engine::k_most_devices_read)
     return Error{fmt::format("uses {} devices, but at most {} are allowed: list the needed devices in `uses`",
                              chosen.size(), engine::k_most_devices_read)};
-  PreparedController prepared{&controller, {}};
+  PreparedController prepared{&controller, {}, params};
   for (const std::size_t d : chosen)
     prepared.devices.push_back({std::string(devices[d].name), devices[d].prepared.percepts,
                                 devices[d].prepared.commands, devices[d].prepared.bearings});
@@ -371,10 +390,10 @@ void start(std::byte* memory) {
 }
 
 template <std::size_t k_slot>
-Result<ControllerKind::Prepared> prepare_slot(const engine::Record&,
+Result<ControllerKind::Prepared> prepare_slot(const engine::Record& params,
                                               std::span<const engine::DeviceInfo> devices,
                                               std::vector<bool>&) {
-  return prepare(*Slots<PythonController>::all[k_slot], devices);
+  return prepare(*Slots<PythonController>::all[k_slot], params, devices);
 }
 
 /// Makes the swarm that is the argument of a measure unusable when the measure returns.
@@ -449,6 +468,29 @@ engine::Unit unit_of(const std::string& symbol) {
   return engine::Unit::none;
 }
 
+/// Returns the field of a parameter, whose type follows from its default value (_script.py). The characters
+/// of `name` must live as long as the field.
+engine::Field parameter_of(std::string_view name, const py::handle& usual) {
+  engine::Field field{.name = name};
+  if (py::isinstance<py::bool_>(usual)) {
+    field.type = engine::FieldType::boolean;
+    field.fallback = usual.cast<bool>();
+  } else if (py::isinstance<py::int_>(usual)) {
+    field.type = engine::FieldType::integer;
+    field.fallback = usual.cast<std::int64_t>();
+  } else if (py::isinstance<py::float_>(usual)) {
+    field.type = engine::FieldType::number;
+    field.fallback = usual.cast<double>();
+  } else if (py::isinstance<py::str>(usual)) {
+    field.type = engine::FieldType::text;
+    field.fallback = usual.cast<std::string>();
+  } else {
+    field.type = engine::FieldType::numbers;
+    field.fallback = usual.cast<std::vector<double>>();
+  }
+  return field;
+}
+
 Script::Controller controller_of(const py::dict& described, const std::string& file) {
   auto controller = std::make_unique<PythonController>();
   controller->name = described["name"].cast<std::string>();
@@ -466,6 +508,10 @@ Script::Controller controller_of(const py::dict& described, const std::string& f
         each.cast<std::tuple<std::string, py::dtype, std::uint32_t, std::uint32_t>>();
     kind.memory.push_back({.name = name, .element = element_of(type), .columns = columns, .offset = offset});
   }
+  const auto params = described["params"].cast<std::vector<std::pair<std::string, py::object>>>();
+  for (const auto& [name, usual] : params) controller->params.push_back(name);
+  for (std::size_t i = 0; i < params.size(); ++i)
+    kind.params.fields.push_back(parameter_of(controller->params[i], params[i].second));
   kind.memory_bytes = controller->start.size();
   kind.decide = &decide;
   Script::Controller made{std::move(kind), described["robots"].cast<std::string>(),
@@ -503,9 +549,8 @@ std::shared_ptr<const Script> script_of(const py::dict& described) {
 
 }  // namespace
 
-std::vector<std::shared_ptr<const Script>> scripts_of(const py::list& sources) {
+std::vector<std::shared_ptr<const Script>> scripts_of(const py::object& sources) {
   std::vector<std::shared_ptr<const Script>> scripts;
-  if (sources.empty()) return scripts;
   for (const py::handle each : py::module_::import("troupe._script").attr("load")(sources)) {
     const auto described = each.cast<py::dict>();
     if (!described.contains("script"))
@@ -537,6 +582,10 @@ void bind_script(py::module_& module) {
           "The memories of the robots: a structured array with one row per robot and the fields of "
           "Controller.memory. The next call\nof decide() finds the values that this call writes to the "
           "array. Raises AttributeError if the controller declares no\nmemory.")
+      .def_property_readonly(
+          "params", &RobotBatch::params,
+          "The parameters of the controller (Controller.params): a mapping from names to values, which "
+          "cannot be changed. Lists are\ntuples.")
       .def("estimates", &RobotBatch::estimates, "Estimated poses, n x 4: x, y, z (m), heading (rad).")
       .def("readings", &RobotBatch::readings, py::arg("field"), py::arg("device") = "",
            "The values of a field of a sensor or another device: shape (n,) or, if the field has several "
@@ -657,10 +706,8 @@ void bind_script(py::module_& module) {
       [](const std::vector<std::string>& arguments) {
         apps::set_script_reader([](const std::filesystem::path& file) {
           const py::gil_scoped_acquire lock;
-          py::list sources;
-          sources.append(file.string());
           try {
-            return scripts_of(sources).front();
+            return scripts_of(py::str(file.string())).front();
           } catch (const py::error_already_set& error) {
             // Exceptions that are not derived from Exception, such as KeyboardInterrupt, are not replaced by
             // an InputError, which names the file.

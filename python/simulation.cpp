@@ -50,7 +50,13 @@ py::list callbacks_of(const py::object& simulation) {
 namespace {
 
 namespace fs = std::filesystem;
-using Paths = std::vector<fs::path>;
+/// A list of folders, or one folder.
+using Paths = std::variant<std::vector<fs::path>, fs::path>;
+
+std::vector<fs::path> folders_of(Paths paths) {
+  if (auto* folder = std::get_if<fs::path>(&paths)) return {std::move(*folder)};
+  return std::get<std::vector<fs::path>>(std::move(paths));
+}
 
 // ---- options
 
@@ -138,15 +144,15 @@ using Text = std::optional<std::string>;
 
 SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed& seed, const Text& ranging,
                              const Settings& set, Paths search_path, Paths plugin_path,
-                             const py::list& controllers, double tile_size_m, unsigned ranks) {
+                             const py::object& controllers, double tile_size_m, unsigned ranks) {
   return {.threads = threads,
           .tile_size_m = tile_size(tile_size_m),
           .seed = seed,
           .ranging = ranging_of(ranging),
           .robots = robots_of(robots),
           .set = settings_of(set),
-          .search_path = std::move(search_path),
-          .plugin_path = std::move(plugin_path),
+          .search_path = folders_of(std::move(search_path)),
+          .plugin_path = folders_of(std::move(plugin_path)),
           .scripts = scripts_of(controllers),
           .ranks = ranks};
 }
@@ -161,7 +167,7 @@ Holder hold(Make&& make) {
 
 Holder load(const std::variant<py::dict, fs::path>& world, const Robots& robots, unsigned threads,
             const Seed& seed, const Text& ranging, const Settings& set, const fs::path& name,
-            Paths search_path, Paths plugin_path, const py::list& controllers, double tile_size_m,
+            Paths search_path, Paths plugin_path, const py::object& controllers, double tile_size_m,
             unsigned ranks) {
   const SimulationOptions options = options_of(robots, threads, seed, ranging, set, std::move(search_path),
                                                std::move(plugin_path), controllers, tile_size_m, ranks);
@@ -173,20 +179,20 @@ Holder load(const std::variant<py::dict, fs::path>& world, const Robots& robots,
 
 Holder from_text(const std::string& text, const fs::path& name, const Robots& robots, unsigned threads,
                  const Seed& seed, const Text& ranging, const Settings& set, Paths search_path,
-                 Paths plugin_path, const py::list& controllers, double tile_size_m, unsigned ranks) {
+                 Paths plugin_path, const py::object& controllers, double tile_size_m, unsigned ranks) {
   const SimulationOptions options = options_of(robots, threads, seed, ranging, set, std::move(search_path),
                                                std::move(plugin_path), controllers, tile_size_m, ranks);
   return hold([&] { return Simulation::from_text(text, name, options); });
 }
 
 Holder resume(const fs::path& checkpoint, unsigned threads, const Settings& set, bool across_versions,
-              Paths plugin_path, const py::list& controllers, bool across_plugins, double tile_size_m,
+              Paths plugin_path, const py::object& controllers, bool across_plugins, double tile_size_m,
               unsigned ranks) {
   const ResumeOptions options{.threads = threads,
                               .tile_size_m = tile_size(tile_size_m),
                               .set = settings_of(set),
                               .across_versions = across_versions,
-                              .plugin_path = std::move(plugin_path),
+                              .plugin_path = folders_of(std::move(plugin_path)),
                               .scripts = scripts_of(controllers),
                               .across_plugins = across_plugins,
                               .ranks = ranks};
@@ -398,37 +404,39 @@ SimulationClass bind_simulation(py::module_& module) {
                              "functions that read or change the state raise RuntimeError until reset().",
                              py::dynamic_attr());
   simulation
-      .def(py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
-           py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
-           py::arg("set") = py::none(), py::arg("name") = "world.json", py::arg("search_path") = py::tuple(),
-           py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
-           py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
-           "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
-           "world file, whose\nrelative paths are resolved from the folder of `name`. robots: number of "
-           "robots of the only population, or a dict from\nnames of populations to numbers of robots. "
-           "threads: number of worker threads, at most 1024; 0: one per processor that\nthe process may use. "
-           "ranks: number of ranks; each rank is a group of `threads` threads of this process that has its "
-           "own\ncopy of the world and computes some of the robots (docs/cluster.md); no result depends on "
-           "this number. seed and ranging\n(\"exact\" or \"grid\") replace the values of the world file. "
-           "set: other values of the world file to replace, a dict from\nJSON pointers to new values, or a "
-           "list of tuples (JSON pointer, new value), in which /models/- and other pointers to\nthe end of a "
-           "list may occur several times. controllers: a list of scripts (file names) and of classes derived "
-           "from\nController. search_path: folders in which the world file and included files are searched "
-           "by their names if they do not\nexist at their paths. plugin_path: folders in which plug-ins are "
-           "searched. tile_size_m: edge length of the tiles of the\nspatial index, m, which affects only the "
-           "speed; 0: automatic. Raises InputError if the world is invalid.")
+      .def(
+          py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
+          py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
+          py::arg("set") = py::none(), py::arg("name") = "world.json", py::arg("search_path") = py::tuple(),
+          py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::tuple(),
+          py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
+          "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
+          "world file, whose\nrelative paths are resolved from the folder of `name`. robots: number of "
+          "robots of the only population, or a dict from\nnames of populations to numbers of robots. "
+          "threads: number of worker threads, at most 1024; 0: one per processor that\nthe process may use. "
+          "ranks: number of ranks; each rank is a group of `threads` threads of this process that has its "
+          "own\ncopy of the world and computes some of the robots (docs/cluster.md); no result depends on "
+          "this number. seed and ranging\n(\"exact\" or \"grid\") replace the values of the world file. "
+          "set: other values of the world file to replace, a dict from\nJSON pointers to new values, or a "
+          "list of tuples (JSON pointer, new value), in which /models/- and other pointers to\nthe end of a "
+          "list may occur several times. controllers: a script (file name), a class derived from Controller, "
+          "or a\nlist of these. search_path: folders in which the world file and included files are searched "
+          "by their names if they do\nnot exist at their paths. plugin_path: folders in which plug-ins are "
+          "searched. Either may also be a single folder.\ntile_size_m: edge length of the tiles of the "
+          "spatial index, m, which affects only the speed; 0: automatic. Raises\nInputError if the world is "
+          "invalid.")
       .def_static(
           "from_text", &from_text, py::arg("text"), py::arg("name") = "world.json", py::kw_only(),
           py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
           py::arg("ranging") = py::none(), py::arg("set") = py::none(), py::arg("search_path") = py::tuple(),
-          py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
+          py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::tuple(),
           py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
           "Loads a world from the text of a world file. `name` is used in place of a file name: its ending, "
           ".world or\n.json, selects the syntax, and relative paths are resolved from its folder. The other "
           "parameters are those of\nSimulation(). Raises InputError if the world is invalid.")
       .def_static("resume", &resume, py::arg("checkpoint"), py::kw_only(), py::arg("threads") = 0,
                   py::arg("set") = py::none(), py::arg("across_versions") = false,
-                  py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::list(),
+                  py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::tuple(),
                   py::arg("across_plugins") = false, py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
                   "Resumes a run from a checkpoint of save(), with the same results, bit for bit, as if "
                   "it had never stopped. set: as in\nSimulation(), for values of the world that may "

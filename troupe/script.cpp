@@ -68,7 +68,6 @@ void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, 
                         Diagnostics& diagnostics) {
   std::vector<const Script::Controller*> given(world.types.size(), nullptr);
   for (const std::shared_ptr<const Script>& script : scripts) {
-    const std::string name = script->name();
     for (const Script::Controller& controller : script->controllers) {
       const Where where{diagnostics.files()->add(script->file.string()), controller.line};
       const auto types = types_of(world, controller.robots);
@@ -86,10 +85,15 @@ void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, 
           continue;
         }
         given[t] = &controller;
-        const bool is_main = controller.kind.name == name;
-        engine::ControllerSpec spec{.where = where};
-        spec.kind = is_main ? name : fmt::format("{}:{}", name, controller.kind.name);
-        spec.params = controller.kind.params.defaults();
+        engine::ControllerSpec spec;
+        spec.kind = script->name_in_worlds(controller.kind.name);
+        const auto own = std::ranges::find(type.controllers, spec.kind, &engine::ControllerSpec::kind);
+        if (own != type.controllers.end()) {
+          spec = std::move(*own);  // with the parameters that the world gives
+        } else {
+          spec.params = controller.kind.params.defaults();
+          spec.where = where;
+        }
         type.controllers = {std::move(spec)};
       }
     }

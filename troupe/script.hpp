@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe {
@@ -35,11 +36,18 @@ struct Script {
 
   /// The name of the script, by which simulations find its controllers and measures: "my" for my.py.
   std::string name() const { return file.stem().string(); }
+  /// The name that a controller or measure of this script has in worlds: "my:Wander" for the class `Wander`
+  /// in my.py, "my" for the class `my`.
+  std::string name_in_worlds(std::string_view own_name) const {
+    return own_name == name() ? name() : name() + ":" + std::string(own_name);
+  }
 };
 
 /// Gives each controller of the scripts to its robots (Script::Controller::robots). The controller replaces
 /// all controllers that the world gives to the types of these robots, because all robots of a type have the
-/// same controllers. A type states the properties that bodies of the same construction share.
+/// same controllers. If one of them is this same controller, it keeps the parameters that the world gives.
+/// Otherwise the parameters have their defaults. A type states the properties that bodies of the same
+/// construction share.
 ///
 /// Reports an error to `diagnostics`, at the line of the class of the controller, in these cases:
 /// - The world has no robots with the name that the script gives.

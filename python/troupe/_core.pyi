@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, TypeVar, Union, overload
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, TypeVar, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -170,6 +170,8 @@ class Robots:
     def period_s(self) -> float: ...
     @property
     def memory(self) -> npt.NDArray[Any]: ...
+    @property
+    def params(self) -> Mapping[str, Any]: ...
     def __len__(self) -> int: ...
     def estimates(self) -> _Doubles: ...
     def readings(self, field: str, device: str = ...) -> npt.NDArray[Any]: ...
@@ -208,9 +210,9 @@ class Simulation:
         ranging: Optional[str] = ...,
         set: _Settings = ...,
         name: _File = ...,
-        search_path: Sequence[_File] = ...,
-        plugin_path: Sequence[_File] = ...,
-        controllers: Sequence[Union[_File, type]] = ...,
+        search_path: Union[_File, Sequence[_File]] = ...,
+        plugin_path: Union[_File, Sequence[_File]] = ...,
+        controllers: Union[_File, type, Sequence[Union[_File, type]]] = ...,
         tile_size_m: float = ...,
         ranks: int = ...,
     ) -> None: ...
@@ -224,9 +226,9 @@ class Simulation:
         seed: Optional[int] = ...,
         ranging: Optional[str] = ...,
         set: _Settings = ...,
-        search_path: Sequence[_File] = ...,
-        plugin_path: Sequence[_File] = ...,
-        controllers: Sequence[Union[_File, type]] = ...,
+        search_path: Union[_File, Sequence[_File]] = ...,
+        plugin_path: Union[_File, Sequence[_File]] = ...,
+        controllers: Union[_File, type, Sequence[Union[_File, type]]] = ...,
         tile_size_m: float = ...,
         ranks: int = ...,
     ) -> Simulation: ...
@@ -237,8 +239,8 @@ class Simulation:
         threads: int = ...,
         set: _Settings = ...,
         across_versions: bool = ...,
-        plugin_path: Sequence[_File] = ...,
-        controllers: Sequence[Union[_File, type]] = ...,
+        plugin_path: Union[_File, Sequence[_File]] = ...,
+        controllers: Union[_File, type, Sequence[Union[_File, type]]] = ...,
         across_plugins: bool = ...,
         tile_size_m: float = ...,
         ranks: int = ...,

@@ -38,6 +38,9 @@ class Controller:
     memory  the fields of each robot's memory: a dict from names to initial values (NumPy scalars or one-dimensional
             arrays) or to NumPy types, which stand for an initial value of 0. decide() finds them in `robots.memory`.
             The engine owns, hashes, saves and resets the memory
+    params  the parameters: a dict from names to default values, each a bool, an int, a float, a str or a list of
+            floats. decide() finds the values in `robots.params`. A world file gives other values as keys of the
+            controller, as in {"kind": "my", "speed": 0.5}, and Simulation.set() changes them during a run
     name    name of the controller; None: the name of the class. In world files and in components of the state, the
             controller NAME of the script my.py is called `my:NAME`, or `my` if NAME is `my`
 
@@ -48,10 +51,17 @@ class Controller:
     robots: str = ""
     uses: Optional[Sequence[str]] = None
     memory: Dict[str, Any] = {}
+    params: Dict[str, Any] = {}
     name: Optional[str] = None
 
     def decide(self, robots: Robots) -> None:
         raise NotImplementedError(f"{type(self).__name__} has no decide(self, robots): define it, to command the robots")
+
+    def __getattribute__(self, name: str) -> Any:
+        if name == "params":  # the defaults, which the world may replace
+            raise AttributeError("a controller has no attribute \"params\" of its own: read robots.params, which has the "
+                                 "values of the parameters")
+        return super().__getattribute__(name)
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(
@@ -142,6 +152,31 @@ def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int,
     return fields, row, bytes(bytes_)
 
 
+def _params(cls: Any, file: str, line: int) -> List[Tuple[str, Any]]:
+    """Returns the names and default values of the parameters of a controller class. A default value is a bool, an int, a
+    float, a str or a list of floats."""
+    if not isinstance(cls.params, dict):
+        _fail(file, line, f"{cls.__name__}.params is {cls.params!r}: expected a dict of names and default values")
+    params: List[Tuple[str, Any]] = []
+    for name, given in cls.params.items():
+        where = f"{cls.__name__}.params[{name!r}]"
+        if not isinstance(name, str) or not name.isidentifier() or not name.isascii():
+            _fail(file, line, f"{where}: the name of a parameter must be a Python identifier of ASCII characters")
+        value = given.item() if isinstance(given, np.generic) else given
+        if isinstance(value, (list, tuple, np.ndarray)):
+            try:
+                value = [float(number) for number in value]
+            except (TypeError, ValueError):
+                value = None
+        numbers = value if isinstance(value, list) else [value] if isinstance(value, float) else []
+        is_too_large = isinstance(value, int) and not -(1 << 63) <= value < 1 << 63
+        if not isinstance(value, (bool, int, float, str, list)) or is_too_large or not np.isfinite(numbers).all():
+            _fail(file, line, f"{where} is {given!r}: expected a bool, an int of 64 bits, a finite float, a str or a list "
+                              "of finite floats")
+        params.append((name, value))
+    return params
+
+
 class Memory(np.ndarray):  # type: ignore[type-arg]
     """The memories of robots: a structured array. The assignment `memory[field] = values` raises TypeError for floats
     in an integer field. It converts integers and floats of other sizes as NumPy does, even if they lose digits."""
@@ -210,7 +245,7 @@ def _controller(cls: Any, file: str) -> Dict[str, Any]:
     return {
         "name": cls.name or cls.__name__, "text": ((inspect.getdoc(cls) if cls.__doc__ else None) or "").split("\n")[0],
         "robots": cls.robots, "line": line, "uses": None if uses is None else list(uses), "fields": fields,
-        "memory": row, "start": start, "decide": instance.decide,
+        "memory": row, "start": start, "decide": instance.decide, "params": _params(cls, file, line),
     }
 
 
@@ -274,10 +309,13 @@ def _file_of(cls: Any) -> str:
         return f"{cls.__name__}.py"
 
 
-def load(sources: Sequence[Any]) -> List[Dict[str, Any]]:
+def load(sources: Any) -> List[Dict[str, Any]]:
     """Returns one description, a dict, for each script and for each file that defines some of the given classes.
-    sources: names of scripts, and classes derived from Controller. Raises InputError for a script that cannot be read
-    or executed or that defines nothing, and TypeError for a source that is neither a name nor such a class."""
+    sources: the name of a script, a class derived from Controller, or a sequence of these. Raises InputError for a
+    script that cannot be read or executed or that defines nothing, and TypeError for a source that is neither a name
+    nor such a class."""
+    if isinstance(sources, (str, os.PathLike, type)) or not hasattr(sources, "__iter__"):
+        sources = [sources]
     descriptions: List[Dict[str, Any]] = []
     classes: Dict[str, List[Any]] = {}
     for source in sources:

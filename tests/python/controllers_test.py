@@ -255,6 +255,101 @@ class Controllers(InAFolder):
         with self.assertRaisesRegex(TypeError, "neither the name of a script nor a class"):
             troupe.Simulation("w.json", controllers=[int])
 
+    def test_one_script_one_class_and_one_folder_need_no_list(self):
+        class Still(troupe.Controller):
+            def decide(self, robots):
+                robots.set_speeds(0, 0)
+
+        for one in ("roam.py", pathlib.Path("roam.py"), Still, ("roam.py",)):
+            troupe.Simulation("w.json", controllers=one).step()
+        with self.assertRaisesRegex(TypeError, "^controllers: 3 is neither the name of a script nor a class"):
+            troupe.Simulation("w.json", controllers=3)
+        self.write("walker.json", WORLD.replace('"devices"', '"controller": {"kind": "walker"}, "devices"'))
+        for folder in (PLUGINS, str(PLUGINS), [PLUGINS]):
+            troupe.Simulation("walker.json", plugin_path=folder).step()
+        (self.folder / "worlds").mkdir()
+        (self.folder / "walker.json").rename(self.folder / "worlds" / "walker.json")
+        troupe.Simulation("walker.json", plugin_path=PLUGINS, search_path=self.folder / "worlds")
+
+    def test_parameters(self):
+        class tuned(troupe.Controller):
+            params = {"speed": 0.5, "turns": 3, "is_shy": False, "mode": "slow", "gains": [0.5, 0.25]}
+
+            def decide(self, robots):
+                seen.append(dict(robots.params))
+                robots.set_speeds(robots.params["speed"], 0)
+
+        seen = []
+        simulation = troupe.Simulation("w.json", controllers=tuned)
+        simulation.step()
+        defaults = {"speed": 0.5, "turns": 3, "is_shy": False, "mode": "slow", "gains": (0.5, 0.25)}
+        self.assertEqual(seen, [defaults])
+        self.assertEqual([type(value) for value in seen[0].values()], [float, int, bool, str, tuple])
+
+        name = "controllers_test:tuned"
+        given = {"/types/bot/controller": {"kind": name, "speed": 0.25, "is_shy": True, "gains": [1]}}
+        simulation = troupe.Simulation("w.json", controllers=tuned, set=given)
+        simulation.step()
+        self.assertEqual(seen[-1], {**defaults, "speed": 0.25, "is_shy": True, "gains": (1.0,)})
+        simulation.set("bot", {"controller": {"kind": name, "speed": 0.125, "mode": "fast"}})
+        simulation.step(2)
+        self.assertEqual(seen[-1]["mode"], "fast")
+        self.assertEqual(set(simulation.swarm().speeds()[:, 0]), {0.125})
+        self.assertEqual(simulation.parameters("bot")[-1],
+                         {"controller": {"kind": name, "speed": 0.125, "turns": 3, "is_shy": True, "mode": "fast", "gains": [1]}})
+        simulation.save("c.h5")
+        resumed = troupe.Simulation.resume("c.h5", controllers=tuned)
+        resumed.step(3)
+        simulation.step(3)
+        self.assertEqual(resumed.state_hash(), simulation.state_hash())
+        self.assertEqual(seen[-1], seen[-4])
+        for values, message in (({"sped": 1}, 'unknown key "sped"'), ({"turns": 1.5}, "expected a whole number"),
+                                ({"mode": 1}, "expected a text"), ({"gains": "x"}, "expected a list of numbers")):
+            with self.assertRaisesRegex(troupe.InputError, message):
+                troupe.Simulation("w.json", controllers=tuned, set={"/types/bot/controller": {"kind": name, **values}})
+
+    def test_parameters_of_a_script_are_keys_of_the_world(self):
+        self.write("my.py", ROAM.replace("class roam", "class my").replace("    memory = {", '    params = {"cruise": 0.3}\n    memory = {')
+                   .replace("np.where(near, 0.0, 0.3)", 'np.where(near, 0.0, robots.params["cruise"])'))
+        self.write("my.json", WORLD.replace('"devices"', '"controller": {"kind": "my"}, "devices"'))
+        script = ("--controller", "my.py", "--for", "0.5")
+        self.troupe("run", "w.json", "--controller", "roam.py", "--for", "0.5", "--hash-log", "roam.log")
+        self.troupe("run", "my.json", *script, "--hash-log", "same.log")
+        self.troupe("run", "my.json", *script, "--set", "/types/bot/controller/cruise=0.2", "--hash-log", "slow.log")
+        self.troupe("run", "w.json", *script, "--set", '/types/bot/controller={"kind": "my", "cruise": 0.2}',
+                    "--hash-log", "set.log")
+        self.assertNotEqual(self.hashes("slow.log"), self.hashes("same.log"))
+        self.assertEqual(self.hashes("slow.log"), self.hashes("set.log"))
+
+    def test_parameters_that_cannot_be_are_errors_with_their_line(self):
+        class_line = next(n for n, line in enumerate(ROAM.splitlines(), 1) if line.startswith("class "))
+        kinds = "expected a bool, an int of 64 bits, a finite float, a str or a list of finite floats"
+        for params, message in (
+            ("[1]", f"my.py:{class_line}: error: roam.params is [1]: expected a dict of names and default values"),
+            ('{"a": None}', f"my.py:{class_line}: error: roam.params['a'] is None: {kinds}"),
+            ('{"a": 2**63}', kinds), ('{"a": float("inf")}', kinds), ('{"a": ["x"]}', kinds), ('{"a": [float("nan")]}', kinds),
+            ('{"a b": 1}', "roam.params['a b']: the name of a parameter must be a Python identifier"),
+            ('{"kind": 1}', 'has a parameter "kind", but "kind" is a key that every controller has'),
+        ):
+            with self.subTest(params):
+                self.assertIn(message, self.error_of(('    robots = "r"', f'    robots = "r"\n    params = {params}'), 2))
+
+    def test_values_of_parameters_are_in_the_argument_and_constant(self):
+        class tuned(troupe.Controller):
+            params = {"speed": 0.5}
+
+            def decide(self, robots):
+                if robots.tick == 1:
+                    self.params["speed"]
+                robots.params["speed"] = 1
+
+        simulation = troupe.Simulation("w.json", controllers=tuned)
+        with self.assertRaisesRegex(troupe.StepError, "AttributeError: .*read robots.params"):
+            simulation.step()
+        tuned.decide = lambda self, robots: robots.params.update(speed=1)
+        with self.assertRaisesRegex(troupe.StepError, "AttributeError"):
+            troupe.Simulation("w.json", controllers=type("other", (tuned,), {})).step()
+
     def error_of(self, change, code, *more, text=ROAM):
         self.write("my.py", text.replace(*change))
         return self.troupe("run", "w.json", "--controller", "my.py", *more, code=code).stderr
