@@ -1,10 +1,12 @@
 #include "apps/describe.hpp"
 
+#include "apps/controller_needs.hpp"
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/observing/events.hpp"
-#include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
+#include "troupe/script.hpp"
+#include "worldio/json/find_keys.hpp"
 #include "worldio/json/world_schema.hpp"
 #include "worldio/stage/stage_properties.hpp"
 
@@ -92,16 +94,6 @@ std::string range_text(const Field& field) {
   return unit.empty() ? range : range + " " + unit;
 }
 
-/// Returns the JSON key of a parameter, with the suffixes of the other units that the key may have: "fov_rad
-/// (_deg)".
-std::string key_text(const Field& field) {
-  const auto units = engine::unit_suffixes(field.unit);
-  std::string others;
-  for (const engine::UnitSuffix& unit : units.subspan(1))
-    others += fmt::format("{}{}", others.empty() ? "" : ", ", unit.suffix);
-  return fmt::format("{}{}{}", field.name, units.front().suffix, others.empty() ? "" : " (" + others + ")");
-}
-
 /// Largest width of a column, in characters. A longer entry does not widen the column, but shifts the rest of
 /// its own line to the right.
 constexpr std::size_t k_max_column = 36;
@@ -116,15 +108,14 @@ void add_lines(const FieldTable& table, const std::string& indent, std::vector<L
     const std::string fallback = field.optional    ? "none"
                                  : defaulted_block ? "see below"
                                                    : value_text(field.fallback);
-    lines.push_back({indent + key_text(field), fallback, range_text(field), std::string(field.text)});
+    lines.push_back(
+        {indent + worldio::key_text(field), fallback, range_text(field), std::string(field.text)});
     if (block) add_lines(*field.record, indent + "  ", lines);
   }
 }
 
-std::string fields_text(const FieldTable& table) {
-  if (table.fields.empty()) return "  takes no parameters\n";
-  std::vector<Line> lines{{"key", "default", "range", "meaning"}};
-  add_lines(table, "", lines);
+/// Returns lines as the rows of a table.
+std::string table_text(const std::vector<Line>& lines) {
   std::array<std::size_t, 3> widths{};
   for (const Line& line : lines)
     for (std::size_t i = 0; i < widths.size(); ++i)
@@ -137,6 +128,13 @@ std::string fields_text(const FieldTable& table) {
     text += row + "\n";
   }
   return text;
+}
+
+std::string fields_text(const FieldTable& table) {
+  if (table.fields.empty()) return "  takes no parameters\n";
+  std::vector<Line> lines{{"key", "default", "range", "meaning"}};
+  add_lines(table, "", lines);
+  return table_text(lines);
 }
 
 /// Returns typical parameters of a kind: the defaults, and one object in each required list of objects.
@@ -212,6 +210,10 @@ std::string kind_text(std::string_view group, const Kind& kind) {
   return fmt::format("{} {}: {}\n\n{}\n", group, kind.name, kind.text, fields_text(kind.params));
 }
 
+std::string controller_text(const Registry& registry, const engine::ControllerKind& kind) {
+  return kind_text("controller", kind) + needs_text(registry, kind, kind.params);
+}
+
 std::string model_text(const Registry& registry, const engine::ModelKind& kind) {
   const engine::DeviceKind* device = registry.device(kind.device);
   return fmt::format("model {}: {}\n\n  default size {} x {} x {} m, {}\n\n", kind.name, kind.text,
@@ -249,11 +251,57 @@ std::string measure_text(const engine::MeasureKind& kind) {
 /// Returns the description of a preset (a named set of parameters for a kind of controller), as text: the
 /// parameters of the kind, with the preset's values as defaults.
 std::string preset_text(const Registry& registry, const Registry::Preset& preset) {
-  FieldTable table = registry.controller(preset.kind)->params;
+  const engine::ControllerKind& kind = *registry.controller(preset.kind);
+  FieldTable table = kind.params;
   for (const auto& [name, value] : preset.params)
     table.fields[static_cast<std::size_t>(table.find(name))].fallback = value;
   return fmt::format("controller {}: {}\n\n  preset of {} with these defaults\n\n{}\n", preset.name,
-                     preset.text, preset.kind, fields_text(table));
+                     preset.text, preset.kind, fields_text(table)) +
+         needs_text(registry, kind, table);
+}
+
+constexpr std::string_view k_endings =
+    "The ending of a key, such as _m, is the unit of its default and range; in JSON, the key may also have "
+    "one of the endings in parentheses.\n";
+
+/// Returns the description of a key of JSON worlds as text.
+std::string key_description(const worldio::FoundKey& key) {
+  const worldio::KeyRow& row = key.row;
+  const std::string usual = row.usual == "required" ? row.usual : "default: " + row.usual;
+  std::string text = fmt::format("key {}: {}; {}\n\n", row.names, row.value, usual);
+  constexpr std::size_t k_most_paths = 8;
+  for (std::size_t i = 0; i < std::min(key.paths.size(), k_most_paths); ++i)
+    text += fmt::format("  at {}\n", key.paths[i]);
+  if (key.paths.size() > k_most_paths)
+    text += fmt::format("  and at {} more places\n", key.paths.size() - k_most_paths);
+  if (!row.meaning.empty()) text += "\n" + wrapped(row.meaning);
+  if (!key.keys.empty()) {
+    std::vector<Line> lines{{"key", "default", "range", "meaning"}};
+    for (const worldio::KeyRow& one : key.keys)
+      lines.push_back({one.names, one.usual, one.value, one.meaning});
+    text += "\n" + table_text(lines);
+  }
+  if (!key.what.empty())
+    text += fmt::format("\n{}  `troupe describe KIND` lists the parameters of a kind.\n",
+                        wrapped(fmt::format("kinds of {}: {}", key.what, comma_list(key.kinds))));
+  return text;
+}
+
+/// Returns the description of the kind `name` as text; empty if there is no such kind.
+std::string kind_description(const Registry& registry, std::string_view name) {
+  std::string text;  // parameters in JSON, then properties in Stage world files
+  if (const auto* kind = registry.device(name))
+    text +=
+        kind_text(kind->is_sensor() ? "sensor" : "device", *kind) + state_text(*kind) + others_text(*kind);
+  if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);
+  if (const auto* kind = registry.controller(name)) text += controller_text(registry, *kind);
+  if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
+  if (const auto kind = registry.find_measure(name)) text += measure_text(**kind);
+  if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
+  if (text.find("\n  key ") != std::string::npos) text += k_endings;
+  if (const auto* kind = registry.model(name))
+    text += (text.empty() ? "" : "\n") + model_text(registry, *kind);
+  return text;
 }
 
 }  // namespace
@@ -280,58 +328,86 @@ std::string list_kinds(const Registry& registry) {
          listed("devices", registry.other_devices()) + listed("drives", registry.drives) +
          listed("controllers", registry.controllers) + listed("presets of controllers", registry.presets) +
          listed("measures", registry.measures) + listed("faults", registry.faults) +
-         listed("events", engine::event_kinds()) + "`troupe describe KIND` lists the parameters of a kind.\n";
+         listed("events", engine::event_kinds()) +
+         "`troupe describe KIND` lists the parameters of a kind.\n"
+         "`troupe describe KEY` describes a key of JSON worlds, such as `populations`.\n";
 }
 
-std::string describe_kind(const Registry& registry, std::string_view name) {
-  std::string text;  // parameters in JSON, then properties in Stage world files
-  if (const auto* kind = registry.device(name))
-    text +=
-        kind_text(kind->is_sensor() ? "sensor" : "device", *kind) + state_text(*kind) + others_text(*kind);
-  if (const auto* kind = registry.drive(name)) text += kind_text("drive", *kind);
-  if (const auto* kind = registry.controller(name)) text += kind_text("controller", *kind);
-  if (const auto* preset = registry.preset(name)) text += preset_text(registry, *preset);
-  if (const auto kind = registry.find_measure(name)) text += measure_text(**kind);
-  if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
-  if (text.find("\n  key ") != std::string::npos)
-    text +=
-        "The ending of a key, such as _m, is the unit of its default and range; in JSON, the key may also "
-        "have "
-        "one of the endings in parentheses.\n";
-  if (const auto* kind = registry.model(name))
-    text += (text.empty() ? "" : "\n") + model_text(registry, *kind);
-  if (text.empty()) {
-    // The names of all kinds are not listed: they are long and would come before the suggestion.
-    std::string unknown = fmt::format("unknown kind \"{}\"{}; `troupe describe` lists all kinds", name,
-                                      did_you_mean(name, kind_names(registry)));
-    if (registry.plugged_controllers)  // the error of a plug-in is more specific
-      if (const auto found = registry.plugged_controllers(name, unknown); !found)
-        unknown = found.error().text;
-    throw InputError("troupe describe: error: " + unknown);
-  }
-  return text;
+std::string list_script(const Script& script) {
+  struct Named {
+    std::string name;
+    std::string_view text;
+  };
+  const auto rows = [&](const auto& kinds, auto&& kind_of) {
+    std::vector<Named> named;
+    for (const auto& each : kinds)
+      named.push_back({script.name_in_worlds(kind_of(each).name), kind_of(each).text});
+    return named;
+  };
+  return listed(fmt::format("controllers of {}", script.file.string()),
+                rows(
+                    script.controllers,
+                    [](const Script::Controller& each) -> const auto& { return each.kind; })) +
+         listed(fmt::format("measures of {}", script.file.string()),
+                rows(
+                    script.measures, [](const engine::MeasureKind& each) -> const auto& { return each; }));
+}
+
+std::string describe_name(const Registry& registry, std::string_view name) {
+  std::string text = kind_description(registry, name);
+  if (text.empty())
+    if (const std::string_view kind = worldio::kind_in_path(registry, name); !kind.empty())
+      text = kind_description(registry, kind);
+  std::string keys;
+  for (const worldio::FoundKey& key : worldio::find_keys(registry, name))
+    keys += (keys.empty() ? "" : "\n") + key_description(key);
+  if (keys.find(" (_") != std::string::npos) keys += fmt::format("\n{}", k_endings);
+  if (!text.empty() && !keys.empty()) text += text.ends_with("\n\n") ? "" : "\n";
+  text += keys;
+  if (!text.empty()) return text;
+
+  // The names of all kinds and keys are not listed: they are long and would come before the suggestion.
+  std::vector<std::string_view> known = kind_names(registry);
+  const std::vector<std::string> near = worldio::names_near(registry, name);
+  known.insert(known.end(), near.begin(), near.end());
+  std::string unknown =
+      fmt::format("\"{}\" is neither a kind nor a key of JSON worlds{}; `troupe describe` lists all kinds",
+                  name, did_you_mean(name, known));
+  // The error of a plug-in is more specific. The names of plug-ins contain no separators of keys.
+  if (registry.plugged_controllers && name.find_first_of("./") == name.npos)
+    if (const auto found = registry.plugged_controllers(name, unknown); !found) unknown = found.error().text;
+  throw InputError("troupe describe: error: " + unknown);
 }
 
 void add_describe_options(CLI::App& command, DescribeOptions& options) {
   command
-      .add_option("KIND", options.kind,
-                  "Name of a model, sensor, device, drive, controller, measure or fault (default: list all)")
+      .add_option(
+          "NAME", options.name,
+          "Kind, such as ranger, or key of JSON worlds, such as populations (default: list all kinds)")
       ->option_text(" ");
   command.add_flag("--schema", options.schema, "Print the JSON Schema of worlds, for editors and programs");
-  add_plugin_path_option(command, options.plugin_path);
+  add_kind_options(command, options.sources.plugin_path, options.sources.scripts);
   command.footer(
-      "\nExamples:\n  troupe describe\n  troupe describe ranger\n  troupe describe follow_wall --plugin-path "
-      "build\n  troupe describe --schema > world.schema.json");
+      "\nA name of several keys is separated by dots. A JSON pointer, as in errors, may also be given.\n"
+      "\nExamples:\n  troupe describe\n  troupe describe ranger\n  troupe describe populations\n"
+      "  troupe describe populations.place\n  troupe describe /types/bot/sensors/0/range_m\n"
+      "  troupe describe follow_wall --plugin-path build\n"
+      "  troupe describe my --controller my.py\n  troupe describe --schema > world.schema.json");
 }
 
 ExitCode describe(const DescribeOptions& options) {
-  engine::Registry registry = make_registry();
   if (options.schema) {
-    fmt::print("{}", worldio::world_schema(registry));
+    fmt::print("{}", worldio::world_schema(make_registry()));
     return k_finished;
   }
-  add_plugins(registry, plugin_path(options.plugin_path));
-  fmt::print("{}", options.kind.empty() ? list_kinds(registry) : describe_kind(registry, options.kind));
+  const Registry registry = registry_with(options.sources);
+  if (!options.name.empty()) {
+    fmt::print("{}", describe_name(registry, options.name));
+    return k_finished;
+  }
+  for (const std::shared_ptr<const Script>& script : options.sources.scripts)
+    fmt::print("{}", list_script(*script));
+  fmt::print("{}", list_kinds(registry));
   return k_finished;
 }
 

@@ -24,7 +24,8 @@ Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded, or its me
 
 Examples:
   troupe lint worlds/hospital.json
-  troupe lint worlds/minimal.world)";
+  troupe lint worlds/minimal.world
+  troupe lint room.json --controller my.py)";
 
 }  // namespace
 
@@ -35,13 +36,14 @@ void add_lint_options(CLI::App& lint, LintOptions& options) {
           "World file: Stage's .world, or .json")
       ->option_text(" ")
       ->required();
-  add_plugin_path_option(lint, options.plugin_path);
+  add_kind_options(lint, options.sources.plugin_path, options.sources.scripts);
 }
 
 ExitCode lint_world(const LintOptions& options) {
   const std::filesystem::path& world = options.world;
   SimulationOptions simulation;
-  simulation.plugin_path = options.plugin_path;
+  simulation.plugin_path = options.sources.plugin_path;
+  simulation.scripts = options.sources.scripts;
   const std::vector<std::string> findings = lint(world, with_environment(std::move(simulation)));
   for (const std::string& finding : findings) fmt::print("{}\n", finding);
   if (findings.empty())

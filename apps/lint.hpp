@@ -1,9 +1,9 @@
 #pragma once
 
 #include "apps/exit_code.hpp"
+#include "apps/options.hpp"
 
 #include <filesystem>
-#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
 class App;
@@ -13,8 +13,8 @@ namespace troupe::apps {
 
 /// Options of `troupe lint`.
 struct LintOptions {
-  std::filesystem::path world;                     ///< world file to check
-  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins (shared libraries)
+  std::filesystem::path world;  ///< world file to check
+  KindSources sources;          ///< plug-ins and scripts with which the world will run
 };
 
 /// Adds the options of `lint`; parsing fills `options`, which must outlive `command`.

@@ -6,6 +6,8 @@
 #include "engine/spec/ticks.hpp"
 #include "partition/parallel.hpp"
 #include "partition/simd_target.hpp"
+#include "troupe/plugins.hpp"
+#include "troupe/registry.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -149,8 +151,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
             });
   add_set_option(app, "Change a value of the world: a JSON pointer and a value; repeatable",
                  options.simulation.set);
-  add_plugin_path_option(app, options.simulation.plugin_path);
-  add_controller_option(app, options.simulation.scripts);
+  add_kind_options(app, options.simulation.plugin_path, options.simulation.scripts);
   add_simd_option(app);
 }
 
@@ -250,6 +251,18 @@ void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& p
                  refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");
                append_folders(text, path);
              });
+}
+
+void add_kind_options(CLI::App& app, std::vector<std::filesystem::path>& plugin_path,
+                      std::vector<std::shared_ptr<const Script>>& scripts) {
+  add_plugin_path_option(app, plugin_path);
+  add_controller_option(app, scripts);
+}
+
+engine::Registry registry_with(const KindSources& sources) {
+  engine::Registry registry = make_registry();
+  add_plugins(registry, plugin_path(sources.plugin_path), sources.scripts);
+  return registry;
 }
 
 std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given) {

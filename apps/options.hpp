@@ -1,9 +1,12 @@
 #pragma once
 
+#include "engine/kinds/kinds.hpp"
+#include "troupe/script.hpp"
 #include "troupe/simulation.hpp"
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -112,6 +115,19 @@ void add_rank_limit_option(CLI::App& app, double& limit_s);
 /// Adds --plugin-path. Its value is a list of folders to search for plug-ins (shared libraries with models or
 /// controllers). Parsing appends the folders to `path`, which must outlive `app`.
 void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
+/// Adds --plugin-path and --controller, which give a command further kinds (implementations of controllers,
+/// devices and measures). Parsing fills both lists, which must outlive `app`.
+void add_kind_options(CLI::App& app, std::vector<std::filesystem::path>& plugin_path,
+                      std::vector<std::shared_ptr<const Script>>& scripts);
+
+/// The values of add_kind_options(), for commands that run no simulation.
+struct KindSources {
+  std::vector<std::filesystem::path> plugin_path;      ///< folders to search for plug-ins (shared libraries)
+  std::vector<std::shared_ptr<const Script>> scripts;  ///< scripts with controllers (--controller)
+};
+/// Returns the kinds of Troupe, with those of the plug-ins and scripts of `sources` and of the folders in the
+/// environment variables that plugin_path() reads. Throws InputError for a script that cannot be used.
+engine::Registry registry_with(const KindSources& sources);
 /// Returns the folders to search for plug-ins, in this order: those in `given`, those in the environment
 /// variable TROUPE_PLUGIN_PATH, and those in STAGEPATH, where users of Stage keep their plug-ins.
 std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path> given);

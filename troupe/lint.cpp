@@ -8,6 +8,7 @@
 #include "sensors/ranger_beams.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
+#include "troupe/script.hpp"
 #include "worldio/load.hpp"
 #include "worldio/results/recording_fields.hpp"
 
@@ -407,7 +408,7 @@ std::vector<std::string> lint(const std::filesystem::path& file, const Simulatio
   restore_fp_environment();  // before anything is computed from the file
   Diagnostics diagnostics(true);
   engine::Registry registry = make_registry();
-  const std::shared_ptr<const Plugins> plugins = add_plugins(registry, options.plugin_path);
+  const std::shared_ptr<const Plugins> plugins = add_plugins(registry, options.plugin_path, options.scripts);
   std::vector<std::string> base_types;
   const worldio::LoadOptions load{.seed = options.seed,
                                   .robots = options.robots,
@@ -416,6 +417,8 @@ std::vector<std::string> lint(const std::filesystem::path& file, const Simulatio
                                   .threads = options.threads,
                                   .base_types = &base_types};
   engine::WorldSpec spec = worldio::load_world(file, registry, load, diagnostics);
+  diagnostics.throw_if_errors();
+  assign_controllers(options.scripts, spec, diagnostics);
   diagnostics.throw_if_errors();
   engine::World world(std::move(spec), registry, {options.threads, options.tile_size_m}, diagnostics);
   check_outputs(world, registry, diagnostics);

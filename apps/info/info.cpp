@@ -114,8 +114,8 @@ std::optional<Summary> summary_of_json(const InfoOptions& options, std::string_v
     return json.is_discarded() ? text.find('"' + key + '"') != text.npos
                                : json.is_object() && json.contains(key);
   };
-  if (has("troupe_study")) return summary_of_study(options.file, text, options.plugin_path);
-  if (has("troupe")) return summary_of_world(options.file, text, true, options.plugin_path);
+  if (has("troupe_study")) return summary_of_study(options.file, text, options.sources);
+  if (has("troupe")) return summary_of_world(options.file, text, true, options.sources);
   return std::nullopt;
 }
 
@@ -139,7 +139,7 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
   if (first != start.npos && start[first] == '{') return summary_of_json(options, start);
   // The ending counts for an empty world, and for one whose start is an error, which the reader reports.
   if (file.extension() == ".world" || begins_like_a_stage_world(file, start))
-    return summary_of_world(file, all_of(file), false, options.plugin_path);
+    return summary_of_world(file, all_of(file), false, options.sources);
   return std::nullopt;
 }
 
@@ -153,7 +153,7 @@ void add_info_options(CLI::App& command, InfoOptions& options) {
           "World, result or other file of Troupe")
       ->option_text(" ")
       ->required();
-  add_plugin_path_option(command, options.plugin_path);
+  add_kind_options(command, options.sources.plugin_path, options.sources.scripts);
 }
 
 ExitCode info(const InfoOptions& options) {

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "apps/exit_code.hpp"
+#include "apps/options.hpp"
 
 #include <filesystem>
-#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
 class App;
@@ -13,8 +13,8 @@ namespace troupe::apps {
 
 /// Options of `troupe info`.
 struct InfoOptions {
-  std::filesystem::path file;                      ///< file to summarise
-  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins (shared libraries)
+  std::filesystem::path file;  ///< file to summarise
+  KindSources sources;         ///< plug-ins and scripts with which a world or a study will run
 };
 
 /// Adds the options of `info`; parsing fills `options`, which must outlive `command`.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "apps/options.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -33,19 +35,18 @@ Summary summary_of_checkpoint(const std::filesystem::path& file);
 /// file: name of the world file, for errors and for the files to which it refers
 /// text: content of the world file
 /// json: whether the world is in JSON; otherwise it is in Stage's syntax
-/// plugins: folders to search for plug-ins (shared libraries). The folders in the environment variables
-/// TROUPE_PLUGIN_PATH and STAGEPATH are searched afterwards.
+/// sources: plug-ins (shared libraries), and scripts, whose controllers replace those of the world
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
-                         const std::vector<std::filesystem::path>& plugins);
+                         const KindSources& sources);
 
 /// Returns the summary of a study, which is a file that describes many runs of a world. Throws InputError if
 /// the study has errors. Does not load the world.
 ///
 /// file: name of the study, for errors
 /// text: content of the study
-/// plugins: as for summary_of_world()
+/// sources: plug-ins (shared libraries) and scripts
 Summary summary_of_study(const std::filesystem::path& file, const std::string& text,
-                         const std::vector<std::filesystem::path>& plugins);
+                         const KindSources& sources);
 
 /// Adds the number of runs in the table of results of a sweep, and how many of them failed, to a summary.
 void add_runs(std::size_t runs, std::size_t failed, Summary& summary);

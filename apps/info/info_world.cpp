@@ -2,8 +2,7 @@
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/spec/ranging_engine.hpp"
-#include "troupe/plugins.hpp"
-#include "troupe/registry.hpp"
+#include "troupe/script.hpp"
 #include "worldio/json/study.hpp"
 #include "worldio/load.hpp"
 
@@ -105,12 +104,6 @@ void add_measures(const engine::WorldSpec& spec, Summary& summary) {
   if (!measures.empty()) summary.emplace_back("measures", measures);
 }
 
-engine::Registry registry_with(const std::vector<std::filesystem::path>& plugins) {
-  engine::Registry registry = make_registry();
-  add_plugins(registry, plugin_path(plugins));
-  return registry;
-}
-
 std::string choice_text(const worldio::Study::Choice& choice) {
   using Kind = worldio::Study::Choice::Kind;
   switch (choice.kind) {
@@ -126,9 +119,9 @@ std::string choice_text(const worldio::Study::Choice& choice) {
 }  // namespace
 
 Summary summary_of_study(const std::filesystem::path& file, const std::string& text,
-                         const std::vector<std::filesystem::path>& plugins) {
+                         const KindSources& sources) {
   Diagnostics diagnostics;
-  const worldio::Study study = worldio::load_study_text(file, text, registry_with(plugins), diagnostics);
+  const worldio::Study study = worldio::load_study_text(file, text, registry_with(sources), diagnostics);
   diagnostics.throw_if_errors();
   Summary summary{{"kind", "study, format 1"},
                   {"world", study.world.string()},
@@ -146,13 +139,15 @@ Summary summary_of_study(const std::filesystem::path& file, const std::string& t
 }
 
 Summary summary_of_world(const std::filesystem::path& file, const std::string& text, bool json,
-                         const std::vector<std::filesystem::path>& plugins) {
-  const engine::Registry registry = registry_with(plugins);
+                         const KindSources& sources) {
+  const engine::Registry registry = registry_with(sources);
   Diagnostics diagnostics;
   worldio::LoadOptions options;
   options.search_path = with_environment({}).search_path;
-  const engine::WorldSpec spec = json ? worldio::load_json_world(file, text, registry, options, diagnostics)
-                                      : worldio::load_stage_world(file, text, registry, options, diagnostics);
+  engine::WorldSpec spec = json ? worldio::load_json_world(file, text, registry, options, diagnostics)
+                                : worldio::load_stage_world(file, text, registry, options, diagnostics);
+  diagnostics.throw_if_errors();
+  assign_controllers(sources.scripts, spec, diagnostics);
   diagnostics.throw_if_errors();
 
   Summary summary{{"kind", json ? "world, in JSON, format 1" : "world, in Stage's syntax"},

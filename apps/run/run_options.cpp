@@ -207,8 +207,7 @@ void add_resume_options(CLI::App& resume, RunOptions& options) {
   add_set_option(resume, "Change a value of the stored world: a JSON pointer and a value; repeatable",
                  options.simulation.set);
   add_across_options(resume, options);
-  add_plugin_path_option(resume, options.simulation.plugin_path);
-  add_controller_option(resume, options.simulation.scripts);
+  add_kind_options(resume, options.simulation.plugin_path, options.simulation.scripts);
   add_simd_option(resume);
   add_session_option(resume, options);
   add_clock_options(resume, options);

@@ -337,9 +337,90 @@ TEST_F(Describe, AnUnknownKindBringsASuggestion) {
   const Outcome outcome = troupe({"describe", "rangre"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.out, IsEmpty());
-  EXPECT_THAT(outcome.err,
-              StartsWith("troupe describe: error: unknown kind \"rangre\" (did you mean \"ranger\"?); "
-                         "`troupe describe` lists all kinds"));
+  EXPECT_THAT(
+      outcome.err,
+      StartsWith("troupe describe: error: \"rangre\" is neither a kind nor a key of JSON worlds (did you "
+                 "mean \"ranger\"?); `troupe describe` lists all kinds"));
+}
+
+TEST_F(Describe, KeysOfWorldsShowTheirObjects) {
+  const Outcome outcome = troupe({"describe", "populations"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_THAT(outcome.out,
+              StartsWith("key populations: list; default: none\n\n  at populations[]\n\n  groups of"));
+  EXPECT_THAT(lines_of(outcome.out),
+              ::testing::Contains(MatchesRegex("  place +required +object +how the bodies are placed")));
+  EXPECT_THAT(troupe({"describe", "types.drive"}).out,
+              HasSubstr("\n  kinds of drive: car, diff, omni\n  `troupe describe KIND` lists"));
+  const std::string tick = troupe({"describe", "tick_s"}).out;
+  EXPECT_THAT(tick, StartsWith("key tick_s (_ms): number, from 0.000001 to 3600 s; default: 0.1 s\n"));
+  EXPECT_THAT(tick, HasSubstr("in JSON, the key may also have"));
+  EXPECT_THAT(troupe({"describe", "size_m"}).out,
+              HasSubstr("\n  at types{}.size_m\n  at types{}.sensors[].size_m\n"));
+}
+
+TEST_F(Describe, KeysAreFoundByThePointersOfErrors) {
+  write("w.json",
+        R"({"troupe": 1, "populations": [{"name": "r", "type": "b", "count": 1, "place": {"rule": "grid",
+    "pitch_m": -1}}], "types": {"b": {"size_m": [1, 1, 1]}}})");
+  const std::string pointer = "/populations/0/place/pitch_m";
+  EXPECT_THAT(troupe({"lint", "w.json"}).err, HasSubstr(pointer + ": must be above 0"));
+  const Outcome outcome = troupe({"describe", pointer});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("  at populations[].place.pitch_m\n"));
+}
+
+TEST_F(Describe, AKindAndAKeyOfOneNameAreBothDescribed) {
+  const std::string text = troupe({"describe", "gripper"}).out;
+  EXPECT_THAT(text, HasSubstr("device gripper: "));
+  EXPECT_EQ(troupe({"describe", "sensors.ranger"}).out, troupe({"describe", "ranger"}).out);
+  EXPECT_EQ(troupe({"describe", "devices.ranger"}).out, troupe({"describe", "ranger"}).out);
+}
+
+TEST_F(Describe, AMisspeltKeyBringsASuggestion) {
+  for (const auto& [given, meant] :
+       std::vector<std::pair<std::string, std::string>>{{"popualtions", "populations"},
+                                                        {"quit_tme_s", "quit_time_s"},
+                                                        {"populations.plase", "populations.place"}}) {
+    const Outcome outcome = troupe({"describe", given});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("(did you mean \"" + meant + "\"?)"));
+  }
+  EXPECT_THAT(troupe({"describe", "populations.plase"}).err, Not(HasSubstr(".so"))) << "it names no plug-in";
+}
+
+TEST_F(Describe, ControllersShowWhatTheyNeed) {
+  const std::string chain = troupe({"describe", "chain"}).out;
+  EXPECT_THAT(chain,
+              HasSubstr("\nneeds\n  no drive\n  a radio with a payload of 2 bytes or more\n  a scanner: a "
+                        "ranger with at least"));
+  EXPECT_THAT(chain, HasSubstr("\n  uses, if the robot has them: led\n  one call decides for one robot\n"));
+  EXPECT_THAT(troupe({"describe", "expand_swarm"}).out, HasSubstr("\nneeds\n  a drive\n  a ranger that"));
+  EXPECT_THAT(troupe({"describe", "source"}).out,
+              HasSubstr("  in a .world file, a model without flags gets one\n"));
+}
+
+TEST_F(Describe, TheNeedsOfEveryShippedControllerAreComplete) {
+  std::size_t controllers = 0;
+  for (const engine::ControllerKind& kind : make_registry().controllers) {
+    const std::string text = troupe({"describe", std::string(kind.name)}).out;
+    const std::size_t at = text.find("\nneeds\n");
+    ASSERT_NE(at, std::string::npos) << kind.name;
+    EXPECT_EQ(text.find("\n  a drive\n", at) != std::string::npos, kind.needs_drive) << kind.name;
+    EXPECT_NE(text.find("\n  one call decides for", at), std::string::npos) << kind.name;
+    // The devices of `operate` are those that its orders name.
+    EXPECT_EQ(text.find("  devices that depend on its parameters\n") != std::string::npos,
+              kind.name == "operate")
+        << kind.name;
+    ++controllers;
+  }
+  EXPECT_GT(controllers, 10u);
+  EXPECT_THAT(
+      troupe({"describe", "brazil_nut"}).out,
+      HasSubstr("  a light sensor with three directions or more\n  a radio with a payload of 4 bytes or "
+                "more\n  one call"));
+  EXPECT_THAT(troupe({"describe", "pioneer_flocking"}).out,
+              HasSubstr("straight ahead\n  a fiducial finder ("));
 }
 
 TEST_F(Describe, WhatJsonTakesComesBeforeWhatStagesFilesDo) {

@@ -255,6 +255,28 @@ class Controllers(InAFolder):
         with self.assertRaisesRegex(TypeError, "neither the name of a script nor a class"):
             troupe.Simulation("w.json", controllers=[int])
 
+    def test_commands_that_read_a_world_accept_the_script(self):
+        self.write("named.json", WORLD.replace('"devices"', '"controller": {"kind": "roam"}, "devices"'))
+        script = ("--controller", "roam.py")
+        unknown = "named.json:6: error: /types/bot/controller/kind: unknown controller \"roam\""
+        for command in ("lint", "info", "run"):
+            self.assertIn(unknown, self.troupe(command, "named.json", code=2).stderr)
+        self.assertEqual(self.troupe("lint", "named.json", *script).stdout, "named.json: nothing found\n")
+        self.assertEqual(self.troupe("lint", "w.json", *script).stdout, "w.json: nothing found\n")
+        for world in ("named.json", "w.json"):
+            self.assertRegex(self.troupe("info", world, *script).stdout, "bot +30: diff, ranger eye, radio radio, led lamp, roam\n")
+        described = self.troupe("describe", "roam", *script).stdout
+        self.assertTrue(described.startswith("controller roam: roam about\n"), described)
+        self.assertIn("\nneeds\n  no drive\n  uses all devices of the robot; there may be at most 16\n"
+                      "  one call decides for all robots of a type\n", described)
+        self.assertIn("measure roam:reach", self.troupe("describe", "roam:reach", *script).stdout)
+        self.assertIn("controllers of roam.py\n  roam  roam about\n\nmeasures of roam.py\n  roam:reach  largest distance",
+                      self.troupe("describe", *script).stdout)
+        self.write("my.py", ROAM.replace('robots = "r"', 'robots = "s"'))
+        errors = {self.troupe(command, "w.json", "--controller", "my.py", code=2).stderr for command in ("lint", "info", "run")}
+        self.assertEqual(len(errors), 1)
+        self.assertIn('controller roam: unknown type, population or robot "s"; known: bot, r', errors.pop())
+
     def test_one_script_one_class_and_one_folder_need_no_list(self):
         class Still(troupe.Controller):
             def decide(self, robots):
@@ -320,6 +342,7 @@ class Controllers(InAFolder):
                     "--hash-log", "set.log")
         self.assertNotEqual(self.hashes("slow.log"), self.hashes("same.log"))
         self.assertEqual(self.hashes("slow.log"), self.hashes("set.log"))
+        self.assertIn("  cruise  0.3      number\n", self.troupe("describe", "my", "--controller", "my.py").stdout)
 
     def test_parameters_that_cannot_be_are_errors_with_their_line(self):
         class_line = next(n for n, line in enumerate(ROAM.splitlines(), 1) if line.startswith("class "))
