@@ -8,13 +8,19 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -24,6 +30,10 @@ namespace {
 
 /// A batch owned by Python. Arrays that refer to its memory keep it alive. The batch steps without the
 /// interpreter's lock, so that other Python threads can run. During a step, use() throws.
+///
+/// A step may wait in a live view, on any thread of the batch. Only Python's main thread can notice Ctrl-C.
+/// If the batch has a view, a step of the main thread therefore runs on another thread, while the main thread
+/// handles signals.
 class HeldBatch {
  public:
   explicit HeldBatch(BatchEnv&& batch) : batch_(std::move(batch)) {}
@@ -47,9 +57,15 @@ class HeldBatch {
       Busy& operator=(const Busy&) = delete;
       bool& flag_;
     } const busy(is_busy_);
+    is_cancelled_ = false;
+    const bool has_view = std::ranges::any_of(views, [](const auto& view) { return view != nullptr; });
+    if (has_view && is_main_thread()) return work_elsewhere([&] { what(batch); });
     const Unlocked unlocked;
     what(batch);
   }
+  /// Whether steps must no longer wait in a view, because a signal handler of Python has raised an exception.
+  /// May be called on any thread.
+  bool is_cancelled() const { return is_cancelled_; }
   /// Keeps `view`, a live view of a copy, alive during each later call of work(), and not between two calls.
   void keep_while_stepping(const std::shared_ptr<void>& view) {
     std::erase_if(views_, [](const std::weak_ptr<void>& each) { return each.expired(); });
@@ -57,10 +73,51 @@ class HeldBatch {
   }
 
  private:
+  void work_elsewhere(const std::function<void()>& task);
+
   BatchEnv batch_;
   bool is_busy_ = false;  // read and written only with the interpreter's lock
+  std::atomic<bool> is_cancelled_ = false;
   std::vector<std::weak_ptr<void>> views_;
 };
+
+/// Runs a task on another thread and waits for its end. Meanwhile, the calling thread, which must be the main
+/// thread and hold the interpreter's lock, calls the signal handlers of Python. If one of them raises an
+/// exception, as that of Ctrl-C does, is_cancelled() becomes true, and the exception is thrown after the end
+/// of the task. Otherwise throws the exception of the task.
+void HeldBatch::work_elsewhere(const std::function<void()>& task) {
+  constexpr std::chrono::milliseconds k_patience(50);
+  std::mutex mutex;
+  std::condition_variable ended;
+  bool is_done = false;
+  std::exception_ptr failed;
+  std::exception_ptr raised;
+  std::thread worker([&] {
+    try {
+      task();
+    } catch (...) {
+      failed = std::current_exception();
+    }
+    const std::scoped_lock lock(mutex);
+    is_done = true;
+    ended.notify_one();
+  });
+  for (bool goes_on = true; goes_on;) {
+    {
+      const Unlocked unlocked;
+      std::unique_lock lock(mutex);
+      goes_on = !ended.wait_for(lock, k_patience, [&] { return is_done; });
+      lock.unlock();
+      if (!goes_on) worker.join();
+    }
+    if (PyErr_CheckSignals() == 0) continue;
+    raised = std::make_exception_ptr(py::error_already_set());
+    is_cancelled_ = true;
+  }
+  if (raised) std::rethrow_exception(raised);
+  if (failed) std::rethrow_exception(failed);
+}
+
 using BatchHolder = std::shared_ptr<HeldBatch>;
 
 /// The live view of one of the copies of a world in a batch. Python owns the view, which keeps the batch
@@ -73,7 +130,9 @@ class HeldBatchView {
     if (copy >= batch.copies())
       throw py::index_error(
           fmt::format("copy {} does not exist: give a number from 0 to {}", copy, batch.copies() - 1));
-    options.is_over = [state = state_.get()] { return state->is_closed || is_interrupted(); };
+    options.is_over = [held = held_.get(), state = state_.get()] {
+      return state->is_closed || held->is_cancelled() || is_interrupted();
+    };
     options.report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); };
     state_->view.emplace(batch.simulation(copy), options);
     held_->keep_while_stepping(state_);
@@ -457,7 +516,9 @@ void bind_batch(py::module_& module) {
           py::arg("begins") = py::none(),
           "Advances all copies by one step. begins: one bool per copy; copies with True begin their next "
           "episode instead of making\na step. None: all copies make a step. Raises RuntimeError before the "
-          "first reset(), and StepError if the step of a copy\nfails.")
+          "first reset(), and StepError if the step of a copy\nfails. Ctrl-C raises KeyboardInterrupt after "
+          "the "
+          "step; a step that waits for a view then stops waiting.")
       .def(
           "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
           py::arg("copy") = 0, "Number of completed ticks of a copy in its current episode.")

@@ -46,6 +46,9 @@ class Unlocked {
   PyThreadState* state_;
 };
 
+/// Whether the calling thread is the main thread of the process, on which Python handles signals.
+bool is_main_thread();
+
 /// Returns whether Ctrl-C was pressed or the interpreter has begun to exit. The caller need not hold the
 /// interpreter's lock. Only a call on the main thread notices Ctrl-C. The signal stays pending, so Python
 /// raises KeyboardInterrupt later.

@@ -104,9 +104,11 @@ Unlocked::~Unlocked() {
 #endif
 }
 
+bool is_main_thread() { return gettid() == getpid(); }
+
 bool is_interrupted() {
   if (must_stop()) return true;
-  if (gettid() != getpid()) return false;  // Python handles signals in the main thread only
+  if (!is_main_thread()) return false;  // Python handles signals in the main thread only
   const py::gil_scoped_acquire lock;
   if (PyOS_InterruptOccurred() == 0) return false;
   PyErr_SetInterrupt();

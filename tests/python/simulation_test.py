@@ -229,6 +229,45 @@ except KeyboardInterrupt:
             process.send_signal(signal.SIGINT)
             self.assertEqual(process.communicate(timeout=60)[0], "same\n")
 
+    @needs_view
+    def test_control_c_ends_the_wait_of_a_batch_for_its_view(self):
+        code = f"""
+import tempfile
+import troupe
+team = {{"name": "r", "robots": "r", "arrays": [], "actions": [{{"command": "forward", "low": 0, "high": 1}}],
+        "rewards": [], "ends": []}}
+def batch():
+    world = troupe.Simulation({ROOM!r}, threads=1)
+    made = troupe.BatchEnv(world, {{"copies": 4, "threads": 3, "ticks": 2, "seconds": 100.0, "teams": [team]}})
+    made.reset()
+    return made
+watched, alone = batch(), batch()
+with tempfile.TemporaryDirectory() as folder:
+    view = watched.view(2, rate=0.0001, out=folder)  # a tick of 0.2 s would take 2000 s
+    for _ in range(2):
+        print("begun", flush=True)
+        try:
+            watched.step()
+            watched.step()
+        except KeyboardInterrupt:
+            pass
+    view.close()
+watched.step()
+while alone.tick() < watched.tick():
+    alone.step()
+print("same" if [alone.state_hash(i) for i in range(4)] == [watched.state_hash(i) for i in range(4)] else "other")
+"""
+        with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
+            for _ in range(2):
+                self.assertEqual(process.stdout.readline(), "begun\n")
+                time.sleep(1)
+                process.send_signal(signal.SIGINT)
+            try:
+                self.assertEqual(process.communicate(timeout=60)[0], "same\n")
+            except subprocess.TimeoutExpired:
+                process.kill()
+                raise
+
     def test_a_thread_that_steps_as_the_interpreter_exits_ends_quietly(self):
         code = f"""
 import threading, time
