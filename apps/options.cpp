@@ -8,6 +8,7 @@
 #include "partition/simd_target.hpp"
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/files.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -76,6 +77,13 @@ CLI::Option* add_values(CLI::App& app, const char* name, const char* value, cons
 std::filesystem::path file_name(const char* option, const std::string& text) {
   if (text.empty() || text.starts_with('-')) refuse(option, text, "a file name");
   return text;
+}
+
+std::filesystem::path hdf5_name(const char* option, const std::string& text) {
+  std::filesystem::path file = file_name(option, text);
+  if (worldio::has_ending_of_other_format(file))
+    refuse(option, text, fmt::format("the name of an HDF5 file, as in {} run.h5", option));
+  return file;
 }
 
 double seconds_from_zero(const char* option, const std::string& text) {

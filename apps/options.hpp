@@ -27,6 +27,9 @@ namespace troupe::apps {
 /// Returns `text`, the value of `option`, as the name of a file to write. Throws CLI::ValidationError if the
 /// name is empty or begins with `-`.
 std::filesystem::path file_name(const char* option, const std::string& text);
+/// Like file_name(), for an HDF5 file. Also throws CLI::ValidationError if the ending of the name is that of
+/// another format (worldio::has_ending_of_other_format()).
+std::filesystem::path hdf5_name(const char* option, const std::string& text);
 /// Converts `text`, the value of `option`, to a time in seconds, from 0 to engine::k_most_seconds (10^9).
 /// Throws CLI::ValidationError for other texts.
 double seconds_from_zero(const char* option, const std::string& text);

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fstream>
@@ -33,6 +34,15 @@ std::string error_about(std::string_view message, const std::filesystem::path& f
                         const std::filesystem::path& to) {
   if (!message.starts_with(from.string())) return std::string(message);
   return to.string().append(message.substr(from.string().size()));
+}
+
+bool has_ending_of_other_format(const std::filesystem::path& file) {
+  constexpr std::array<std::string_view, 7> k_endings{".csv", ".html", ".json", ".mp4",
+                                                      ".pdf", ".png",  ".svg"};
+  std::string ending = file.extension().string();
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return std::ranges::find(k_endings, ending) != k_endings.end();
 }
 
 std::optional<std::string> read_file(const std::filesystem::path& path) {

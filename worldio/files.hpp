@@ -27,6 +27,12 @@ Result<> check_readable(const std::filesystem::path& file,
 std::string error_about(std::string_view message, const std::filesystem::path& from,
                         const std::filesystem::path& to);
 
+/// Whether the ending of a file name is that of another format of results than HDF5: `.csv`, `.html`,
+/// `.json`,
+/// `.mp4`, `.pdf`, `.png` or `.svg`, in small or capital letters. HDF5 files, such as recordings and
+/// checkpoints, must not have such a name, which would mislead people and programs.
+bool has_ending_of_other_format(const std::filesystem::path& file);
+
 /// Returns the content of a regular file of at most k_most_input_bytes bytes. Returns nothing if the file is
 /// larger, is not a regular file or cannot be read.
 std::optional<std::string> read_file(const std::filesystem::path& path);

@@ -99,7 +99,7 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
     CLI::Option* checkpoint = add_value(
         app, "--checkpoint", "FILE.h5",
         "Save the state on SIGUSR1 and when the run ends or is stopped; troupe resume continues the run",
-        [&options](const std::string& text) { options.checkpoint = file_name("--checkpoint", text); });
+        [&options](const std::string& text) { options.checkpoint = hdf5_name("--checkpoint", text); });
     add_value(app, "--checkpoint-every", "S", "Also save the checkpoint every S simulated seconds",
               [&options](const std::string& text) {
                 options.checkpoint_every_s = positive_seconds("--checkpoint-every", text, "a simulated time");

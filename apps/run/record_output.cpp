@@ -24,7 +24,7 @@ class RecordOutput : public ClonedOutput<RecordOutput> {
  public:
   void add_options(CLI::App& app, RunOptions& options) override {
     add_value(app, "--record", "FILE.h5", "Record the state into an HDF5 file (docs/recordings.md)",
-              [&options](const std::string& text) { options.record = file_name("--record", text); });
+              [&options](const std::string& text) { options.record = hdf5_name("--record", text); });
     add_value(app, "--record-every", "S", "Simulated seconds between frames (default: 0.1)",
               [&options](const std::string& text) {
                 options.recording.every_s = positive_seconds("--record-every", text, "a time");

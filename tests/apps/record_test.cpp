@@ -243,6 +243,12 @@ TEST_F(Record, AsTheWorldSays) {
   ASSERT_EQ(troupe({"run", "w.json", "--for", "2", "--quiet"}).code, 0);
   EXPECT_THAT(files(), Not(::testing::Contains("run.h5")));
 
+  world(R"({"file": "x.png"})");
+  EXPECT_EQ(error_of({"run", "w.json", "--for", "2"}),
+            "w.json:3: error: /record/file: must be the name of an HDF5 file, such as \"run.h5\", found "
+            "\"x.png\"\n");
+  EXPECT_THAT(files(), Not(::testing::Contains("x.png")));
+
   world(R"({"file": "x.h5", "fields": ["velocity", "speed"]})");
   EXPECT_THAT(error_of({"run", "w.json", "--for", "2"}),
               StartsWith("w.json:3: error: /record/fields: unknown field \"speed\"; known: all, command, "

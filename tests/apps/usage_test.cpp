@@ -228,6 +228,11 @@ INSTANTIATE_TEST_SUITE_P(
                           "frames/%06d.png")},
         WrongUsage{room({"--film", "crowd.mp4", "--fps", "0"}),
                    in_run("--fps: \"0\" is not a number of frames per second, from 0.001 to 1000")},
+        WrongUsage{room({"--record", "run.csv"}),
+                   in_run("--record: \"run.csv\" is not the name of an HDF5 file, as in --record run.h5")},
+        WrongUsage{
+            room({"--checkpoint", "c.JSON"}),
+            in_run("--checkpoint: \"c.JSON\" is not the name of an HDF5 file, as in --checkpoint run.h5")},
         WrongUsage{
             room({"--profile", "trace.txt"}),
             in_run("--profile: \"trace.txt\" is not the name of a JSON file, as in --profile trace.json")},

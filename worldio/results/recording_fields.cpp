@@ -1,5 +1,6 @@
 #include "worldio/results/recording_fields.hpp"
 
+#include "worldio/files.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
@@ -284,6 +285,10 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
 
 void check_recording_file(const engine::RecordSpec& record, Diagnostics& diagnostics) {
   const std::filesystem::path file = record.file;
+  if (has_ending_of_other_format(file))
+    diagnostics.error(record.where, fmt::format("/record/file: must be the name of an HDF5 file, such as "
+                                                "\"run.h5\", found \"{}\"",
+                                                record.file));
   if (file.is_relative() && std::ranges::find(file, "..") == file.end()) return;
   diagnostics.error(record.where,
                     fmt::format("/record/file: must be a file in or below the working folder (no leading "
