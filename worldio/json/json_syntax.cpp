@@ -12,7 +12,7 @@
 namespace troupe::worldio {
 namespace {
 
-constexpr std::string_view k_blanks = " \t\r\n";
+constexpr std::string_view k_space = " \t\r\n";
 constexpr std::string_view k_marks = "{}[],:";
 constexpr std::size_t k_most_quoted = 40;  // bytes of the text that a message quotes
 constexpr std::size_t k_escape = 6;        // bytes of the longest escape sequence, such as \u00e4
@@ -103,7 +103,7 @@ class Scanner {
   void next() {
     before_ = token();
     before_begin_ = begin_;
-    begin_ = std::min(text_.find_first_not_of(k_blanks, end_), text_.size());
+    begin_ = std::min(text_.find_first_not_of(k_space, end_), text_.size());
     end_ = begin_ + 1;
     if (begin_ == text_.size()) return;
     if (text_[begin_] == '"')
