@@ -173,9 +173,9 @@ class Mender {
   }
 
   void mend_array(std::uint64_t address) {
-    constexpr std::size_t k_bytes = 72;
+    constexpr std::size_t k_header_bytes = 72;
     constexpr std::size_t k_index_block = 60;
-    std::optional<Bytes> header = read(address, "EAHD", k_bytes);
+    std::optional<Bytes> header = read(address, "EAHD", k_header_bytes);
     if (!header) return;
     mend(address, *header);
     const std::optional<ArrayShape> shape = ArrayShape::of(*header);
