@@ -37,8 +37,7 @@ const JsonNode* JsonObject::require(std::string_view key, std::string_view hint)
 }
 
 void JsonObject::missing(std::string_view key, std::string_view hint) const {
-  // The first clause of a description says what the value is; the clauses after a semicolon explain it.
-  if (members_) at_.error(fmt::format("missing \"{}\": {}", key, hint.substr(0, hint.find(';'))));
+  if (members_) at_.error(fmt::format("missing \"{}\": {}", key, hint));
 }
 
 void JsonObject::finish() const {

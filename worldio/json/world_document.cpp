@@ -905,7 +905,7 @@ void PopulationDocument::describe(DocumentKeys<PopulationDocument>& d) {
       "count", within(0, LoadOptions().most_bodies),
       "number of bodies; if it is 0, interventions, faults and measures may still "
       "name the population, and then act on no body");
-  count.require().counts_bodies = true;
+  count.require("number of bodies").counts_bodies = true;
   d.value<&PopulationDocument::reserve>(
        "reserve", within(0, LoadOptions().most_bodies),
        "number of further bodies that may be born during the run (docs/lives.md)")
