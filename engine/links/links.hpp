@@ -150,7 +150,9 @@ class Links {
   /// longest_motion: upper bound on the distance that any body has moved since the spatial index was built, m
   /// border: the connection to the other ranks, if the rows include ghosts; otherwise null
   void resolve_joints(double longest_motion, Border* border);
-  /// Returns whether ask() was called since the last call of this function or of derive().
+  /// Returns whether ask() was called since the last call of take_asked() or of derive().
+  bool has_asked() const { return asked_.load(std::memory_order_relaxed); }
+  /// Returns the result of has_asked(), which is then false.
   bool take_asked() { return asked_.exchange(false, std::memory_order_relaxed); }
   void clear_goals(Row row);  ///< sets the goals of a row's joints to Goal::none
   void carry();  ///< sets the poses and outlines of all carried bodies from those of their carriers

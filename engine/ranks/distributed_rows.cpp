@@ -32,6 +32,14 @@ std::vector<std::size_t> tables_sent(std::span<const Sharing> sharing) {
   return sent;
 }
 
+bool reports_joints(const World& world) {
+  return std::ranges::any_of(world.types(), [](const BodyType& type) {
+    return std::ranges::any_of(type.joint_devices, [&](std::size_t device) {
+      return type.devices[device].kind->joints_moved != nullptr;
+    });
+  });
+}
+
 [[noreturn]] void throw_collective() {
   throw std::logic_error(
       "internal error: a controller decides for the robots of all ranks, but the world is distributed; "
@@ -44,7 +52,9 @@ DistributedRows::DistributedRows(World& world, const ReplicaParts& parts, std::s
                                  RankPost post, std::optional<std::uint64_t> cut_seed,
                                  std::optional<double> skin_m)
     : world_(require_distributable(world)),
+      links_(parts.links),
       post_(std::move(post)),
+      reports_joints_(reports_joints(world)),
       halo_(world, parts.tables, parts.links, tables_sent(sharing), post_, cut_seed, skin_m),
       effects_(world, halo_, parts.effects, post_) {
   for (const Sharing each : sharing) is_known_.push_back(each != Sharing::kept);
@@ -113,12 +123,14 @@ void DistributedRows::get_rows_of(unsigned, MessageReader&) { throw_collective()
 
 RankRows::Messages DistributedRows::written(const MessageWriter& head) {
   longest_ = halo_.longest_motion();
+  has_asked_ = links_.has_asked();
   effects_.note();
   Messages messages(post_.ranks);
   for (unsigned to = 0; to < post_.ranks; ++to) {
     if (to == post_.rank) continue;
     MessageWriter message = head;
     message.put(longest_);
+    if (reports_joints_) message.put(static_cast<std::uint8_t>(has_asked_));
     halo_.put_shown(to, message);
     effects_.put(message);
     messages[to] = std::make_shared<const partition::Message>(message.take());
@@ -128,6 +140,7 @@ RankRows::Messages DistributedRows::written(const MessageWriter& head) {
 
 void DistributedRows::get_written(unsigned from, MessageReader& message) {
   longest_ = std::max(longest_, message.get<double>());
+  if (reports_joints_ && message.get<std::uint8_t>() != 0) has_asked_ = true;
   halo_.get_seen(from, message);
   effects_.get(message);
 }
@@ -139,6 +152,14 @@ bool DistributedRows::prepare_motions(std::span<const std::uint64_t> times) {
   halo_.prepare_motions(longest_, !times.empty() || lacks_rows, effects_.guests());
   effects_.begin(halo_.counts().distributions != distributions);
   return !times.empty();
+}
+
+/// The rows of a device are on some ranks only, so a hook may throw on these ranks alone. In a tick without
+/// joint motions, no hook is called.
+void DistributedRows::report_joints(const std::function<void()>& work) {
+  if (!has_asked_) return work();
+  error_.attempt(post_.rank, work);
+  error_.agree(post_);
 }
 
 void DistributedRows::apply_effects(std::span<const Effect> effects,

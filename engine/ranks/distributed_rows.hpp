@@ -51,6 +51,7 @@ class DistributedRows final : public RankRows {
   Messages written(const partition::MessageWriter& head) override;
   void get_written(unsigned from, partition::MessageReader& message) override;
   bool prepare_motions(std::span<const std::uint64_t> times) override;
+  void report_joints(const std::function<void()>& work) override;
   void apply_effects(std::span<const Effect> effects,
                      const std::function<void(const Effect&)>& apply) override;
 
@@ -66,16 +67,21 @@ class DistributedRows final : public RankRows {
   bool leads() const { return post_.rank == 0; }
 
   World& world_;
+  const Links& links_;
   RankPost post_;
+  bool reports_joints_;                 // devices of any type have the hook joints_moved
   std::vector<std::uint8_t> is_known_;  // of each table: 1 if the ghosts have its present values, otherwise 0
   Halo halo_;
   SharedEffects effects_;
-  SharedError error_;           // of births
+  SharedError error_;           // of the hooks joints_moved, and later of births
   std::uint64_t attempts_ = 0;  // in this tick
   // Until redistribute(): bodies were born, whose rows are on any rank, or bodies with cargo have died.
   bool must_distribute_ = false;
   bool is_on_rank_0_ = false;  // until redistribute(): rank 0 has all rows, and the other ranks have none
-  double longest_ = 0;  // longest motion of a body in this tick, of the ranks whose messages are read, m
+  // Of this tick, on the ranks whose messages are read: the longest motion of a body, m, and whether a device
+  // has asked a joint to move.
+  double longest_ = 0;
+  bool has_asked_ = false;
 };
 
 }  // namespace troupe::engine

@@ -116,6 +116,11 @@ class RankRows {
   /// times: the time that each rank took for its own rows in the last ticks, one per rank, in any unit; the
   /// same on all ranks. Empty: the times are no reason to change owners
   virtual bool prepare_motions(std::span<const std::uint64_t> times) = 0;
+  /// Called after bodies and joints have moved: calls work(), which tells the devices on this rank the
+  /// outcomes of their joint motions (DeviceKind::joints_moved). In a replicated world, every rank has all
+  /// rows, so a hook that throws does so on all ranks, and the exception propagates. In a distributed world,
+  /// if work() throws on any rank, all ranks throw the error of the lowest of these ranks.
+  virtual void report_joints(const std::function<void()>& work) = 0;
   /// Called after bodies have moved: applies `effects`, the effects of all ranks, one after another in the
   /// order of the list. apply(effect) applies one effect. In a replicated world, every rank applies all
   /// effects. In a distributed world, each effect is applied on one rank only.

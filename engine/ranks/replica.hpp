@@ -134,6 +134,9 @@ class Replica {
   /// bodies. Every rank must call this in the same ticks, in the phase intervene. In a replicated world, does
   /// nothing.
   void follow_jumps();
+  /// Called in the phase move, after joints have moved: calls work(), which calls the hooks joints_moved of
+  /// devices. In a distributed world, if work() throws on any rank, this function throws on all ranks.
+  void report_joints(const std::function<void()>& work) { rows_->report_joints(work); }
   /// Called in the phase move: applies `effects`, the effects of all ranks, one after another in the order of
   /// the list. apply(effect) applies one effect. In a replicated world, every rank applies all effects. In a
   /// distributed world, each effect is applied on one rank only (class SharedEffects).

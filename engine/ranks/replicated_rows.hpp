@@ -55,6 +55,7 @@ class ReplicatedRows final : public RankRows {
   Messages written(const partition::MessageWriter& head) override;
   void get_written(unsigned from, partition::MessageReader& message) override;
   bool prepare_motions(std::span<const std::uint64_t> times) override;
+  void report_joints(const std::function<void()>& work) override { work(); }
   void apply_effects(std::span<const Effect> effects,
                      const std::function<void(const Effect&)>& apply) override;
 

@@ -400,8 +400,11 @@ void World::move() {
   if (links_.any()) {
     links_.resolve_joints(movement_.longest(), replica_ ? replica_->border() : nullptr);
     links_.carry();
-    report_joints();
   }
+  if (replica_)
+    replica_->report_joints([this] { report_joints(); });
+  else
+    report_joints();
   apply_effects();
 }
 

@@ -1406,6 +1406,37 @@ TEST_F(HaloOfARoom, JointsMoveAndGrippersHoldAcrossBorders) {
   expect_log(simulation, teams, expected);
 }
 
+/// The kind `actuator`, whose hook `joints_moved` throws in one tick for one robot.
+struct StuckActuator {
+  static inline std::uint64_t throws_at = 0;  // tick
+  static inline BodyId throws_for;
+  static inline decltype(DeviceKind::joints_moved) joints_moved = nullptr;
+
+  static Registry registry() {
+    Registry registry = test::registry();
+    DeviceKind& actuator = *std::ranges::find(registry.devices, "actuator", &DeviceKind::name);
+    joints_moved = actuator.joints_moved;
+    actuator.joints_moved = [](const DeviceBatch& batch) {
+      for (std::size_t i = 0; batch.view.tick() == throws_at && i < batch.rows.size(); ++i)
+        if (batch.body(i) == throws_for) throw StepError(fmt::format("tick {}: the arm is stuck", throws_at));
+      joints_moved(batch);
+    };
+    return registry;
+  }
+};
+
+// The robots are sliders at different places, so some ranks have a row of the robot and others have not. In
+// these ticks, devices also have effects, for which ranks wait for one another after the hook.
+TEST_F(HaloOfARoom, AJointHookThatThrowsEndsTheTickOnAllRanks) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("wavers.json", halo_wavers()), options, StuckActuator::registry());
+  for (const std::uint32_t robot : {0u, 13u, 26u, 39u}) {
+    StuckActuator::throws_for = simulation.world().find("s" + std::to_string(robot));
+    expect_same_error(simulation, 4 + robot % 3, StuckActuator::throws_at, "the arm is stuck");
+  }
+}
+
 class HaloOfAWorld : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(HaloOfAWorld, GivesTheSameBits) {
