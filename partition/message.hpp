@@ -32,6 +32,13 @@ class MessageWriter {
   void put_bytes(std::span<const std::byte> bytes) {
     message_.insert(message_.end(), bytes.begin(), bytes.end());
   }
+  /// Appends elements: their number (64 bits), then their bytes.
+  template <class T>
+  void put_all(std::span<const T> all) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    put(static_cast<std::uint64_t>(all.size()));
+    put_bytes(std::as_bytes(all));
+  }
   /// Appends a text: its length in bytes (64 bits), then its characters.
   void put_text(std::string_view text) {
     put(static_cast<std::uint64_t>(text.size()));
@@ -51,8 +58,8 @@ class MessageWriter {
 };
 
 /// Reads values from a message, in the order in which a MessageWriter appended them. The functions whose
-/// names begin with `get` throw std::logic_error if the message has fewer bytes left than they read. The
-/// message must outlive this object.
+/// names begin with `get` throw std::logic_error if the message has fewer bytes left than they read, before
+/// they allocate memory. The message must outlive this object.
 class MessageReader {
  public:
   MessageReader() = default;  ///< reads an empty message
@@ -62,9 +69,28 @@ class MessageReader {
   template <class T>
   T get() {
     static_assert(std::is_trivially_copyable_v<T>);
-    T value;
-    get_bytes(std::as_writable_bytes(std::span(&value, 1)));
-    return value;
+    if constexpr (std::is_same_v<T, bool>) {
+      return get<std::uint8_t>() != 0;  // a bool must not have any other value than 0 and 1
+    } else {
+      T value;
+      get_bytes(std::as_writable_bytes(std::span(&value, 1)));
+      return value;
+    }
+  }
+  /// Reads a number of elements (64 bits). The elements follow in the message, each with at least
+  /// `bytes_each` bytes (not 0). Throws std::logic_error if the rest of the message is too short for them, so
+  /// the caller may allocate memory for so many elements.
+  std::size_t get_count(std::size_t bytes_each) {
+    const auto count = get<std::uint64_t>();
+    if (count > rest_.size() / bytes_each) throw_too_short();
+    return static_cast<std::size_t>(count);
+  }
+  /// Reads elements that put_all() appended; T must be the same type.
+  template <class T>
+  std::vector<T> get_all() {
+    std::vector<T> all(get_count(sizeof(T)));
+    get_bytes(std::as_writable_bytes(std::span(all)));
+    return all;
   }
   /// Fills the whole span `bytes` with the next bytes of the message.
   void get_bytes(std::span<std::byte> bytes) {
@@ -84,11 +110,13 @@ class MessageReader {
   bool is_done() const { return rest_.empty(); }  ///< whether all bytes have been read
 
  private:
+  [[noreturn]] static void throw_too_short() {
+    throw std::logic_error(
+        "internal error: a message between ranks is too short; this is no error of your input: please report "
+        "it");
+  }
   std::span<const std::byte> take(std::size_t bytes) {
-    if (bytes > rest_.size())
-      throw std::logic_error(
-          "internal error: a message between ranks is too short; this is no error of your input: please "
-          "report it");
+    if (bytes > rest_.size()) throw_too_short();
     const std::span<const std::byte> taken = rest_.first(bytes);
     rest_ = rest_.subspan(bytes);
     return taken;

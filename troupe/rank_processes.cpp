@@ -36,19 +36,13 @@ void for_columns(Bodies& bodies, Visit&& visit) {
 
 void put_spec(MessageWriter& message, const worldio::StoredSpec& spec) {
   message.put_text(spec.json);
-  for_columns(spec.bodies, [&](const auto& column) {
-    message.put(static_cast<std::uint64_t>(column.size()));
-    message.put_bytes(std::as_bytes(std::span(column)));
-  });
+  for_columns(spec.bodies, [&](const auto& column) { message.put_all(std::span(column)); });
 }
 
 worldio::StoredSpec get_spec(MessageReader& message) {
   worldio::StoredSpec spec;
   spec.json = message.get_text();
-  for_columns(spec.bodies, [&](auto& column) {
-    column.resize(message.get<std::uint64_t>());
-    message.get_bytes(std::as_writable_bytes(std::span(column)));
-  });
+  for_columns(spec.bodies, [&]<class T>(std::vector<T>& column) { column = message.get_all<T>(); });
   return spec;
 }
 
@@ -78,7 +72,7 @@ struct Follower {
     const bool has_seed = message.get<bool>();
     const auto seed = message.get<std::uint64_t>();
     const bool distribute = message.get<bool>();
-    for (auto left = message.get<std::uint64_t>(); left > 0; --left) {
+    for (std::size_t left = message.get_count(1); left > 0; --left) {
       const std::string name = message.get_text();
       const auto contents = message.get<std::uint64_t>();
       const Result<const Plugins::Library*> loaded = plugins->load(name);

@@ -262,22 +262,16 @@ void Halo::balance(std::span<const std::uint64_t> times) {
 void Halo::put_row(MessageWriter& message, Row row) const {
   message.put(world_.body(row));
   message.put_point(place(row));
-  const std::vector<std::byte> bytes = world_.row_bytes(row);
-  message.put(static_cast<std::uint64_t>(bytes.size()));
-  message.put_bytes(bytes);
-  const std::vector<Goal> goals = goals_of({row.index(), row.index() + 1});
-  message.put(static_cast<std::uint64_t>(goals.size()));
-  message.put_bytes(std::as_bytes(std::span(goals)));
+  message.put_all(std::span<const std::byte>(world_.row_bytes(row)));
+  message.put_all(std::span<const Goal>(goals_of({row.index(), row.index() + 1})));
 }
 
 Halo::Arrival Halo::get_row(MessageReader& message) const {
   Arrival arrival;
   arrival.state.body = message.get<BodyId>();
   arrival.place = message.get_point();
-  arrival.state.bytes.resize(message.get<std::uint64_t>());
-  message.get_bytes(arrival.state.bytes);
-  arrival.goals.resize(message.get<std::uint64_t>());
-  message.get_bytes(std::as_writable_bytes(std::span(arrival.goals)));
+  arrival.state.bytes = message.get_all<std::byte>();
+  arrival.goals = message.get_all<Goal>();
   return arrival;
 }
 

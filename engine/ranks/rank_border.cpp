@@ -114,7 +114,7 @@ void RankBorder::put_pushes(MessageWriter& message, std::span<const Conflicts::P
 /// Sets pushes_ to the pushes that put_pushes() has appended, without those of bodies that have no row here.
 void RankBorder::get_pushes(MessageReader& message) {
   pushes_.clear();
-  for (auto count = message.get<std::uint64_t>(); count > 0; --count) {
+  for (std::size_t count = message.get_count(1); count > 0; --count) {
     const auto body = message.get<BodyId>();
     const Vec2 place = message.get_point();
     if (world_.location(body) == RowLocation::here) pushes_.push_back({world_.row(body).value, place});

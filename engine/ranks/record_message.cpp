@@ -32,7 +32,7 @@ void put_value(MessageWriter& message, const Value& value) {
 
 Value get_value(MessageReader& message) {
   const auto get_all = [&](auto list, auto&& get_one) {
-    for (auto left = message.get<std::uint64_t>(); left > 0; --left) list.push_back(get_one());
+    for (std::size_t left = message.get_count(1); left > 0; --left) list.push_back(get_one());
     return Value(std::move(list));
   };
   switch (message.get<std::uint8_t>()) {  // Value::v.index() of the value that put_value() has appended
@@ -55,7 +55,7 @@ void put_record(MessageWriter& message, const Record& record) {
 }
 
 Record get_record(MessageReader& message) {
-  Record record(message.get<std::uint64_t>());
+  Record record(message.get_count(1));  // each value has at least the byte of its type
   for (Value& value : record) value = get_value(message);
   return record;
 }

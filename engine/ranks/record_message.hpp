@@ -9,7 +9,7 @@ namespace troupe::engine {
 /// values, to a message between ranks (threads or processes that compute a world together).
 void put_record(partition::MessageWriter& message, const Record& record);
 /// Reads a record that put_record() appended, and returns it. Throws std::logic_error if the message ends
-/// before the record does.
+/// before the record does, and allocates no memory for values that the message cannot contain.
 Record get_record(partition::MessageReader& message);
 
 }  // namespace troupe::engine

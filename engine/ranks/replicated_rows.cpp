@@ -95,17 +95,13 @@ bool ReplicatedRows::take_all() {
 /// Appends the tick, the subscriptions (World::subscribe()) and all state tables.
 void ReplicatedRows::put_all(MessageWriter& message) {
   message.put(world_.tick());
-  const std::vector<BodyId> subscribed = world_.subscribed();
-  message.put(static_cast<std::uint64_t>(subscribed.size()));
-  message.put_bytes(std::as_bytes(std::span(subscribed)));
+  message.put_all(std::span<const BodyId>(world_.subscribed()));
   for (StateTable& table : parts_.tables) message.put_bytes(table.data());
 }
 
 void ReplicatedRows::adopt_all(MessageReader message, bool is_in_tick) {
   const auto tick = message.get<std::uint64_t>();
-  std::vector<BodyId> subscribed(message.get<std::uint64_t>());
-  message.get_bytes(std::as_writable_bytes(std::span(subscribed)));
-  for (const BodyId body : subscribed) world_.subscribe(body);
+  for (const BodyId body : message.get_all<BodyId>()) world_.subscribe(body);
   world_.adopt(
       tick,
       [&](std::span<StateTable> tables) {
@@ -130,23 +126,20 @@ RankRows::Messages ReplicatedRows::written(const MessageWriter& head) {
   MessageWriter message = head;
   message.reserve(written_);
   put_rows(Sharing::sent, own(), message);
-  const std::vector<Links::AskedGoal> goals = parts_.links.asked_goals(own());
-  message.put(static_cast<std::uint64_t>(goals.size()));
-  message.put_bytes(std::as_bytes(std::span(goals)));
-  const std::span<const Effect> effects = parts_.effects.emitted();
-  message.put(static_cast<std::uint64_t>(effects.size()));
-  message.put_bytes(std::as_bytes(effects));
+  message.put_all(std::span<const Links::AskedGoal>(parts_.links.asked_goals(own())));
+  message.put_all(parts_.effects.emitted());
   written_ = message.size();
   return Messages(post_.ranks, std::make_shared<const partition::Message>(message.take()));
 }
 
 void ReplicatedRows::get_written(unsigned from, MessageReader& message) {
   get_rows(Sharing::sent, rows_of(from), message);
-  for (auto left = message.get<std::uint64_t>(); left > 0; --left) {
+  for (std::size_t left = message.get_count(sizeof(Links::AskedGoal)); left > 0; --left) {
     const auto [row, joint, goal] = message.get<Links::AskedGoal>();
     parts_.links.ask(Row(row), joint, goal);
   }
-  for (auto left = message.get<std::uint64_t>(); left > 0; --left) parts_.effects.emit(message.get<Effect>());
+  for (std::size_t left = message.get_count(sizeof(Effect)); left > 0; --left)
+    parts_.effects.emit(message.get<Effect>());
   if (!message.is_done())
     throw std::logic_error(
         "internal error: a message between ranks is too long; this is no error of your input: please report "

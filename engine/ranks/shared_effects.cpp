@@ -51,20 +51,18 @@ void SharedEffects::note() {
 }
 
 void SharedEffects::put(MessageWriter& message) const {
-  message.put(static_cast<std::uint64_t>(own_));
-  message.put_bytes(std::as_bytes(effects_.emitted().first(own_)));
+  message.put_all(effects_.emitted().first(own_));
   if (own_ == 0) return;
   put_affected(message, std::span(affected_).first(noted_));
-  message.put(static_cast<std::uint64_t>(own_lacking_));
-  message.put_bytes(std::as_bytes(std::span(lacking_).first(own_lacking_)));
+  message.put_all(std::span<const BodyId>(lacking_).first(own_lacking_));
 }
 
 void SharedEffects::get(MessageReader& message) {
-  auto effects = message.get<std::uint64_t>();
+  std::size_t effects = message.get_count(sizeof(Effect));
   if (effects == 0) return;
   for (; effects > 0; --effects) effects_.emit(message.get<Effect>());
   get_affected(message);
-  for (auto bodies = message.get<std::uint64_t>(); bodies > 0; --bodies)
+  for (std::size_t bodies = message.get_count(sizeof(BodyId)); bodies > 0; --bodies)
     lacking_.push_back(message.get<BodyId>());
 }
 
@@ -81,7 +79,7 @@ void SharedEffects::put_affected(MessageWriter& message, std::span<const Affecte
 
 /// Reads what put_affected() has appended, and adds it to affected_.
 void SharedEffects::get_affected(MessageReader& message) {
-  for (auto bodies = message.get<std::uint64_t>(); bodies > 0; --bodies) {
+  for (std::size_t bodies = message.get_count(1); bodies > 0; --bodies) {
     Affected& each = affected_.emplace_back();
     each.body = message.get<BodyId>();
     each.root = message.get<BodyId>();

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -90,6 +93,31 @@ TEST(Message, ThatIsTooShortIsAnError) {
   EXPECT_EQ(reader.get_text(), "abc");
   EXPECT_TRUE(reader.is_done());
   EXPECT_THROW(reader.get<std::uint8_t>(), std::logic_error);
+}
+
+TEST(Message, WithAWrongNumberOfElementsAllocatesNothing) {
+  MessageWriter writer;
+  writer.put_all(std::span<const std::uint32_t>(std::vector<std::uint32_t>{7, 8}));
+  writer.put(std::uint64_t{3});  // one element more than follow
+  writer.put_point({1, 2});
+  const Message message = writer.take();
+  MessageReader reader(message);
+  EXPECT_EQ(reader.get_all<std::uint32_t>(), (std::vector<std::uint32_t>{7, 8}));
+  MessageReader other = reader;
+  EXPECT_EQ(other.get_count(5), 3u);
+  other = reader;
+  EXPECT_THROW(other.get_count(6), std::logic_error);
+  EXPECT_THROW(reader.get_all<double>(), std::logic_error);
+}
+
+TEST(Message, ABoolIsTrueIfItsByteIsNot0) {
+  MessageWriter writer;
+  for (std::uint8_t byte = 0; byte <= 2; ++byte) writer.put(byte);
+  const Message message = writer.take();
+  MessageReader reader(message);
+  EXPECT_FALSE(reader.get<bool>());
+  EXPECT_TRUE(reader.get<bool>());
+  EXPECT_TRUE(reader.get<bool>());
 }
 
 }  // namespace
