@@ -54,12 +54,17 @@ struct RankTeam::Impl {
                         .keeps_references = !options.distribute,  // distributed rows change
                         .is_distributed = options.distribute,
                         .requests = {}} {
-    for (unsigned rank = 1; rank < options.ranks; ++rank) {
-      threads.push_back(std::make_unique<partition::JobThread>(1));
-      threads.back()->add([this, &lead, &registry, world, rank] { follow(lead, registry, world, rank); });
+    try {
+      for (unsigned rank = 1; rank < options.ranks; ++rank) {
+        threads.push_back(std::make_unique<partition::JobThread>(1));
+        threads.back()->add([this, &lead, &registry, world, rank] { follow(lead, registry, world, rank); });
+      }
+      for (unsigned rank = 1; rank < options.ranks; ++rank) mailboxes.of(0).receive(rank);  // rank is ready
+      replica.emplace(lead, registry, mailboxes.of(0), k_world, replica_options);
+    } catch (...) {
+      mailboxes.close("rank 0 has failed");  // otherwise the threads that wait for rank 0 would not end
+      throw;
     }
-    for (unsigned rank = 1; rank < options.ranks; ++rank) mailboxes.of(0).receive(rank);  // rank is ready
-    replica.emplace(lead, registry, mailboxes.of(0), k_world, replica_options);
   }
   ~Impl() {
     if (replica) mailboxes.of(0).send_to_all(begin_message(Order::end, k_world));
@@ -81,6 +86,9 @@ struct RankTeam::Impl {
       }
     } catch (const std::exception& error) {
       mailboxes.close(fmt::format("rank {} failed: {}", rank, error.what()));
+    } catch (...) {  // for example of a plug-in
+      mailboxes.close(
+          fmt::format("rank {} failed: it threw an exception that is not a std::exception", rank));
     }
   }
 

@@ -475,6 +475,17 @@ TEST_F(RanksOfAProgram, GoOnAfterAnExceptionOfItsCallback) {
   EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
 }
 
+TEST_F(RanksOfAProgram, EndIfTheyCannotBeMade) {
+  SimulationOptions options;
+  options.threads = 1;
+  options.ranks = 3;
+  options.rank_clock = [](unsigned rank) -> double {
+    return rank == 0 ? throw std::runtime_error("no clock") : 0.0;
+  };
+  const fs::path file = write("room.json", k_wanderers);
+  EXPECT_THROW(Simulation(file, options), std::runtime_error);
+}
+
 TEST_F(RanksOfAProgram, AreOneTo1024) {
   for (const unsigned ranks : {0u, 1025u}) {
     try {
