@@ -199,8 +199,8 @@ class Scanner {
   }
 
   JsonSyntaxError in_string() const {
-    JsonSyntaxError wrong_bytes{
-        last_, "a string contains bytes that are not valid UTF-8: save the file in UTF-8"};
+    JsonSyntaxError wrong_bytes{last_,
+                                "a string contains bytes that are not valid UTF-8: save the file in UTF-8"};
     const char c = last_ < text_.size() ? text_[last_] : '\n';
     if (cuts_character()) return wrong_bytes;
     if (!is_closed_ && (c == '\n' || c == '\r'))
