@@ -41,8 +41,8 @@ enum class Order : std::uint8_t {
   effects,     ///< in a tick: rows that effects change, or whether ranks lack ghosts (SharedEffects)
   births,      ///< in a tick: the first free place that the sender found for a birth (lowest_trial())
   ended,  ///< in a tick: whether a hook of the phase move has failed on the sender (SharedError::agree())
-  /// the sender could not make the replica, or could not compute its rows of the tick; or the sender is rank
-  /// 0 and the callback of World::before_tick() threw an exception
+  /// the sender could not make the replica, or could not compute its rows of the tick; or the callback of
+  /// World::before_tick() threw an exception on the sender, which is rank 0
   failed,
 };
 

@@ -11,6 +11,7 @@
 #include <exception>
 #include <numeric>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 namespace troupe::engine {
@@ -68,23 +69,27 @@ std::uint64_t Replica::requests() const {
 MessageWriter Replica::message_of(Order order) const { return begin_message(order, number_); }
 
 ReceivedOrder Replica::expect(Order wanted, unsigned from) {
-  const bool is_sent_by_owner = wanted == Order::together || wanted == Order::exchange ||
-                                wanted == Order::rows || wanted == Order::outcomes ||
-                                wanted == Order::places || wanted == Order::joints ||
-                                wanted == Order::candidates || wanted == Order::effects ||
-                                wanted == Order::births || wanted == Order::ended;
-  if (is_sent_by_owner && failed_[from]) return *failed_[from];
+  const bool is_answer = wanted == Order::hash || wanted == Order::gather || wanted == Order::counts;
+  if (!is_answer && failed_[from]) return *failed_[from];
   while (true) {
     ReceivedOrder received = receive_order(transport_, from);
     const Order order = received.order;
     const bool is_of_this_world = received.world == number_;
     if (is_of_this_world && order == Order::failed) failed_[from] = received;
+    // A rank that failed before the callback of before_tick() still answers the orders that the callback
+    // gives.
+    if (is_of_this_world && is_answer && order == Order::failed) continue;
     if (is_of_this_world && (order == wanted || order == Order::failed)) return received;
     // This rank has failed and is in fail(). The other rank sent this message before it knew of the failure.
-    const bool is_of_rows = order == Order::together || order == Order::candidates || order == Order::rows ||
-                            order == Order::births;
-    if (is_of_this_world && wanted == Order::exchange && is_of_rows) continue;
-    if (!is_of_this_world || from != 0 || wanted != Order::agree)
+    const bool is_before_failure = order == Order::together || order == Order::candidates ||
+                                   order == Order::rows || order == Order::births || order == Order::agree;
+    if (is_of_this_world && wanted == Order::exchange && is_before_failure) continue;
+    if (from == 0 && (order == Order::drop || order == Order::end))
+      throw partition::RankError("rank 0 has failed in this tick: see the error of rank 0");
+    const bool may_be_in_callback = has_callback_ && (wanted == Order::agree || wanted == Order::exchange);
+    const bool is_order = order == Order::reset || order == Order::restart || order == Order::set ||
+                          order == Order::hash || order == Order::gather || order == Order::counts;
+    if (!is_of_this_world || from != 0 || !may_be_in_callback || !is_order)
       throw std::logic_error(
           fmt::format("internal error: rank {} expected message {} of rank {} and got {}; this is no error "
                       "of your input: please report it",
@@ -110,7 +115,7 @@ void Replica::get_changes(MessageReader& message, bool is_in_tick) {
 }
 
 void Replica::tick(bool has_callback, const std::function<void()>& work) {
-  is_exchanged_ = is_agreed_ = false;
+  is_exchanged_ = false;
   std::ranges::fill(failed_, std::nullopt);
   phase_ = Phase::intervene;
   beams_before_ = parts_.beams;
@@ -183,15 +188,11 @@ void Replica::agree(const std::function<void()>& callback) {
       transport_.send_to_all(std::move(message));
     } else {
       ReceivedOrder received = expect(Order::agree, 0);
-      if (received.order == Order::failed) {
-        is_exchanged_ = true;  // the callback threw: no message follows in this tick
-        throw StepError("the callback of before_tick() threw an exception on rank 0");
-      }
+      if (received.order == Order::failed) throw OtherFailed();
       get_changes(received.rest, true);
     }
     rows_->redistribute(false);
   }
-  is_agreed_ = true;
 }
 
 std::span<const std::uint32_t> Replica::own_of(std::span<const std::uint32_t> order) {
@@ -257,7 +258,7 @@ void Replica::exchange() {
       rows_->get_written(from, message);
     }
   }
-  if (!failures.empty()) throw_first(failures, nullptr);
+  if (!failures.empty()) throw_first(failures);
   rebalanced_ += rows_->prepare_motions(unequal_times());
 }
 
@@ -267,10 +268,12 @@ void Replica::exchange() {
 std::vector<std::uint64_t> Replica::unequal_times() {
   constexpr std::uint64_t k_ticks = 32;     // times of single ticks vary
   constexpr double k_most_imbalance = 1.1;  // the slowest rank's time over the mean
+  constexpr double k_longest_s = 1e4;       // so that no sum of times overflows; a clock may also be set back
   if (options_.cut_seed) return {};
   for (std::size_t rank = 0; rank < work_.size(); ++rank) {
     const RankWork& work = work_[rank];
-    times_[rank] += static_cast<std::uint64_t>(1e9 * (work.sense_s + work.actuate_s + work.decide_s));
+    const double time_s = work.sense_s + work.actuate_s + work.decide_s;
+    if (time_s > 0) times_[rank] += static_cast<std::uint64_t>(1e9 * std::min(time_s, k_longest_s));
   }
   if (world_.tick() % k_ticks != 0) return {};
   std::vector<std::uint64_t> times = std::exchange(times_, std::vector<std::uint64_t>(ranks(), 0));
@@ -282,6 +285,7 @@ std::vector<std::uint64_t> Replica::unequal_times() {
 
 Replica::Failure Replica::failure_of(MessageReader message) {
   Failure failure;
+  failure.is_consequence = message.get<bool>();
   failure.phase = message.get<std::uint32_t>();
   failure.robot = message.get<std::uint32_t>();
   failure.text = message.get_text();
@@ -289,18 +293,24 @@ Replica::Failure Replica::failure_of(MessageReader message) {
 }
 
 /// Called in a catch block, before exchange(): tells the other ranks that this rank cannot compute the tick,
-/// and calls throw_first() with the failures of all ranks. A rank that fails only because another rank has
-/// failed sends an empty text. If this rank fails before agree() has returned, and rank 0 has a callback,
-/// this function returns without throwing.
+/// and receives the failures of all ranks. Then throws the exception of this rank unchanged, unless it is a
+/// StepError or OtherFailed; in these cases, calls throw_first(). Every rank that fails sends one message to
+/// every other rank, also if it fails only because another rank has failed. The ranks therefore receive the
+/// same failures, and no message of this tick remains.
 void Replica::fail() {
   const std::exception_ptr own = std::current_exception();
-  Failure failure{static_cast<std::uint32_t>(phase_), 0,
-                  fmt::format("rank {} threw an exception that is not a std::exception", transport_.rank())};
+  Failure failure;
+  failure.phase = static_cast<std::uint32_t>(phase_);
+  failure.text = fmt::format("rank {} threw an exception that is not a std::exception", transport_.rank());
+  bool is_unchanged = true;
   try {
     std::rethrow_exception(own);
   } catch (const OtherFailed&) {
-    failure.text.clear();
+    is_unchanged = false;
+    failure.is_consequence = true;
   } catch (const StepError& error) {
+    is_unchanged = false;
+    failure.error = own;
     failure.text = error.what();
     if (error.robot().valid()) failure.robot = 1 + error.robot().value;
   } catch (const std::exception& error) {
@@ -308,14 +318,12 @@ void Replica::fail() {
   } catch (...) {
   }
   is_exchanged_ = true;
-  const bool is_callback = has_callback_ && !is_agreed_;
-  if (is_callback && !leads()) return;
   MessageWriter message = message_of(Order::failed);
+  message.put(failure.is_consequence);
   message.put(failure.phase);
   message.put(failure.robot);
   message.put_text(failure.text);
   transport_.send_to_all(std::move(message));
-  if (is_callback) return;  // the other ranks wait only for this message
   std::vector<Failure> failures;
   for (unsigned rank = 0; rank < ranks(); ++rank) {
     if (rank == transport_.rank()) {
@@ -325,7 +333,8 @@ void Replica::fail() {
     const ReceivedOrder other = expect(Order::exchange, rank);
     if (other.order == Order::failed) failures.push_back(failure_of(other.rest));
   }
-  throw_first(failures, own);
+  if (is_unchanged) std::rethrow_exception(own);
+  throw_first(failures);
 }
 
 /// Throws the error that a single process would have reported, as a StepError: the error of the earliest
@@ -333,18 +342,11 @@ void Replica::fail() {
 /// others. Then come errors with a robot (commands and velocities that are not finite), the lowest robot
 /// before the others.
 ///
-/// failures: in the order of ranks; those with an empty text do not count
-/// own: the exception of this rank, if it has one; thrown unchanged unless it is a StepError or OtherFailed
-void Replica::throw_first(std::vector<Failure>& failures, const std::exception_ptr& own) {
-  if (own) {
-    try {
-      std::rethrow_exception(own);
-    } catch (const StepError&) {
-    } catch (const OtherFailed&) {
-    }
-  }
-  std::erase_if(failures, [](const Failure& f) { return f.text.empty(); });
-  std::ranges::stable_sort(failures, {}, [](const Failure& f) { return std::pair(f.phase, f.robot); });
+/// failures: in the order of ranks
+void Replica::throw_first(std::vector<Failure>& failures) {
+  std::ranges::stable_sort(failures, {},
+                           [](const Failure& f) { return std::tuple(f.is_consequence, f.phase, f.robot); });
+  if (failures.front().error) std::rethrow_exception(failures.front().error);
   throw StepError(failures.front().text);
 }
 

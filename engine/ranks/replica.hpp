@@ -15,6 +15,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -101,8 +102,8 @@ class Replica {
   std::uint64_t requests() const;
 
   /// On ranks other than 0: carries out an order of rank 0. `order` is one of the orders from Order::step to
-  /// Order::counts. Order::failed is ignored, and for any other order the function throws std::logic_error.
-  /// If the tick fails with a StepError, this function does not throw it, because rank 0 reports it.
+  /// Order::counts; for any other order, the function throws std::logic_error. If a tick, World::reset() or
+  /// World::restart() fails with a StepError, this function does not throw it, because rank 0 reports it.
   ///
   /// message: the rest of the message, after its head (begin_message())
   void follow(Order order, partition::MessageReader message);
@@ -116,8 +117,7 @@ class Replica {
   void tick(bool has_callback, const std::function<void()>& work);
   /// Called on all ranks after the interventions and faults of a tick were applied. On rank 0, calls
   /// `callback`, the callback of World::before_tick(), unless it is empty. The other ranks then get the
-  /// changes that the callback has made to the state. Throws StepError on the other ranks if the callback
-  /// throws on rank 0.
+  /// changes that the callback has made to the state. If the callback throws, tick() throws on all ranks.
   void agree(const std::function<void()>& callback);
   /// Called on all ranks at the end of the phase decide: rank 0 receives the present rows of all ranks and
   /// calls work(). The other ranks do not call work(). Afterwards, each rank receives the values that work()
@@ -195,9 +195,11 @@ class Replica {
  private:
   /// An error of a rank. If there are several errors, the one with the lowest (phase, robot) is reported.
   struct Failure {
-    std::uint32_t phase = 0;  ///< the Phase in which the error occurred
-    std::uint32_t robot = 0;  ///< 1 plus StepError::robot(); 0: the error has no robot
-    std::string text;         ///< the error message; empty: the rank failed only because another rank failed
+    bool is_consequence = false;  ///< the rank failed only because another rank failed
+    std::uint32_t phase = 0;      ///< the Phase in which the error occurred
+    std::uint32_t robot = 0;      ///< 1 plus StepError::robot(); 0: the error has no robot
+    std::string text;             ///< the error message
+    std::exception_ptr error;     ///< the StepError itself, on the rank that failed with it; else null
   };
   /// Thrown if another rank fails while this rank waits for a message from it in a tick.
   struct OtherFailed {};
@@ -211,20 +213,23 @@ class Replica {
   /// Whether the program may hold references through which it changes the state.
   bool may_write() const { return leads() && options_.keeps_references && is_written_; }
   partition::MessageWriter message_of(Order order) const;
-  /// Waits for a message with this order, or with Order::failed, from the rank `from`, and returns it. While
-  /// rank 0 runs the callback of World::before_tick(), the other ranks wait for Order::agree; during this
-  /// wait, they carry out other orders of rank 0.
+  /// Waits for a message with this order from the rank `from`, and returns it. If that rank fails in this
+  /// tick, returns its message with Order::failed instead, unless `order` is an answer to an order of rank 0.
+  /// While rank 0 runs the callback of World::before_tick(), the other ranks wait for Order::agree or, if
+  /// they have failed, for Order::exchange; during this wait, they carry out other orders of rank 0. Throws
+  /// partition::RankError if rank 0 ends the world instead, because it cannot go on after an exception.
   ReceivedOrder expect(Order order, unsigned from);
 
   std::unique_ptr<RankRows> make_rows();
   void put_changes(partition::MessageWriter& message);
   void get_changes(partition::MessageReader& message, bool is_in_tick);
   void take_all();
+  void require_whole() const;
   RankCounts own_counts() const;
   Hashes own_hashes();
-  void fail();
+  [[noreturn]] void fail();
   static Failure failure_of(partition::MessageReader message);
-  [[noreturn]] void throw_first(std::vector<Failure>& failures, const std::exception_ptr& own);
+  [[noreturn]] static void throw_first(std::vector<Failure>& failures);
   std::vector<std::uint64_t> unequal_times();
 
   World& world_;
@@ -240,6 +245,7 @@ class Replica {
   std::vector<std::uint32_t> requests_;   // one per rank: the last result of ReplicaOptions::requests
   std::uint64_t rebalanced_ = 0;
   std::vector<std::uint32_t> order_;  // result of own_of()
+  std::string unreported_;            // the last StepError that follow() has not thrown
 
   // The program has changed the state of rank 0 since the other ranks received it.
   std::atomic<bool> is_touched_ = false;
@@ -248,7 +254,6 @@ class Replica {
   bool is_in_tick_ = false;               // the program cannot read or change the state
   bool has_callback_ = false;
   bool is_exchanged_ = false;  // in this tick, the messages of all ranks were received
-  bool is_agreed_ = false;     // in this tick, agree() has returned
   Phase phase_ = Phase::intervene;
   std::uint64_t beams_before_ = 0;  // at the beginning of the tick
   // Times at which the phases of this tick began on this rank, s. The time of on_rank_0() is added to that of

@@ -19,16 +19,20 @@ using partition::MessageWriter;
 }  // namespace
 
 void Replica::follow(Order order, MessageReader message) {
+  const auto ignore_step_error = [this](auto&& work) {
+    try {
+      work();
+    } catch (const StepError& error) {  // rank 0 also throws it, and reports it
+      unreported_ = error.what();
+    }
+  };
   switch (order) {
     case Order::step:
       has_callback_ = message.get<bool>();
       get_changes(message, false);
-      try {
-        world_.step();
-      } catch (const StepError&) {  // thrown on all ranks, and reported by rank 0
-      }
-      return;
-    case Order::reset: return world_.reset();
+      require_whole();
+      return ignore_step_error([&] { world_.step(); });
+    case Order::reset: return ignore_step_error([&] { world_.reset(); });
     case Order::restart: {
       const auto seed = message.get<std::uint64_t>();
       std::vector<BodySpec> bodies = world_.spec().bodies;
@@ -36,7 +40,7 @@ void Replica::follow(Order order, MessageReader message) {
         body.pose_world_body = message.get<Pose>();
         body.color = message.get<Color>();
       }
-      return world_.restart(seed, bodies, registry_);
+      return ignore_step_error([&] { world_.restart(seed, bodies, registry_); });
     }
     case Order::set: {
       SettingSpec setting;
@@ -70,12 +74,22 @@ void Replica::follow(Order order, MessageReader message) {
       transport_.send(0, std::move(answer));
       return;
     }
-    case Order::failed: return;  // from a tick that has already ended on this rank
     default:
       throw std::logic_error(
           fmt::format("internal error: rank {} got order {} between two ticks; this is no error of your "
                       "input: please report it",
                       transport_.rank(), static_cast<int>(order)));
+  }
+}
+
+/// Rank 0 makes no tick after a tick that has failed on all ranks, until the program has replaced the state.
+/// If the state of this rank is incomplete, a hook has therefore thrown an exception on this rank only.
+void Replica::require_whole() const {
+  try {
+    world_.require_whole();
+  } catch (const std::logic_error&) {
+    throw std::logic_error(fmt::format(
+        "an error that did not occur on rank 0, so its cause differs between ranks: {}", unreported_));
   }
 }
 

@@ -21,6 +21,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <any>
+#include <atomic>
 #include <cctype>
 #include <cmath>
 #include <cstddef>
@@ -1541,6 +1543,54 @@ struct UnluckySpawner {
 // In tick 6, doors request births.
 TEST_F(HaloOfATurnover, ABirthThatThrowsEndsTheTickOnAllRanks) {
   expect_same_error(load(UnluckySpawner::registry()), 6, UnluckySpawner::throws_at, "stillborn");
+}
+
+/// The kind `power_pack`, whose hook `start` can throw.
+struct UnluckyPack {
+  static inline std::atomic<bool> throws = false;
+  static inline decltype(DeviceKind::start) start = nullptr;
+
+  static Registry registry() {
+    Registry registry = test::registry();
+    DeviceKind& pack = *std::ranges::find(registry.devices, "power_pack", &DeviceKind::name);
+    start = pack.start;
+    pack.start = [](const std::any& data, StateTable& state, std::size_t slot) {
+      if (throws) throw std::runtime_error("leaking");
+      start(data, state, slot);
+    };
+    return registry;
+  }
+};
+
+// The intervention of tick 5 spawns robots. Their rows are on one rank, which fails, while the other ranks
+// wait for its rows, and rank 0 also has a callback.
+TEST_F(HaloOfATurnover, ABirthThatThrowsBeforeTheCallbackEndsTheTickOnAllRanks) {
+  const Simulation simulation = load(UnluckyPack::registry());
+  const auto error_of = [](World& world) {
+    world.before_tick([&world] { world.gather(); });
+    halo_log(world, 5);
+    UnluckyPack::throws = true;
+    std::string text;
+    try {
+      world.step();
+    } catch (const StepError& error) {
+      text = error.what();
+    }
+    UnluckyPack::throws = false;
+    world.reset();
+    return text;
+  };
+  World whole = whole_world(simulation);
+  const std::string expected = error_of(whole);
+  EXPECT_THAT(expected, HasSubstr("threw: leaking"));
+  const std::vector<Hashes> log = halo_log(whole, 8);
+  std::vector<HaloTeam> teams = k_experiment_teams;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) teams.push_back({3, 1, seed, {}, 1, {}});
+  for (const HaloTeam& team : teams) {
+    HaloRanks ranks(simulation, team);
+    EXPECT_EQ(error_of(ranks.world()), expected) << name_of(team);
+    expect_equal_logs(halo_log(ranks.world(), 8), log, "after the error, " + name_of(team));
+  }
 }
 
 TEST_F(HaloOfARoom, SaysWhyAWorldIsReplicated) {

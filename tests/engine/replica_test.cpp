@@ -85,6 +85,21 @@ TEST_F(ReplicaMessages, RowsWithAWrongSizeAllocateNothing) {
   expect_too_short([&] { world_.gather(); });
 }
 
+// An exception that is no StepError has ended the program on rank 0, which destroys its worlds.
+TEST_F(ReplicaMessages, AWorldThatRank0EndsInATickIsNoInternalError) {
+  for (const Order last : {Order::drop, Order::end}) {
+    partition::Mailboxes mailboxes(2);
+    World world(simulation_.world().spec(), simulation_.registry(), {.threads = 1}, diagnostics_);
+    Replica replica(world, simulation_.registry(), mailboxes.of(1), 0, {});
+    mailboxes.of(0).send(1, begin_message(last, 0));
+    MessageWriter step;
+    step.put(false);  // no callback
+    step.put(false);  // no state
+    const Message message = step.take();
+    EXPECT_THROW(replica.follow(Order::step, MessageReader(message)), partition::RankError);
+  }
+}
+
 TEST(RecordMessage, KeepsTheValues) {
   const Record record{true,
                       std::int64_t{-3},

@@ -17,7 +17,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <any>
 #include <array>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -27,6 +30,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -427,6 +431,17 @@ TEST_F(RanksOfAProgram, KeepTheirRobotsIfTheirTimesAreEqual) {
   EXPECT_GT(simulation.rank_statistics().waited_s, 0);
 }
 
+TEST_F(RanksOfAProgram, KeepTheirRobotsIfAClockRunsBackwards) {
+  Clocks clocks({0, -1});
+  SimulationOptions options;
+  options.threads = 1;
+  options.ranks = 2;
+  options.rank_clock = [&](unsigned rank) { return clocks(rank); };
+  Simulation simulation(write("room.json", k_wanderers), options);
+  for (int tick = 0; tick < 40; ++tick) simulation.step();
+  EXPECT_EQ(simulation.rank_statistics().rebalanced, 0u);
+}
+
 std::string step_error(Simulation& simulation) {
   try {
     simulation.step();
@@ -473,6 +488,127 @@ TEST_F(RanksOfAProgram, GoOnAfterAnExceptionOfItsCallback) {
     simulation->step();
   }
   EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
+}
+
+/// The ranks on which the hook of UnluckyLed throws.
+enum class Unlucky { no, all, other_ranks };
+
+/// The kind `led`, whose hook `start` can throw on all ranks or on all ranks but 0.
+struct UnluckyLed {
+  static inline std::atomic<Unlucky> throws = Unlucky::no;
+  static inline std::thread::id rank_0;
+  static inline decltype(engine::DeviceKind::start) start = nullptr;
+
+  static engine::Registry registry() {
+    engine::Registry registry = make_registry();
+    engine::DeviceKind& led = *std::ranges::find(registry.devices, "led", &engine::DeviceKind::name);
+    rank_0 = std::this_thread::get_id();
+    start = led.start;
+    led.start = [](const std::any& data, engine::StateTable& state, std::size_t slot) {
+      if (throws == Unlucky::all || (throws == Unlucky::other_ranks && std::this_thread::get_id() != rank_0))
+        throw std::runtime_error("dark");
+      if (start != nullptr) start(data, state, slot);
+    };
+    return registry;
+  }
+};
+
+class RanksOfLeds : public RanksOfAProgram {
+ protected:
+  Simulation load(unsigned ranks, const std::string& more = {},
+                  const engine::Registry& registry = UnluckyLed::registry()) const {
+    std::string text(k_wanderers);
+    text.insert(text.find(R"("controller")"), R"("devices": [{"name": "lamp", "kind": "led"}], )");
+    text.insert(text.rfind('}'), more);
+    SimulationOptions options;
+    options.threads = 1;
+    options.ranks = ranks;
+    return Simulation(write("leds.json", text), options, registry);
+  }
+};
+
+TEST_F(RanksOfLeds, GoOnAfterAResetThatThrows) {
+  Simulation one = load(1);
+  Simulation three = load(3);
+  for (Simulation* simulation : {&one, &three}) {
+    simulation->step();
+    UnluckyLed::throws = Unlucky::all;
+    EXPECT_THROW(simulation->reset(), engine::StepError);
+    static_cast<void>(simulation->rank_counts());  // the other ranks answer after they have tried to reset
+    UnluckyLed::throws = Unlucky::no;
+    simulation->reset();
+    simulation->step();
+  }
+  EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
+}
+
+// The callback of rank 0 reads data of the ranks that have already failed in this tick.
+TEST_F(RanksOfLeds, ReportAnErrorThatOtherRanksHadBeforeTheCallback) {
+  const std::string more =
+      R"(, "at": [{"time_s": 0.2, "add": {"population": "w", "count": 3, "region_m": [[-3, -3], [3, 3]]}}])";
+  Simulation one = load(1, more);
+  Simulation three = load(3, more);
+  std::size_t calls = 0;
+  three.before_tick([&](Simulation& simulation) {
+    EXPECT_FALSE(simulation.hash_log_line().empty());
+    ++calls;
+  });
+  three.step();
+  three.step();
+  UnluckyLed::throws = Unlucky::other_ranks;
+  EXPECT_THAT(step_error(three), HasSubstr("threw: dark"));
+  UnluckyLed::throws = Unlucky::no;
+  EXPECT_EQ(calls, 3u);
+  three.reset();
+  for (int tick = 0; tick < 4; ++tick) {
+    one.step();
+    three.step();
+    EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
+  }
+}
+
+TEST_F(RanksOfLeds, ReportAnErrorWithoutAText) {
+  engine::Registry registry = make_registry();
+  engine::DeviceKind& led = *std::ranges::find(registry.devices, "led", &engine::DeviceKind::name);
+  led.act = [](const engine::DeviceBatch&) { throw engine::StepError(""); };
+  for (const unsigned ranks : {1u, 3u}) {
+    Simulation simulation = load(ranks, {}, registry);
+    EXPECT_EQ(step_error(simulation), "") << ranks;
+  }
+}
+
+// In a replicated world, hooks that the phase move calls run on all ranks. If a hook throws on one rank only,
+// the ranks end in the next tick, with its error.
+TEST_F(RanksOfLeds, NameAnErrorThatOnlyOneRankHad) {
+  engine::Registry registry = UnluckyLed::registry();
+  engine::DeviceKind& led = *std::ranges::find(registry.devices, "led", &engine::DeviceKind::name);
+  led.scope = engine::ApplyScope::trees;
+  static const auto prepare = led.prepare;
+  led.prepare = [](const engine::Record& params, const Pose& pose) {
+    engine::DeviceKind::Prepared prepared = prepare(params, pose);
+    prepared.most_effects = 1;
+    return prepared;
+  };
+  led.act = [](const engine::DeviceBatch& batch) {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i) batch.emit(i, 0, 0, batch.body(i));
+  };
+  led.apply = [](engine::World&, const std::any&, const engine::Effect&) {
+    if (UnluckyLed::throws == Unlucky::other_ranks && std::this_thread::get_id() != UnluckyLed::rank_0)
+      throw std::runtime_error("dark");
+  };
+  Simulation simulation = load(2, {}, registry);
+  simulation.step();
+  static_cast<void>(simulation.rank_counts());  // rank 1 answers after it has ended the tick
+  UnluckyLed::throws = Unlucky::other_ranks;
+  try {
+    simulation.step();
+    simulation.step();
+    ADD_FAILURE();
+  } catch (const std::exception& error) {
+    EXPECT_THAT(error.what(), HasSubstr("rank 1 failed: an error that did not occur on rank 0"));
+    EXPECT_THAT(error.what(), HasSubstr("tick 2: device \"lamp\" (led) of \"w"));
+  }
+  UnluckyLed::throws = Unlucky::no;
 }
 
 TEST_F(RanksOfAProgram, EndIfTheyCannotBeMade) {
