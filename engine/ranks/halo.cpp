@@ -299,65 +299,77 @@ void Halo::agree_on_trees() {
 }
 
 void Halo::distribute(double longest, std::span<const Guest> guests) {
-  const unsigned self = post_.rank;
   guests_.assign(guests.begin(), guests.end());
   std::ranges::sort(guests_, {}, &Guest::root);
   extent_.reach = world_.longest_reach();
   agree_on_trees();
   if (cut_seed_) cut_again();
   choose_coverage(longest);
+  const std::vector<Goal> goals = goals_of({0, own_});
   std::vector<BodyId> leaving;
   std::vector<Arrival> arrivals;
-  std::vector<Goal> goals = goals_of({0, own_});
+  send_rows(leaving, arrivals);
+  receive_rows(arrivals);
+  exchange_rows(leaving, arrivals);
+  set_goals(goals);
+  for (const Arrival& arrival : arrivals) set_goals(arrival.goals);
+  is_complete_ = false;
+  ++counts_.distributions;
+  note_neighbours();
+}
+
+/// Sends each own row to the rank that will own it and to the ranks that will have it as a ghost. Appends the
+/// bodies of the own rows that this rank gives away, and of all present ghosts, to `leaving`, and the rows
+/// that change from own to ghost to `arrivals`.
+void Halo::send_rows(std::vector<BodyId>& leaving, std::vector<Arrival>& arrivals) {
   std::vector<MessageWriter> messages;
   for (unsigned to = 0; to < post_.ranks; ++to) messages.push_back(post_.begin(Order::rows));
   std::vector<unsigned> near;
-  for (std::size_t r = 0; r < world_.rows(); ++r) {
+  for (std::size_t r = 0; r < own_; ++r) {
     const Row row(r);
-    if (r >= own_) {
-      leaving.push_back(world_.body(row));
-      continue;
-    }
     find_ranks_near(row, near);
     const unsigned owner = owners_.owner(place(row));
-    if (owner != self) {
+    if (owner != post_.rank) {
       ++counts_.migrated;
       leaving.push_back(world_.body(row));
       put_row(messages[owner], row);
     }
     for (const unsigned to : near) {
-      if (to != self)
+      if (to != post_.rank)
         put_row(messages[to], row);
       else
         arrivals.push_back({{world_.body(row), world_.row_bytes(row)}, place(row), {}});
     }
   }
+  for (std::size_t r = own_; r < world_.rows(); ++r) leaving.push_back(world_.body(Row(r)));
   for (unsigned to = 0; to < post_.ranks; ++to)
-    if (to != self) post_.send(to, std::make_shared<const partition::Message>(messages[to].take()));
+    if (to != post_.rank) post_.send(to, std::make_shared<const partition::Message>(messages[to].take()));
+}
+
+/// Receives the rows that send_rows() of the other ranks has sent to this rank.
+void Halo::receive_rows(std::vector<Arrival>& arrivals) {
   for (unsigned from = 0; from < post_.ranks; ++from) {
-    if (from == self) continue;
+    if (from == post_.rank) continue;
     ReceivedOrder received = post_.receive(Order::rows, from);
     while (!received.rest.is_done()) arrivals.push_back(get_row(received.rest));
   }
-  // Sorts the rows that this rank will own before the ghosts, and each group by ids, so that the order of
-  // rows does not depend on which ranks sent them.
-  const auto is_ghost = [&](const Arrival& arrival) { return owners_.owner(arrival.place) != self; };
+}
+
+/// Removes the rows of `leaving` from the world, and adds those of `arrivals`: first the rows that this rank
+/// will own, then the ghosts, and each group by ids, so that the order of rows does not depend on which ranks
+/// sent them. Moves the states out of `arrivals`.
+void Halo::exchange_rows(std::span<const BodyId> leaving, std::vector<Arrival>& arrivals) {
+  const auto is_ghost = [&](const Arrival& arrival) { return owners_.owner(arrival.place) != post_.rank; };
   std::ranges::sort(arrivals, {}, [&](const Arrival& arrival) {
     return std::pair(is_ghost(arrival), arrival.state.body.value);
   });
   std::vector<World::RowState> coming;
-  std::size_t own = world_.rows() - leaving.size();
+  own_ = world_.rows() - leaving.size();
   for (Arrival& arrival : arrivals) {
-    own += is_ghost(arrival) ? 0 : 1;
+    own_ += is_ghost(arrival) ? 0 : 1;
     coming.push_back(std::move(arrival.state));
-    goals.insert(goals.end(), arrival.goals.begin(), arrival.goals.end());
   }
-  own_ = own;
   world_.exchange_rows(leaving, coming, own_);
-  set_goals(goals);
-  is_complete_ = false;
-  ++counts_.distributions;
-  note_neighbours();
 }
 
 void Halo::give(std::span<const Gift> gifts) {

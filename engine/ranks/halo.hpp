@@ -264,6 +264,9 @@ class Halo {
   };
   void put_row(partition::MessageWriter& message, Row row) const;
   Arrival get_row(partition::MessageReader& message) const;
+  void send_rows(std::vector<BodyId>& leaving, std::vector<Arrival>& arrivals);
+  void receive_rows(std::vector<Arrival>& arrivals);
+  void exchange_rows(std::span<const BodyId> leaving, std::vector<Arrival>& arrivals);
   void choose_coverage(double longest);
   void agree_on_trees();
   std::vector<Goal> goals_of(RowRange rows) const;
