@@ -498,6 +498,8 @@ class Generator(Parameters):
                 one.pop("column", None)
             elif name == "rank_errors":
                 one["center_m"] = [0, 0]
+            elif name in ("clusters", "largest_cluster") and not any(made.get("pushable") for made in self.world["types"].values()):
+                one["bodies"] = "robots"
             elif name == "coverage" and "cell_m" in one:
                 one["cell_m"] = rounded(self.draws.uniform(0.3, 1))
             if name not in ("clusters", "largest_cluster", "deaths") and "drive" in self.world["types"]["focus"] and self.chance(0.3):
