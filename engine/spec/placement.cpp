@@ -405,11 +405,12 @@ bool Crowd::free(const partition::ObstacleShape& shape, const Pose& pose) const 
   return each_near(shape.radius, pose, [&](std::uint32_t i) { return !overlaps(i, shape, pose); });
 }
 
-std::vector<std::size_t> Crowd::overlapping(const partition::ObstacleShape& shape, const Pose& pose) const {
+std::vector<std::size_t> Crowd::overlapping(const partition::ObstacleShape& shape, const Pose& pose,
+                                            const std::function<bool(std::size_t)>& matters) const {
   std::vector<std::size_t> met;
   if (shape.empty()) return met;
   each_near(shape.radius, pose, [&](std::uint32_t i) {
-    if (overlaps(i, shape, pose)) met.push_back(i);
+    if (matters(i) && overlaps(i, shape, pose)) met.push_back(i);
     return true;
   });
   std::ranges::sort(met);

@@ -7,7 +7,9 @@
 #include "partition/sparse_grid.hpp"
 #include "partition/static_scene.hpp"
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -39,9 +41,9 @@ class Crowd {
   /// Whether no body of the crowd overlaps a shape at a pose in the world frame. True for an empty shape.
   bool free(const partition::ObstacleShape& shape, const Pose& pose_world_body) const;
   /// Numbers of the bodies that overlap a shape at a pose in the world frame, ascending; none for an empty
-  /// shape.
-  std::vector<std::size_t> overlapping(const partition::ObstacleShape& shape,
-                                       const Pose& pose_world_body) const;
+  /// shape. Only bodies for whose number `matters` returns true are tested, which is slower than `matters`.
+  std::vector<std::size_t> overlapping(const partition::ObstacleShape& shape, const Pose& pose_world_body,
+                                       const std::function<bool(std::size_t)>& matters) const;
   /// Whether the body with this number overlaps a shape at a pose in the world frame. False for an empty
   /// shape.
   bool overlaps(std::size_t number, const partition::ObstacleShape& shape, const Pose& pose_world_body) const;

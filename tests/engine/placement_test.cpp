@@ -378,7 +378,12 @@ RC_GTEST_PROP(CrowdProperty, FindsWhatEveryPairFinds, ()) {
     std::vector<std::size_t> expected;
     for (std::size_t i = 0; i < crowd.size(); ++i)
       if (partition::overlap(bodies[i].shape, bodies[i].pose, body.shape, body.pose)) expected.push_back(i);
-    RC_ASSERT(crowd.overlapping(body.shape, body.pose) == expected);
+    const auto all = [](std::size_t) { return true; };
+    const auto odd = [](std::size_t i) { return i % 2 == 1; };
+    RC_ASSERT(crowd.overlapping(body.shape, body.pose, all) == expected);
+    std::vector<std::size_t> expected_odd;
+    std::ranges::copy_if(expected, std::back_inserter(expected_odd), odd);
+    RC_ASSERT(crowd.overlapping(body.shape, body.pose, odd) == expected_odd);
     RC_ASSERT(crowd.free(body.shape, body.pose) == expected.empty());
     crowd.add(body.shape, body.pose);
   }

@@ -422,6 +422,18 @@ TEST(StartOverlaps, StaticBodiesMayOverlap) {
               ElementsAre(testing::HasSubstr("placed 0 of 1 body")));
 }
 
+TEST(StartOverlaps, ABodyThatMayMoveIsFoundAmongManyStaticOnesAtOnePlace) {
+  std::string models;
+  for (int i = 0; i < 300; ++i) models += fmt::format(R"({{"name": "w{}", "type": "wall"}}, )", i);
+  const std::vector<std::string> found =
+      LoadedArena(
+          world(k_boxes + models + R"({"name": "b", "type": "bot"}, {"name": "last", "type": "wall"}])"))
+          .found;
+  ASSERT_EQ(found.size(), 301u);
+  EXPECT_THAT(found.front(), testing::HasSubstr("\"b\" overlaps \"w0\""));
+  EXPECT_THAT(found.back(), testing::HasSubstr("\"last\" overlaps \"b\""));
+}
+
 TEST(StartOverlaps, OthersAreErrorsThatSayByHowMuch) {
   const auto found = [](const std::string& models) {
     return LoadedArena(world(k_boxes + models + "]")).found;

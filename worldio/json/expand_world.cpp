@@ -448,16 +448,16 @@ void WorldExpander::report_overlaps(const Model& model, const partition::Obstacl
   const auto is_static = [this](const BodySpec& one) {
     return engine::is_static(spec_.types[one.type.index()]);
   };
+  const bool may_move = !is_static(body);
   const engine::Crowd& crowd = occupancy.crowd();
   // Returns the walls, or the numbers of the models in the crowd, that would overlap `body` if its shape were
   // `inner`.
   const auto walls_at = [&](const partition::ObstacleShape& inner) {
-    return is_static(body) ? std::vector<BodyId>() : occupancy.scene().overlapping(inner, pose);
+    return may_move ? occupancy.scene().overlapping(inner, pose) : std::vector<BodyId>();
   };
   const auto models_at = [&](const partition::ObstacleShape& inner) {
-    std::vector<std::size_t> numbers = crowd.overlapping(inner, pose);
-    if (is_static(body)) std::erase_if(numbers, [&](std::size_t i) { return is_static(models_[i].body); });
-    return numbers;
+    return crowd.overlapping(inner, pose,
+                             [&](std::size_t i) { return may_move || !is_static(models_[i].body); });
   };
   const auto report = [&](const BodySpec& other, const auto& still_overlaps) {
     std::string depth;
