@@ -19,7 +19,7 @@ PAGES = [
     ("    $ troupe describe lightindicator\n    device lightindicator: a light that controllers switch\n    ...\n", None),
     ("    $ troupe describe lightindicator\n    device lightindicator: a light that no controller switches\n", "does not print the line"),
     ("    troupe describe rangre\n", "ended with 2"),
-    ("    $ troupe describe rangre\n    troupe describe: error: unknown kind \"rangre\" (did you mean \"ranger\"?); ...\n", None),
+    ("    $ troupe describe rangre\n    troupe describe: error: \"rangre\" is neither a kind nor a key of JSON worlds (did you mean \"ranger\"?); ...\n", None),
     ("    $ troupe describe ranger\n    error: \n", "ended with 0"),
     ("    troupe run worlds/minimal.world --for 1 --frobnicate\n", "ended with 2"),
     ("    mkdir other && cd other\n    troupe run worlds/minimal.world --for 1\n", "ended with 2"),
