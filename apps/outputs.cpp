@@ -38,24 +38,20 @@ std::uintmax_t bytes_of_lines(const fs::path& file, std::size_t lines) {
   return bytes;
 }
 
-/// Throws OutputError if the log belongs to another run, that is, if the options in its header differ from
-/// those of the simulation. Options that change no result, or that a resumed run may change, are not
-/// compared. Comparing the states at one tick is not enough, because the states of two runs may be equal for
-/// a while.
+/// Throws OutputError if the log belongs to another run.
 void check_same_run(const HashLogReader& log, const Simulation& simulation) {
-  const auto is_free = [](std::string_view key) {
-    return changes_no_result(key) || key.starts_with("set ") || key.starts_with("plugin ");
-  };
-  for (const auto& [key, value] : simulation.effective_options()) {
-    const auto& entries = log.header().entries;
+  const auto& entries = log.header().entries;
+  const auto value_of = [&](const std::string& key) {
     const auto header = entries.find(key);
-    const bool is_there = header != entries.end();
-    if (is_free(key) || (is_there && header->second.value == value)) continue;
+    return header == entries.end() ? nullptr : &header->second.value;
+  };
+  if (const auto other = option_of_other_run(simulation.effective_options(), value_of)) {
+    const auto header = entries.find(other->key);
     throw OutputError(
         fmt::format("{}:{}: error: {} is {}, but \"{}\" in the checkpoint: the log belongs to another run; "
                     "choose another file",
-                    log.file().string(), is_there ? header->second.line : 1, key,
-                    is_there ? fmt::format("\"{}\"", header->second.value) : "not given", value));
+                    log.file().string(), header == entries.end() ? 1 : header->second.line, other->key,
+                    other->in_file, other->here));
   }
 }
 

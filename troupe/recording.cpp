@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 namespace troupe {
@@ -55,23 +54,18 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
   }
 }
 
-/// Throws std::runtime_error if the recording belongs to another run than the simulation. Compares the
-/// options of the two runs, because runs with equal bodies may differ. Options that change no result, or that
-/// a resumed run may change for later ticks, are not compared.
+/// Throws std::runtime_error if the recording belongs to another run than the simulation.
 void check_same_run(const std::filesystem::path& file, const Simulation& simulation) {
   const worldio::RecordingReader recording(file);
-  const auto is_free = [](std::string_view key) {
-    return changes_no_result(key) || key.starts_with("set ") || key.starts_with("plugin ");
-  };
-  for (const auto& [key, value] : simulation.effective_options()) {
+  const auto value_of = [&](const std::string& key) {
     const auto known = recording.meta().find(key);
-    const bool is_there = known != recording.meta().end();
-    if (is_free(key) || (is_there && known->second == value)) continue;
+    return known == recording.meta().end() ? nullptr : &known->second;
+  };
+  if (const auto other = option_of_other_run(simulation.effective_options(), value_of))
     throw std::runtime_error(fmt::format(
         "{}: error: {} is {} in the recording, but \"{}\" in this run: the recording belongs to another run; "
         "choose another file",
-        file.string(), key, is_there ? fmt::format("\"{}\"", known->second) : "not given", value));
-  }
+        file.string(), other->key, other->in_file, other->here));
   const auto tick = std::ranges::find(recording.ticks(), simulation.tick());
   if (tick != recording.ticks().end() &&
       recording.hashes()[static_cast<std::size_t>(tick - recording.ticks().begin())] !=
