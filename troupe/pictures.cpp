@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
+#include "render/draw.hpp"
 #include "troupe/frame_history.hpp"
 #include "troupe/picture_source.hpp"
 #include "troupe/simulation_source.hpp"
@@ -9,7 +10,6 @@
 #include "worldio/whole_file.hpp"
 
 #ifdef TROUPE_HAS_RENDER
-#include "render/draw.hpp"
 #include "worldio/window_fields.hpp"
 #endif
 
@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <system_error>
@@ -31,32 +32,51 @@ constexpr std::string_view k_follow_all = "follow:all";
 // Names of the backgrounds, in the order of the enumeration render::Background.
 constexpr std::array<std::string_view, 4> k_backgrounds = {"paper", "white", "dark", "transparent"};
 
-constexpr std::array<PictureLayer, 24> k_layers = {{
-    {"grid", true, "grid lines on the floor"},
-    {"shadows", true, "shadows of bodies on the floor"},
-    {"headings", true, "a mark at the front of each robot"},
-    {"stalls", true, "a red outline with a white rim around robots whose motion is blocked"},
-    {"scale", true, "a scale bar; in perspective views, the distance between grid lines"},
-    {"clock", true, "the simulated time"},
-    {"speed", false, "speed as a multiple of real time: of the film or, in a single picture, of the run"},
-    {"legend", true, "the colour scale of --color-by, with the unit"},
-    {"bounds", true, "the outline of the world's bounds, if the world has bounds"},
-    {"types", false, "a legend of the types of robots: colour, name and number of robots"},
-    {"scans", false, "areas that rangers scan, as transparent surfaces"},
-    {"beams", false, "scans of rangers, one line per beam"},
-    {"sights", false, "lines from fiducial finders to the bodies they detect"},
-    {"blobs", false, "blobs that blob finders detect, in the colours of the blobs"},
-    {"grips", false, "light beams of grippers (red if interrupted), and lines to the bodies that they hold"},
-    {"links", false, "lines from bodies to the bodies that they carry"},
-    {"trails", false, "paths of bodies in the last 20 s, older parts paler"},
-    {"names", false, "names of robots and of other bodies that can move"},
-    {"energy", false, "bars with the charges of power packs"},
-    {"footprints", false, "outlines of bodies on the floor"},
-    {"coverage", false, "squares of 1 m x 1 m that robots have visited, older visits paler"},
-    {"density", false, "squares of the floor, coloured by the number of robots in each"},
-    {"tiles", false, "number of robots in each tile; threads process these squares of the world in parallel"},
-    {"cells", false, "cells of the spatial index that contain robots"},
-}};
+using render::Layers;
+
+/// A layer: the name and text of a PictureLayer, and the member that shows it.
+struct Layer {
+  std::string_view name;
+  bool Layers::*shown;
+  std::string_view text;
+};
+
+constexpr Layer k_shown_layers[] = {
+    {"grid", &Layers::grid, "grid lines on the floor"},
+    {"shadows", &Layers::shadows, "shadows of bodies on the floor"},
+    {"headings", &Layers::headings, "a mark at the front of each robot"},
+    {"stalls", &Layers::stalls, "a red outline with a white rim around robots whose motion is blocked"},
+    {"scale", &Layers::scale, "a scale bar; in perspective views, the distance between grid lines"},
+    {"clock", &Layers::clock, "the simulated time"},
+    {"speed", &Layers::speed,
+     "speed as a multiple of real time: of the film or, in a single picture, of the run"},
+    {"legend", &Layers::legend, "the colour scale of --color-by, with the unit"},
+    {"bounds", &Layers::bounds, "the outline of the world's bounds, if the world has bounds"},
+    {"types", &Layers::types, "a legend of the types of robots: colour, name and number of robots"},
+    {"scans", &Layers::scans, "areas that rangers scan, as transparent surfaces"},
+    {"beams", &Layers::beams, "scans of rangers, one line per beam"},
+    {"sights", &Layers::sights, "lines from fiducial finders to the bodies they detect"},
+    {"blobs", &Layers::blobs, "blobs that blob finders detect, in the colours of the blobs"},
+    {"grips", &Layers::grips,
+     "light beams of grippers (red if interrupted), and lines to the bodies that they hold"},
+    {"links", &Layers::links, "lines from bodies to the bodies that they carry"},
+    {"trails", &Layers::trails, "paths of bodies in the last 20 s, older parts paler"},
+    {"names", &Layers::names, "names of robots and of other bodies that can move"},
+    {"energy", &Layers::energy, "bars with the charges of power packs"},
+    {"footprints", &Layers::footprints, "outlines of bodies on the floor"},
+    {"coverage", &Layers::coverage, "squares of 1 m x 1 m that robots have visited, older visits paler"},
+    {"density", &Layers::density, "squares of the floor, coloured by the number of robots in each"},
+    {"tiles", &Layers::tiles,
+     "number of robots in each tile; threads process these squares of the world in parallel"},
+    {"cells", &Layers::cells, "cells of the spatial index that contain robots"},
+};
+
+constexpr auto k_layers = [] {
+  std::array<PictureLayer, std::size(k_shown_layers)> layers;
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    layers[i] = {k_shown_layers[i].name, Layers().*k_shown_layers[i].shown, k_shown_layers[i].text};
+  return layers;
+}();
 
 /// An entry of a list of layers (PictureOptions::layers): a layer to show (`on`) or to hide.
 struct LayerSwitch {
@@ -115,20 +135,6 @@ constexpr double k_follow_widths = 24;  // width of the picture, as a multiple o
 constexpr double k_least_followed_m = 0.05;
 constexpr double k_stage_fov = 70 * k_pi / 180;  // vertical angle of view of Stage's camera
 
-bool* switch_of(render::Layers& layers, std::string_view name) {
-  const std::array<std::pair<std::string_view, bool*>, k_layers.size()> all = {
-      {{"grid", &layers.grid},         {"shadows", &layers.shadows}, {"headings", &layers.headings},
-       {"stalls", &layers.stalls},     {"scale", &layers.scale},     {"clock", &layers.clock},
-       {"speed", &layers.speed},       {"legend", &layers.legend},   {"scans", &layers.scans},
-       {"beams", &layers.beams},       {"sights", &layers.sights},   {"blobs", &layers.blobs},
-       {"grips", &layers.grips},       {"links", &layers.links},     {"trails", &layers.trails},
-       {"names", &layers.names},       {"energy", &layers.energy},   {"footprints", &layers.footprints},
-       {"coverage", &layers.coverage}, {"density", &layers.density}, {"tiles", &layers.tiles},
-       {"cells", &layers.cells},       {"bounds", &layers.bounds},   {"types", &layers.types}}};
-  const auto found = std::ranges::find(all, name, &std::pair<std::string_view, bool*>::first);
-  return found == all.end() ? nullptr : found->second;
-}
-
 /// Reads members of the entry `window` of a world by their names.
 class Window {
  public:
@@ -168,7 +174,7 @@ void look_through(const Window& window, render::View& view) {
     camera.across_m = view.width / window.value("scale_px_per_m").number();
   }
   const bool shows_data = window.on("show_data");
-  render::Layers& layers = view.layers;
+  Layers& layers = view.layers;
   layers.grid = window.on("show_grid");
   layers.clock = window.on("show_clock");
   layers.footprints = window.on("show_footprints");
@@ -184,10 +190,6 @@ const engine::FrameBody* find_body(const std::vector<engine::FrameBody>& bodies,
   const auto found = std::ranges::lower_bound(bodies, id, {}, &engine::FrameBody::id);
   return found == bodies.end() || found->id != id ? nullptr : &*found;
 }
-
-}  // namespace
-
-namespace {
 
 namespace fs = std::filesystem;
 using Texts = std::vector<std::pair<std::string, std::string>>;
@@ -255,9 +257,9 @@ struct Pictures::Impl {
                                                       k_backgrounds.begin());
     set_camera(source);
     for (const LayerSwitch& layer : switches_of(options.layers))
-      *switch_of(view.layers, layer.name) = layer.on;
+      view.layers.*std::ranges::find(k_shown_layers, layer.name, &Layer::name)->shown = layer.on;
     if (options.color_range) view.values = std::pair((*options.color_range)[0], (*options.color_range)[1]);
-    const render::Layers& shown = view.layers;
+    const Layers& shown = view.layers;
     wishes = {shown.scans || shown.beams,
               shown.sights,
               shown.blobs,
