@@ -18,6 +18,10 @@
 #include <string_view>
 #include <vector>
 
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
+
 namespace troupe::worldio {
 namespace {
 
@@ -109,6 +113,9 @@ class Hdf5Torn : public test::ScratchTest {
 };
 
 TEST_F(Hdf5Torn, EveryBlockThatIsTornAtTheBorderOfTwoPagesIsMended) {
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler ignored;  // HDF5 1.10 leaks memory when it cannot read a damaged block
+#endif
   std::map<std::string, int> torn;
   // The last batch is the first chunk of an index block, of the first data block, of a larger data block, and
   // of a data block of a super block.
