@@ -88,7 +88,7 @@ THIRD_PARTY = [
     (r"CLI/", "CLI11", ["apps/*.cpp", "apps/*/*.cpp", "perf/paper.cpp"]),
     (r"gtest/|gmock/|rapidcheck", "the test libraries", ["tests/*", "tests/*/*"]),
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
-    (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp"]),
+    (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp", "tests/worldio/hdf5_torn_test.cpp"]),
     # Headers of the platform: the floating-point environment, dynamic loading, processors, memory and files.
     (r"(dlfcn|fcntl|link|malloc|sched|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
     (r"[a-z]+(/[a-z]+)?\.h$", "this C header", TOP),
