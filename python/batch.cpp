@@ -517,8 +517,7 @@ void bind_batch(py::module_& module) {
           "Advances all copies by one step. begins: one bool per copy; copies with True begin their next "
           "episode instead of making\na step. None: all copies make a step. Raises RuntimeError before the "
           "first reset(), and StepError if the step of a copy\nfails. Ctrl-C raises KeyboardInterrupt after "
-          "the "
-          "step; a step that waits for a view then stops waiting.")
+          "the step; a step that waits for a view then stops waiting.")
       .def(
           "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
           py::arg("copy") = 0, "Number of completed ticks of a copy in its current episode.")
