@@ -99,18 +99,49 @@ void StaticScene::cover_cells(const Solid& solid, Strips& strips) const {
   }
 }
 
+std::size_t StaticScene::Strips::strip_at(double y) const {
+  return static_cast<std::size_t>(std::clamp((y - y0) / height, 0.0, static_cast<double>(begins.size() - 2)));
+}
+
+/// Divides the box of a solid, strips.box, into strips of about `strip_m` (metres) and sorts the edges of the
+/// solid into them. index: index of the solid in solids().
+void StaticScene::sort_into_strips(std::uint32_t index, double strip_m, Strips& strips) const {
+  const double height = strips.box.size().y();
+  const auto count = static_cast<std::size_t>(std::clamp(height / strip_m, 1.0, 4096.0));
+  strips.y0 = strips.box.min.y();
+  strips.height = std::max(height / static_cast<double>(count), 1e-9);
+  strips.begins.assign(count + 1, 0);
+  const auto for_each_strip = [&](auto&& visit) {
+    for_each_edge(solids_[index].solid, [&](const Vec2& a, const Vec2& b) {
+      if (a.y() == b.y()) return;
+      const std::size_t last = strips.strip_at(std::max(a.y(), b.y()));
+      for (std::size_t i = strips.strip_at(std::min(a.y(), b.y())); i <= last; ++i)
+        visit(i, FixedEdge{a, b, index});
+    });
+  };
+  for_each_strip([&](std::size_t strip, const FixedEdge&) { ++strips.begins[strip + 1]; });
+  for (std::size_t i = 0; i < count; ++i) strips.begins[i + 1] += strips.begins[i];
+  strips.edges.resize(strips.begins.back());
+  std::vector<std::uint32_t> next = strips.begins;
+  for_each_strip([&](std::size_t strip, const FixedEdge& edge) { strips.edges[next[strip]++] = edge; });
+  for (std::size_t i = 0; i < count; ++i)  // from left to right, so that count_crossings() can stop early
+    std::sort(strips.edges.begin() + strips.begins[i], strips.edges.begin() + strips.begins[i + 1],
+              [](const FixedEdge& e, const FixedEdge& f) {
+                return std::min(e.a.x(), e.b.x()) < std::min(f.a.x(), f.b.x());
+              });
+}
+
 StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids_(std::move(solids)) {
-  const GridGeometry geometry{cell_m, 3};
   cover_grid_ = {std::max(cell_m, k_least_cover_m), 0};
+  strips_.resize(solids_.size());
   std::vector<FixedEdge> seen;
   std::vector<FixedEdge> hidden;
   std::vector<FixedEdge> hard;
-  strips_.resize(solids_.size());
   std::vector<Box> boxes(solids_.size());
   std::vector<Box> obstacle_boxes(solids_.size());
   for (std::uint32_t s = 0; s < solids_.size(); ++s) {
     const FixedSolid& fixed = solids_[s];
-    Box box;
+    Box& box = boxes[s];
     for_each_edge(fixed.solid, [&](const Vec2& a, const Vec2& b) {
       ++edge_count_;
       box.extend(a);
@@ -120,46 +151,19 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
     });
     if (box.empty()) continue;
     bounds_.extend(box);
-    Strips& strips = strips_[s];
-    strips.box = boxes[s] = box;
+    strips_[s].box = box;
     if (!fixed.obstacle) continue;
     has_obstacles_ = true;
     obstacle_boxes[s] = box;
-
-    strips.y0 = box.min.y();
-    const auto count = static_cast<std::size_t>(std::clamp(box.size().y() / cell_m, 1.0, 4096.0));
-    strips.height = std::max(box.size().y() / static_cast<double>(count), 1e-9);
-    const auto strip_of = [&](double y) {
-      return static_cast<std::size_t>(
-          std::clamp((y - strips.y0) / strips.height, 0.0, static_cast<double>(count - 1)));
-    };
-    std::vector<std::uint32_t> next(count + 1, 0);
-    for_each_edge(fixed.solid, [&](const Vec2& a, const Vec2& b) {
-      if (a.y() == b.y()) return;
-      for (std::size_t i = strip_of(std::min(a.y(), b.y())); i <= strip_of(std::max(a.y(), b.y())); ++i)
-        ++next[i + 1];
-    });
-    for (std::size_t i = 0; i < count; ++i) next[i + 1] += next[i];
-    strips.begins = next;
-    strips.edges.resize(next.back());
-    for_each_edge(fixed.solid, [&](const Vec2& a, const Vec2& b) {
-      if (a.y() == b.y()) return;
-      for (std::size_t i = strip_of(std::min(a.y(), b.y())); i <= strip_of(std::max(a.y(), b.y())); ++i)
-        strips.edges[next[i]++] = {a, b, s};
-    });
-    for (std::size_t i = 0; i < count; ++i)  // from left to right, so that count_crossings() can stop early
-      std::sort(strips.edges.begin() + strips.begins[i], strips.edges.begin() + strips.begins[i + 1],
-                [](const FixedEdge& e, const FixedEdge& f) {
-                  return std::min(e.a.x(), e.b.x()) < std::min(f.a.x(), f.b.x());
-                });
-    cover_cells(fixed.solid, strips);
+    sort_into_strips(s, cell_m, strips_[s]);
+    cover_cells(fixed.solid, strips_[s]);
   }
   constexpr double k_piece = 4;  // the argument piece_m of FixedOutlines, in cells
   outlines_ = FixedOutlines(seen, k_piece * cell_m);
   hidden_outlines_ = FixedOutlines(hidden, k_piece * cell_m);
   boxes_ = BoxGrid(boxes);
   obstacle_boxes_ = BoxGrid(obstacle_boxes);
-  obstacle_edges_ = EdgeGrid(hard, geometry);
+  obstacle_edges_ = EdgeGrid(hard, GridGeometry{cell_m, 3});
 }
 
 double StaticScene::clearance(const Vec2& point, double most) const {
@@ -189,9 +193,7 @@ bool StaticScene::inside(std::size_t solid, const Vec2& p) const {
 }
 
 bool StaticScene::count_crossings(const Strips& strips, const Vec2& p) const {
-  const std::size_t count = strips.begins.size() - 1;
-  const auto strip = static_cast<std::size_t>(
-      std::clamp((p.y() - strips.y0) / strips.height, 0.0, static_cast<double>(count - 1)));
+  const std::size_t strip = strips.strip_at(p.y());
   bool odd = false;
   for (std::uint32_t i = strips.begins[strip]; i < strips.begins[strip + 1]; ++i) {
     const FixedEdge& e = strips.edges[i];

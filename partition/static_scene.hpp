@@ -140,9 +140,12 @@ class StaticScene {
     double height = 1;                  // height of a strip, m
     std::vector<std::uint32_t> begins;  // per strip, and one past the end: index into edges
     std::vector<FixedEdge> edges;       // by strip; an edge is listed in every strip that it touches
+
+    std::size_t strip_at(double y) const;  // index of the strip with this y; requires begins
   };
   bool inside(std::size_t solid, const Vec2& point) const;
   bool count_crossings(const Strips& strips, const Vec2& point) const;
+  void sort_into_strips(std::uint32_t index, double strip_m, Strips& strips) const;
   void cover_cells(const Solid& solid, Strips& strips) const;
   /// Whether a whole piece of the shape is inside the obstacle solids()[solid] at a common height. Requires
   /// that no edge of the obstacle enters the shape.
