@@ -126,6 +126,10 @@ py::list callbacks_of(const py::object& simulation);
 /// name and unit of the parameter for the text of the error, as in "every_s (s)".
 double from_zero(std::string_view what, double value, double most);
 
+/// Returns the JSON text of a Python value. Throws py::error_already_set if the value, such as NaN, has none.
+/// indent: the parameter of json.dumps().
+std::string json_of(const py::object& value, const py::object& indent = py::none());
+
 /// Two numbers, or None.
 using Two = std::optional<std::array<double, 2>>;
 /// Returns the options of a picture, made from the arguments of Simulation.picture() in Python. Throws
@@ -216,6 +220,7 @@ py::dict dict_of(const Model::Energy& energy);
 // Each of the following functions adds classes and functions to the module.
 void bind_models(py::module_& module);
 SimulationClass bind_simulation(py::module_& module);
+void bind_loading(SimulationClass& simulation);
 void bind_swarm(py::module_& module, SimulationClass& simulation);
 void bind_tables(py::module_& module, SimulationClass& simulation);
 void bind_observers(py::module_& module);
