@@ -205,6 +205,9 @@ std::span<T> elements(py::array_t<Element>& array) {
 /// for an invalid script, and TypeError for a source of another type.
 std::vector<std::shared_ptr<const Script>> scripts_of(const py::object& sources);
 
+/// Returns the text of a Python exception, with the line of the script in which it was raised.
+std::string error_text(const py::error_already_set& error, const std::string& file);
+
 /// Returns the NumPy type for an element type of the state of a simulation, such as float64 for Element::f64.
 py::dtype dtype_of(engine::Element element);
 
@@ -228,6 +231,7 @@ void bind_batch(py::module_& module);
 void bind_live(py::module_& module, SimulationClass& simulation);
 void bind_math(py::module_& module);
 void bind_study(py::module_& module);
-void bind_script(py::module_& module);
+void bind_robot_batch(py::module_& module);
+void bind_program(py::module_& module);
 
 }  // namespace troupe::python

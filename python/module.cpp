@@ -254,7 +254,8 @@ PYBIND11_MODULE(_core, module) {
   bind_tables(module, simulation);
   bind_observers(module);
   bind_batch(module);
-  bind_script(module);
+  bind_robot_batch(module);
+  bind_program(module);
   bind_live(module, simulation);
   bind_math(module);
   bind_study(module);
