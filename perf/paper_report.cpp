@@ -1,5 +1,6 @@
 #include "perf/paper_report.hpp"
 
+#include "base/hash.hpp"
 #include "partition/processors.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/simulation.hpp"
@@ -37,8 +38,6 @@ std::string three_digits(double value) {
   if (value >= 10) return fmt::format("{:.1f}", value);
   return fmt::format("{:.{}f}", value, value >= 1 ? 2 : value >= 0.1 ? 3 : 4);
 }
-
-std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
@@ -101,7 +100,7 @@ Sheet timing_sheet(const Report& report, const Table& table, const Reference& re
         row.push_back(found(reference, "paper", timing));
         row.push_back(found(reference, "Stage 4.3", timing));
       }
-      row.push_back(hash_text(timing.hash));
+      row.push_back(hex(timing.hash));
       sheet.rows.push_back(std::move(row));
     }
   }
@@ -145,7 +144,7 @@ Sheet simd_sheet(const Report& report, const Table& table) {
     for (const Timing& timing : one.timings) row.push_back(grouped(median(costs(timing))));
     for (std::size_t i = 1; i < one.timings.size(); ++i)
       row.push_back(fmt::format("{:.2f}", median(costs(one.timings[i])) / median(costs(first))));
-    row.push_back(hash_text(first.hash));
+    row.push_back(hex(first.hash));
     sheet.rows.push_back(std::move(row));
   }
   return sheet;
@@ -203,7 +202,7 @@ Sheet loading_sheet(const Report& report) {
          fmt::format("{:.1f}", rss / k_mb),
          fmt::format("{:.1f}", median_of(timing, [](const ChildReport& r) { return r.peak_bytes; }) / k_mb),
          comparable ? grouped((rss - empty) / static_cast<double>(robots)) : "",
-         hash_text(timing.reports.front().hash)});
+         hex(timing.reports.front().hash)});
   }
   return sheet;
 }
@@ -346,7 +345,7 @@ std::string json(const Report& report) {
       row["share_move"] = timing.move_share;
       row["stalled_share"] = timing.stalled_share;
       row["hash_tick"] = timing.hash_tick;
-      row["state_hash"] = hash_text(timing.hash);
+      row["state_hash"] = hex(timing.hash);
       out["rows"].push_back(std::move(row));
     }
   }
@@ -366,7 +365,7 @@ std::string json(const Report& report) {
                                 {"build_s", r.build_s},
                                 {"rss_bytes", r.rss_bytes},
                                 {"peak_bytes", r.peak_bytes},
-                                {"state_hash", hash_text(r.hash)}});
+                                {"state_hash", hex(r.hash)}});
   }
   out["skipped"] = report.skipped;
   return out.dump(1) + "\n";
@@ -400,10 +399,10 @@ std::vector<std::string> check_hashes(const Report& report, HashBook& book, bool
     if (!expected)
       faults.push_back(
           fmt::format("{} at tick {}: {} has no hash of this scene and tick; --write-hashes records {}",
-                      scene, tick, book.file().filename().string(), hash_text(hash)));
+                      scene, tick, book.file().filename().string(), hex(hash)));
     else if (*expected != hash)
-      faults.push_back(fmt::format("{} at tick {}{}: WRONG HASH {}, expected {}", scene, tick, run,
-                                   hash_text(hash), hash_text(*expected)));
+      faults.push_back(fmt::format("{} at tick {}{}: WRONG HASH {}, expected {}", scene, tick, run, hex(hash),
+                                   hex(*expected)));
   };
   for (const CaseTiming& one : report.cases) {
     for (const Timing& timing : one.timings) {

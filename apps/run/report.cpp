@@ -1,6 +1,7 @@
 #include "apps/run/report.hpp"
 
 #include "apps/numbers.hpp"
+#include "base/hash.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -15,8 +16,6 @@ namespace {
 
 /// Returns a / b, or 0 if b is not positive.
 double ratio(double a, double b) { return b > 0 ? a / b : 0; }
-
-std::string hash_text(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 /// All members of RankCounts.
 constexpr std::array k_counts{&RankCounts::ticks,      &RankCounts::own,           &RankCounts::ghosts,
@@ -142,7 +141,7 @@ std::string summary_text(const Report& report) {
   if (s.held_at_bounds > 0) line("held at bounds", grouped(s.held_at_bounds));
   line("mean displacement", fmt::format("{} m", four_digits(s.mean_displacement_m)));
   if (!report.checkpoint.empty()) line("checkpoint", report.checkpoint);
-  line("state hash", hash_text(report.hashes.state));
+  line("state hash", hex(report.hashes.state));
   return text;
 }
 
@@ -211,11 +210,11 @@ std::string summary_json(const Report& report) {
   json["conflict_rounds"] = s.conflict_rounds;
   json["mean_displacement_m"] = s.mean_displacement_m;
   if (!report.checkpoint.empty()) json["checkpoint"] = report.checkpoint;
-  json["state_hash"] = hash_text(report.hashes.state);
-  json["pose_hash"] = hash_text(report.hashes.pose);
-  json["velocity_hash"] = hash_text(report.hashes.velocity);
-  json["sensor_hash"] = hash_text(report.hashes.sensor);
-  json["memory_hash"] = hash_text(report.hashes.memory);
+  json["state_hash"] = hex(report.hashes.state);
+  json["pose_hash"] = hex(report.hashes.pose);
+  json["velocity_hash"] = hex(report.hashes.velocity);
+  json["sensor_hash"] = hex(report.hashes.sensor);
+  json["memory_hash"] = hex(report.hashes.memory);
   // Option values that are numbers or truth values keep this type in JSON: a seed is a number, not a string.
   for (const auto& [key, value] : report.options) {
     if (json.contains(key)) continue;
