@@ -1,0 +1,133 @@
+#include "apps/sweep/identity.hpp"
+
+#include "apps/options.hpp"
+#include "apps/sweep/one_run.hpp"
+#include "base/hash.hpp"
+#include "engine/world/world.hpp"
+#include "troupe/measures.hpp"
+#include "troupe/simulation.hpp"
+#include "worldio/files.hpp"
+#include "worldio/json/spec_json.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <sstream>
+#include <system_error>
+
+namespace troupe::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using worldio::Study;
+
+/// Returns the world of the first run whose world can be loaded. Of a large study, it tries only some runs,
+/// less and less densely, because loading all worlds can take hours. Throws the InputError of run 0 if it
+/// finds no such run.
+Simulation first_world(const Study& study, const SweepOptions& options) {
+  std::exception_ptr first;
+  for (std::size_t run = 0; run < study.run_count(); run += 1 + run / 4) try {
+      return Simulation(study.world, simulation_options(study, study.run(run), options));
+    } catch (const InputError&) {
+      if (!first) first = std::current_exception();
+    }
+  std::rethrow_exception(first);
+}
+
+/// The contents of a loaded world, with its images, plug-ins and scripts, as text. It does not depend on the
+/// folders of the files.
+std::string contents_of(const Simulation& simulation) {
+  auto spec = nlohmann::json::parse(worldio::spec_to_json(simulation.world().spec(), simulation.registry()));
+  spec.erase("files");
+  std::string text = fmt::format("{}\n{:016x}\n", spec.dump(), simulation.state_hash());
+  for (const auto& [option, value] : simulation.effective_options())
+    if (option.starts_with("plugin ")) text += fmt::format("{} {}\n", option, value);
+  return text;
+}
+
+/// Whether a JSON value is or contains the path of a file, relative to the folder of the world, or the name
+/// of a kind of a plug-in in one of these folders: "walker" and "walker:fast" are kinds of walker.so.
+bool names_file(const nlohmann::json& value, const fs::path& world, const std::vector<fs::path>& plugins) {
+  if (value.is_string()) {
+    const auto text = value.get<std::string>();
+    const std::string library = text.substr(0, text.find(':')) + ".so";
+    std::error_code ignored;
+    return fs::is_regular_file(world.parent_path() / text, ignored) ||
+           std::ranges::any_of(plugins, [&](const fs::path& folder) {
+             return fs::is_regular_file(folder / library, ignored);
+           });
+  }
+  return std::ranges::any_of(value, [&](const auto& element) {
+    return value.is_structured() && names_file(element, world, plugins);
+  });
+}
+
+/// A hash of the worlds with each listed value of a parameter that names a file, such as the image of a floor
+/// plan or a plug-in: the file is not part of the study, and run 0 may not read it.
+std::string hash_of_choices(const Study& study, const SweepOptions& options) {
+  const std::vector<fs::path> plugins = plugin_path(options.plugin_path);
+  std::string hashes;
+  for (std::size_t p = 0; p < study.choices.size(); ++p)
+    for (const std::string& value : study.choices[p].values) {
+      if (!names_file(nlohmann::json::parse(value), study.world, plugins)) continue;
+      Study::Run run = study.run(0);
+      run.values[p] = value;
+      try {
+        hashes +=
+            hex(hash_text(contents_of(Simulation(study.world, simulation_options(study, run, options)))));
+      } catch (const InputError&) {
+        hashes += value;  // only other runs, or none, can have this value
+      }
+    }
+  return hashes;
+}
+
+SweepIdentity unchecked_identity(const Study& study, const SweepOptions& options, bool shows_warnings) {
+  Simulation simulation = first_world(study, options);
+  const Measures measures(simulation, study.measures);
+  end_time_s(study, simulation);
+  if (shows_warnings)
+    for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+  const std::string text =
+      fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""), contents_of(simulation),
+                  hash_of_choices(study, options), version_line());
+  return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
+}
+
+/// Returns the errors of a run, one per line. A run sets each parameter of the study as `--set POINTER` does;
+/// in errors that name this option, the position of the parameter in the study file replaces the option.
+std::string at_parameters(const Study& study, const std::string& errors, const Diagnostics& diagnostics) {
+  std::string text;
+  std::istringstream lines(errors);
+  for (std::string line; std::getline(lines, line);) {
+    for (std::size_t p = 0; p < study.parameters.size(); ++p) {
+      const std::string mark = fmt::format("--set {}: error: ", study.parameters[p].pointer);
+      if (line.starts_with(mark))
+        line = diagnostics.text({Severity::error, study.parameters[p].where,
+                                 fmt::format("/parameters/{}: {}", p, line.substr(mark.size()))});
+    }
+    text += (text.empty() ? "" : "\n") + line;
+  }
+  return text;
+}
+
+}  // namespace
+
+SweepIdentity identify(const worldio::Study& study, const SweepOptions& options, bool shows_warnings,
+                       Diagnostics& diagnostics) {
+  SweepIdentity identity;
+  try {
+    identity = unchecked_identity(study, options, shows_warnings);
+  } catch (const InputError& error) {
+    throw InputError(at_parameters(study, error.what(), diagnostics));
+  }
+  worldio::check_columns(study, identity.measures, diagnostics);
+  diagnostics.throw_if_errors();
+  return identity;
+}
+
+}  // namespace troupe::apps

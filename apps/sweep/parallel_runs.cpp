@@ -1,0 +1,130 @@
+#include "apps/sweep/parallel_runs.hpp"
+
+#include "apps/interrupt.hpp"
+#include "apps/sweep/one_run.hpp"
+#include "apps/sweep/table.hpp"
+#include "worldio/whole_file.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+
+namespace troupe::apps {
+namespace {
+
+/// Prints the number of finished runs on standard error, if standard error is a terminal.
+class Count {
+ public:
+  Count(std::size_t done, std::size_t all, bool wanted)
+      : done_(done), all_(all), visible_(wanted && isatty(STDERR_FILENO) != 0) {
+    show();
+  }
+  ~Count() {
+    if (visible_) std::fputs("\r\x1b[K", stderr);
+  }
+  Count(const Count&) = delete;
+  Count& operator=(const Count&) = delete;
+  void add_one() {
+    ++done_;
+    show();
+  }
+
+ private:
+  void show() const {
+    if (visible_) fmt::print(stderr, "\r\x1b[K{} of {} runs", done_, all_);
+  }
+  std::size_t done_;
+  std::size_t all_;
+  bool visible_;
+};
+
+/// Writes the samples of a run, `rows`, to the file that series_file() names. Throws std::runtime_error if
+/// writing fails.
+void keep_series(const std::filesystem::path& file, const std::string& rows) {
+  try {
+    worldio::write_whole(file, {rows});
+  } catch (const std::system_error& error) {
+    throw std::runtime_error(
+        fmt::format("{}: error: writing failed: {}", file.string(), error.code().message()));
+  }
+}
+
+}  // namespace
+
+std::map<std::size_t, std::string> make_runs(const worldio::Study& study,
+                                             const std::vector<std::size_t>& runs,
+                                             const std::vector<std::string>& columns,
+                                             const SweepOptions& options, SweepJournal& journal,
+                                             RankDeal& deal) {
+  std::map<std::size_t, std::string> failed;
+  std::exception_ptr write_error;  // error of writing a result, which ends the sweep
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  Count count(study.run_count() - runs.size(), study.run_count(), !options.quiet);
+  const auto work = [&] {
+    while (!stop_requested()) {
+      const std::size_t i = next++;
+      if (i >= runs.size()) return;
+      std::optional<MadeRun> made;
+      std::optional<std::string> error;
+      try {
+        made = make_run(study, runs[i], columns, options);
+      } catch (const std::exception& thrown) {
+        error = thrown.what();
+      } catch (...) {  // a plug-in may throw anything
+        error = "unknown exception (not derived from std::exception)";
+      }
+      const std::lock_guard lock(mutex);
+      if (error) failed.emplace(runs[i], *error);
+      try {
+        if (error) journal.add_failure(runs[i], *error);
+        if (!made) continue;
+        // The rows are written before the entry in the journal, so that they exist for every run in the
+        // journal.
+        if (study.series) keep_series(series_file(options.folder, runs[i]), made->series);
+        journal.add(made->outcome);
+        count.add_one();
+      } catch (...) {
+        write_error = std::current_exception();
+        next = runs.size();
+      }
+    }
+  };
+  std::size_t working = std::min<std::size_t>(deal.threads(), runs.size());
+  std::condition_variable ended;
+  std::vector<std::jthread> workers;
+  for (std::size_t w = working; w > 0; --w)
+    workers.emplace_back([&] {
+      work();
+      const std::lock_guard lock(mutex);
+      working -= 1;
+      ended.notify_one();
+    });
+  try {
+    for (std::unique_lock lock(mutex);
+         !ended.wait_for(lock, deal.interval(), [&] { return working == 0; });) {
+      lock.unlock();
+      deal.tell_that_it_works();
+      lock.lock();
+    }
+  } catch (...) {
+    next = runs.size();
+    throw;
+  }
+  workers.clear();  // joins the threads
+  if (write_error) std::rethrow_exception(write_error);
+  return failed;
+}
+
+}  // namespace troupe::apps
