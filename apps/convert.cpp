@@ -64,15 +64,9 @@ void check_inputs(const ConvertOptions& options, const engine::WorldSpec& world)
 
 void add_convert_options(CLI::App& command, ConvertOptions& options) {
   command.footer(k_convert_footer);
-  const auto add_file = [&](const char* name, std::filesystem::path& file, const char* help) {
-    command
-        .add_option_function<std::string>(
-            name, [&file](const std::string& text) { file = text; }, help)
-        ->option_text(" ")
-        ->required();
-  };
-  add_file("IN", options.in, "World file: Stage's .world, or .json");
-  add_file("OUT", options.out, "World file to write; its ending, .world or .json, selects the format");
+  add_argument(command, "IN", "World file: Stage's .world, or .json", options.in);
+  add_argument(command, "OUT", "World file to write; its ending, .world or .json, selects the format",
+               options.out);
   command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
   add_set_option(command, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
   add_plugin_path_option(command, options.plugin_path);

@@ -74,6 +74,10 @@ CLI::Option* add_values(CLI::App& app, const char* name, const char* value, cons
       ->allow_extra_args(false);
 }
 
+void add_argument(CLI::App& app, const char* name, const char* help, std::filesystem::path& file) {
+  add_value(app, name, " ", help, [&file](const std::string& text) { file = text; })->required();
+}
+
 std::filesystem::path file_name(const char* option, const std::string& text) {
   if (text.empty() || text.starts_with('-')) refuse(option, text, "a file name");
   return text;
@@ -122,11 +126,7 @@ double tile_size_m(std::string_view text) {
 }
 
 void add_world_options(CLI::App& app, WorldOptions& options) {
-  app.add_option_function<std::string>(
-         "WORLD", [&options](const std::string& text) { options.world = text; },
-         "World file: Stage's .world, or .json")
-      ->option_text(" ")
-      ->required();
+  add_argument(app, "WORLD", "World file: Stage's .world, or .json", options.world);
   add_run_settings(app, options);
 }
 

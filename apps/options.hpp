@@ -59,6 +59,10 @@ CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
 
+/// Adds a required positional argument, the name of a file or folder. name: as in the help, `RECORDING`;
+/// help: the description in the help. Parsing sets `file`, which must outlive `app`.
+void add_argument(CLI::App& app, const char* name, const char* help, std::filesystem::path& file);
+
 /// Options of the commands that load a world: the world file, the settings of its simulation, and the end of
 /// the run. Ranks are processes, or groups of threads, that compute the world together. World time is
 /// simulated time.

@@ -1,5 +1,6 @@
 #include "apps/repair.hpp"
 
+#include "apps/options.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recording_repair.hpp"
 
@@ -29,11 +30,7 @@ Example:
 
 void add_repair_options(CLI::App& command, std::filesystem::path& recording) {
   command.footer(k_repair_footer);
-  command
-      .add_option_function<std::string>(
-          "FILE", [&recording](const std::string& text) { recording = text; }, "A recording")
-      ->option_text(" ")
-      ->required();
+  add_argument(command, "FILE", "A recording", recording);
 }
 
 ExitCode repair(const std::filesystem::path& recording) {

@@ -108,11 +108,7 @@ void check(const ReplayOptions& options, const fs::path& page) {
 
 void add_replay_options(CLI::App& command, ReplayOptions& options) {
   command.footer(k_replay_footer);
-  command
-      .add_option_function<std::string>(
-          "RECORDING", [&options](const std::string& text) { options.recording = text; }, "A recording")
-      ->option_text(" ")
-      ->required();
+  add_argument(command, "RECORDING", "A recording", options.recording);
   add_value(command, "-o,--output", "FILE.html",
             "Page to write (default: the name of the recording, ending in .html)",
             [&options](const std::string& text) {

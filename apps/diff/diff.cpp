@@ -2,6 +2,7 @@
 
 #include "apps/diff/diff_recordings.hpp"
 #include "apps/hash_log_reader.hpp"
+#include "apps/options.hpp"
 #include "apps/run_header.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
@@ -96,15 +97,8 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
 
 void add_diff_options(CLI::App& command, DiffOptions& options) {
   command.footer(k_diff_footer);
-  const auto add_file = [&command](const char* name, std::filesystem::path& file, const char* help) {
-    command
-        .add_option_function<std::string>(
-            name, [&file](const std::string& text) { file = text; }, help)
-        ->option_text(" ")
-        ->required();
-  };
-  add_file("A", options.first, "A hash log or a recording");
-  add_file("B", options.second, "Another file of the same type as A");
+  add_argument(command, "A", "A hash log or a recording", options.first);
+  add_argument(command, "B", "Another file of the same type as A", options.second);
   const auto add_switch = [&command](const char* name, bool& on, const char* help) {
     command.add_flag(name, on, help)->disable_flag_override();
   };

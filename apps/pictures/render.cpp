@@ -230,12 +230,7 @@ void render_checked(const RenderOptions& options) {
 
 void add_render_options(CLI::App& command, RenderOptions& options) {
   command.footer(fmt::format("{}\n{}{}", k_render_footer, picture_help(), k_examples));
-  command
-      .add_option_function<std::string>(
-          "INPUT", [&options](const std::string& text) { options.world = text; },
-          "World file, checkpoint or recording")
-      ->option_text(" ")
-      ->required();
+  add_argument(command, "INPUT", "World file, checkpoint or recording", options.world);
   add_value(command, "-o,--output", "FILE",
             "Picture to write, a .png, .svg or .pdf; {time} in FILE is replaced by the simulated time",
             [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); });

@@ -45,12 +45,7 @@ void add_text(CLI::App& command, const char* name, const char* value, const char
 
 void add_plot_options(CLI::App& command, PlotOptions& options) {
   command.footer(k_plot_footer);
-  command
-      .add_option_function<std::string>(
-          "DIR", [&options](const std::string& text) { options.folder = text; },
-          "Folder with the results of troupe sweep")
-      ->option_text(" ")
-      ->required();
+  add_argument(command, "DIR", "Folder with the results of troupe sweep", options.folder);
   add_text(command, "--measure", "NAME", "Measure to plot (default: the first)", options.measure);
   add_text(command, "--over", "NAME", "Parameter on the x axis (default: the time)", options.over);
   add_text(command, "--by", "NAME,...",

@@ -197,11 +197,8 @@ void add_run_options(CLI::App& run, RunOptions& options) {
 void add_resume_options(CLI::App& resume, RunOptions& options) {
   resume.footer(resume_footer());
   options.is_checkpoint = true;
-  resume
-      .add_option_function<std::string>(
-          "CHECKPOINT", [&options](const std::string& text) { options.worlds = {text}; },
-          "Checkpoint that troupe run --checkpoint wrote")
-      ->option_text(" ")
+  add_value(resume, "CHECKPOINT", " ", "Checkpoint that troupe run --checkpoint wrote",
+            [&options](const std::string& text) { options.worlds = {text}; })
       ->required();
   add_end_option(resume, options);
   add_set_option(resume, "Change a value of the stored world: a JSON pointer and a value; repeatable",

@@ -35,11 +35,7 @@ Examples:
 
 void add_sweep_options(CLI::App& command, SweepOptions& options) {
   command.footer(k_sweep_footer);
-  command
-      .add_option_function<std::string>(
-          "STUDY", [&options](const std::string& text) { options.study = text; }, "Study, in JSON")
-      ->option_text(" ")
-      ->required();
+  add_argument(command, "STUDY", "Study, in JSON", options.study);
   add_value(command, "-o,--out", "DIR", "Folder for the results of the runs and the tables; may exist",
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--out", text, "the name of a folder");
