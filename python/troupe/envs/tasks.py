@@ -105,6 +105,14 @@ def away_from_walls(ranges: Floats, x: Floats, y: Floats, near: float = 0.25) ->
     return x - math.ordered_sum(push * cos), y - math.ordered_sum(push * sin)
 
 
+def straight_to(target: Floats, ranges: Floats, near: float = 0.25) -> Floats:
+    """Returns actions as steer() does, at the largest speed, that drive to a target and away from near obstacles.
+    target: its x, y and distance in the last axis. ranges and near: as for away_from_walls()."""
+    safe = np.where(target[..., 2] > 0, target[..., 2], 1.0)
+    x, y = away_from_walls(ranges, target[..., 0] / safe, target[..., 1] / safe, near)
+    return steer(x, y, np.ones_like(x))
+
+
 class Navigation(Task):
     """Each robot drives to its own goal and avoids walls and other robots.
 
@@ -140,10 +148,7 @@ class Navigation(Task):
         """Drives straight to the goal, but turns away from near obstacles."""
         rows = np.asarray(observations, np.float64)
         n = LIDAR_BEAMS
-        x, y, distance = rows[..., n], rows[..., n + 1], rows[..., n + 2]
-        safe = np.where(distance > 0, distance, 1.0)
-        x, y = away_from_walls(rows[..., :n], x / safe, y / safe)
-        return steer(x, y, np.ones_like(x))
+        return straight_to(rows[..., n : n + 3], rows[..., :n])
 
 
 class Aggregation(Task):
@@ -318,9 +323,7 @@ class Foraging(Task):
         rows = np.asarray(observations, np.float64)
         n = LIDAR_BEAMS
         at = np.where(rows[..., -1:] > 0, rows[..., n + 3 : n + 6], rows[..., n : n + 3])
-        safe = np.where(at[..., 2] > 0, at[..., 2], 1.0)
-        x, y = away_from_walls(rows[..., :n], at[..., 0] / safe, at[..., 1] / safe, near=0.2)
-        return steer(x, y, np.ones_like(x))
+        return straight_to(at, rows[..., :n], near=0.2)
 
 
 class Pursuit(Task):
@@ -358,10 +361,7 @@ class Pursuit(Task):
         """Drives straight to the prey, but turns away from near obstacles."""
         rows = np.asarray(observations, np.float64)
         n = LIDAR_BEAMS
-        x, y, distance = rows[..., n], rows[..., n + 1], rows[..., n + 2]
-        safe = np.where(distance > 0, distance, 1.0)
-        x, y = away_from_walls(rows[..., :n], x / safe, y / safe, near=0.15)
-        return steer(x, y, np.ones_like(x))
+        return straight_to(rows[..., n : n + 3], rows[..., :n], near=0.15)
 
 
 #: Tasks by name; their Gymnasium ids are troupe/Navigation-v0 and so on.
