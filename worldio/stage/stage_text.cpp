@@ -72,7 +72,8 @@ void StageText::number(std::string_view key, double value) {
   out_ += spelt(value) + '\n';
 }
 
-void StageText::numbers(std::string_view key, std::span<const double> values) {
+template <class Value>
+void StageText::tuple(std::string_view key, std::span<const Value> values) {
   begin(key);
   out_ += '[';
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -81,6 +82,8 @@ void StageText::numbers(std::string_view key, std::span<const double> values) {
   }
   out_ += "]\n";
 }
+
+void StageText::numbers(std::string_view key, std::span<const double> values) { tuple(key, values); }
 
 void StageText::pose(std::string_view key, const Pose& pose) {
   numbers(key, std::array{pose.x, pose.y, pose.z, pose.heading});
@@ -91,15 +94,7 @@ void StageText::text(std::string_view key, std::string_view value) {
   out_ += spelt(value) + '\n';
 }
 
-void StageText::texts(std::string_view key, std::span<const std::string> values) {
-  begin(key);
-  out_ += '[';
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (i > 0) out_ += ' ';
-    out_ += spelt(values[i]);
-  }
-  out_ += "]\n";
-}
+void StageText::texts(std::string_view key, std::span<const std::string> values) { tuple(key, values); }
 
 std::string StageText::spelt(double value) {
   if (!(std::abs(value) <= k_largest_number))

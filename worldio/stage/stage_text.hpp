@@ -68,6 +68,8 @@ class StageText {
 
  private:
   void begin(std::string_view key);
+  template <class Value>
+  void tuple(std::string_view key, std::span<const Value> values);
   std::string spelt(double value);
   std::string spelt(std::string_view text);
 
