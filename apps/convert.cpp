@@ -1,6 +1,5 @@
 #include "apps/convert.hpp"
 
-#include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "troupe/input_files.hpp"
 #include "troupe/plugins.hpp"
@@ -30,12 +29,16 @@ values are in SI units. If OUT is a .world file, a feature of IN that Stage's sy
 nothing is written. If both files are .json, OUT has a normal form, which lists the bodies of each population one by
 one.
 
+A controller that IN names may be a class of a script given by --controller. Other classes of the script are not written
+to OUT: they control the robots of OUT if a run of OUT also has the option --controller.
+
 Exit codes: 0 written; 2 the world cannot be loaded or expressed in the format of OUT, or OUT exists or is not writable.
 
 Examples:
   troupe convert worlds/minimal.world minimal.json
   troupe convert cave.world cave.json --force --set /models/3/pose/x_m=2
-  troupe convert robots.json robots.world)";
+  troupe convert robots.json robots.world
+  troupe convert room.world room.json --controller my.py)";
 
 std::string counted(std::size_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
@@ -69,14 +72,15 @@ void add_convert_options(CLI::App& command, ConvertOptions& options) {
                options.out);
   command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
   add_set_option(command, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
-  add_plugin_path_option(command, options.plugin_path);
+  add_kind_options(command, options.sources.plugin_path, options.sources.scripts);
 }
 
 ExitCode convert(const ConvertOptions& options) {
   try {
     check(options);
     engine::Registry registry = make_registry();
-    const auto plugins = add_plugins(registry, plugin_path(options.plugin_path));
+    const auto plugins =
+        add_plugins(registry, plugin_path(options.sources.plugin_path), options.sources.scripts);
     worldio::LoadOptions load;
     load.set = options.set;
     load.search_path = with_environment({}).search_path;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/exit_code.hpp"
+#include "apps/options.hpp"
 
 #include <filesystem>
 #include <string>
@@ -20,7 +21,7 @@ struct ConvertOptions {
   bool force = false;         ///< replace an existing output file
   /// Values of the world to replace: pairs of a JSON pointer and a JSON value, as in SimulationOptions::set.
   std::vector<std::pair<std::string, std::string>> set;
-  std::vector<std::filesystem::path> plugin_path;  ///< folders to search for plug-ins (shared libraries)
+  KindSources sources;  ///< plug-ins and scripts with kinds that the world names
 };
 
 /// Adds the options of `convert`; parsing fills `options`, which must outlive `command`.

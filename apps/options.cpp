@@ -251,19 +251,15 @@ void obey_simd_variable() {
   }
 }
 
-void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path) {
-  add_values(app, "--plugin-path", "DIR[:DIR]",
-             "Folders with plug-ins, searched before those in TROUPE_PLUGIN_PATH and STAGEPATH; repeatable",
-             [&path](const std::string& text) {
-               if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
-                 refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");
-               append_folders(text, path);
-             });
-}
-
 void add_kind_options(CLI::App& app, std::vector<std::filesystem::path>& plugin_path,
                       std::vector<std::shared_ptr<const Script>>& scripts) {
-  add_plugin_path_option(app, plugin_path);
+  add_values(app, "--plugin-path", "DIR[:DIR]",
+             "Folders with plug-ins, searched before those in TROUPE_PLUGIN_PATH and STAGEPATH; repeatable",
+             [&plugin_path](const std::string& text) {
+               if (text.starts_with('-') || text.find_first_not_of(':') == text.npos)
+                 refuse("--plugin-path", text, "a list of folders, as in --plugin-path build:/opt/swarm");
+               append_folders(text, plugin_path);
+             });
   add_controller_option(app, scripts);
 }
 

@@ -119,9 +119,6 @@ void add_distribute_option(CLI::App& app, WorldOptions& options);
 /// s. A rank is a process, or a group of threads, that computes a part of the world. `limit_s` must outlive
 /// `app`.
 void add_rank_limit_option(CLI::App& app, double& limit_s);
-/// Adds --plugin-path. Its value is a list of folders to search for plug-ins (shared libraries with models or
-/// controllers). Parsing appends the folders to `path`, which must outlive `app`.
-void add_plugin_path_option(CLI::App& app, std::vector<std::filesystem::path>& path);
 /// Adds --plugin-path and --controller, which give a command further kinds (implementations of controllers,
 /// devices and measures). Parsing fills both lists, which must outlive `app`.
 void add_kind_options(CLI::App& app, std::vector<std::filesystem::path>& plugin_path,

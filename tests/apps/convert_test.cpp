@@ -121,7 +121,8 @@ TEST_F(ConvertCommand, SetReachesIntoWhatIsWritten) {
 TEST_F(ConvertCommand, SaysWhatItDoes) {
   const Outcome outcome = troupe({"convert", "--help"});
   EXPECT_EQ(outcome.code, 0);
-  for (const char* word : {"IN", "OUT", "--force", "--set", "--plugin-path", "Examples:", "Exit codes:"})
+  for (const char* word :
+       {"IN", "OUT", "--force", "--set", "--plugin-path", "--controller", "Examples:", "Exit codes:"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   EXPECT_THAT(refused({"convert", "w.world"}).err, HasSubstr("OUT is required"));
 }

@@ -265,6 +265,11 @@ class Controllers(InAFolder):
         self.assertEqual(self.troupe("lint", "w.json", *script).stdout, "w.json: nothing found\n")
         for world in ("named.json", "w.json"):
             self.assertRegex(self.troupe("info", world, *script).stdout, "bot +30: diff, ranger eye, radio radio, led lamp, roam\n")
+        self.assertIn(unknown, self.troupe("convert", "named.json", "new.json", code=2).stderr)
+        self.troupe("convert", "named.json", "new.json", *script)
+        for world in ("named", "new"):
+            self.troupe("run", f"{world}.json", *script, "--hash-log", f"{world}.log")
+        self.assertEqual(self.hashes("new.log"), self.hashes("named.log"))
         described = self.troupe("describe", "roam", *script).stdout
         self.assertTrue(described.startswith("controller roam: roam about\n"), described)
         self.assertIn("\nneeds\n  no drive\n  uses all devices of the robot; there may be at most 16\n"
