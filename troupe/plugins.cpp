@@ -117,17 +117,24 @@ struct Plugins::Loaded : Library {
   Result<> found;   ///< success if the file exists; the error lists the searched folders
   Result<> opened;  ///< success if the found library can be used; the error states why it cannot
   bool is_usable() const { return found && opened; }
+  /// Returns the error of `found`, with the remedy for the case that the library is a script.
+  std::string missing_script() const {
+    return fmt::format(
+        "{}; if it is a Python script, give --controller {}.py (in Python: controllers=[\"{}.py\"])",
+        found.error().text, name, name);
+  }
 
   template <class K>
   struct Group {
     using Kind = K;
-    std::string_view what;  ///< "controller", "measure" or "sensor or device", for error messages
+    std::string_view what;      ///< "controller", "measure" or "sensor or device", for error messages
+    bool is_in_scripts = true;  ///< whether scripts may contain kinds of this group
     std::vector<Kind> kinds;
     std::deque<std::string> names;  ///< names of the kinds; a deque, because the kinds refer to them
     std::vector<std::string_view> known() const { return {names.begin(), names.end()}; }
   };
   Group<engine::ControllerKind> controllers{"controller"};
-  Group<engine::DeviceKind> devices{"sensor or device"};
+  Group<engine::DeviceKind> devices{"sensor or device", false};
   Group<engine::MeasureKind> measures{"measure"};
   std::shared_ptr<const Script> script;  ///< the owner of the kinds, if the library is a script
   /// Returns a part of the error for a library that has no kind of a group: "compass, crowding, but no
@@ -167,8 +174,10 @@ auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unkn
   const std::string_view own_name = colon == name.npos ? name : name.substr(colon + 1);
   if (!plugin::is_name(library_name) || !plugin::is_name(own_name)) return Error{std::move(unknown)};
   Loaded& library = loaded(library_name);
-  if (!library.found) return Error{fmt::format("{}; {}", unknown, library.found.error().text)};
   const Group& own = library.*kinds;
+  if (!library.found)
+    return Error{fmt::format("{}; {}", unknown,
+                             own.is_in_scripts ? library.missing_script() : library.found.error().text)};
   if (!library.opened)
     return Error{fmt::format("{} \"{}\": {}", own.what, name, library.opened.error().text)};
 
@@ -188,7 +197,7 @@ Result<const Plugins::Library*> Plugins::load(std::string_view name) {
         "none of : = / \\ and quotation marks",
         name)};
   const Loaded& library = loaded(name);
-  if (!library.found) return library.found.error();
+  if (!library.found) return Error{library.missing_script()};
   if (!library.opened) return library.opened.error();
   return &library;
 }

@@ -45,11 +45,12 @@ class Plugins {
 
   /// Returns the controller of this name, such as "dancer" or "swarm:leader". The first call for a library
   /// loads it. The pointer is never null and is valid while this object lives. If there is no library for the
-  /// name, the error begins with the text `unknown` and lists the searched folders. A registry (the list of
-  /// the kinds that a world can use) calls this function for names that it does not contain
-  /// (Registry::plugged_controllers).
+  /// name, the error begins with the text `unknown`, lists the searched folders, and says how to give a
+  /// script. A registry (the list of the kinds that a world can use) calls this function for names that it
+  /// does not contain (Registry::plugged_controllers).
   Result<const engine::ControllerKind*> controller(std::string_view name, std::string unknown);
-  /// Returns the sensor or other device of this name, as controller() does for controllers.
+  /// Returns the sensor or other device of this name, as controller() does for controllers. Scripts contain
+  /// none.
   Result<const engine::DeviceKind*> device(std::string_view name, std::string unknown);
   /// Returns the measure of this name, as controller() does for controllers.
   Result<const engine::MeasureKind*> measure(std::string_view name, std::string unknown);
@@ -60,7 +61,8 @@ class Plugins {
   void add(std::shared_ptr<const Script> script);
   /// Loads the library of this name unless it is loaded, and returns it. The pointer is never null and is
   /// valid while this object lives. The error states why the library cannot be used, for example
-  /// `there is no dancer.so in plugins, /opt/swarm` or `plugins/dancer.so was built for troupe 0.2.0, ...`.
+  /// `there is no dancer.so in plugins, /opt/swarm; ...` or `plugins/dancer.so was built for troupe 0.2.0,
+  /// ...`.
   Result<const Library*> load(std::string_view name);
 
   /// The loaded libraries and added scripts whose kinds this program can use, in the order of their names.

@@ -61,10 +61,8 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
     const std::string name = key.substr(k_plugin.size());
     const Result<const Plugins::Library*> loaded = plugins.load(name);
     if (!loaded)
-      throw InputError(
-          fmt::format("{}: error: the run needs plug-in \"{}\": {}; if it is a Python script, give "
-                      "--controller {}.py (in Python: controllers=[\"{}.py\"])",
-                      checkpoint.file().string(), name, loaded.error().text, name, name));
+      throw InputError(fmt::format("{}: error: the run needs plug-in \"{}\": {}", checkpoint.file().string(),
+                                   name, loaded.error().text));
     const Plugins::Library* library = *loaded;
     if (hex(library->contents) == contents) continue;
     const std::string text =

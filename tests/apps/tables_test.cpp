@@ -222,13 +222,15 @@ TEST_F(Tables, WrongMeasuresOfAWorldAreFoundAtTheirLines) {
 }
 
 TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
-  refused({"--measures", "m.csv", "--measure", "coverge", "--hash-log", "h.log"},
-          "measure coverge: error: unknown measure \"coverge\"; known: alive, clusters, coverage, deaths, "
-          "displacement, held, "
-          "largest_cluster, mean_nearest_distance, mean_speed, neighbours, order, path_length, polarisation, "
-          "rank_errors, share_within, spread, stalls, state_mean, state_variance (did you mean "
-          "\"coverage\"?); no folder to search for coverge.so: give --plugin-path "
-          "(in C++ and Python: plugin_path)");
+  refused(
+      {"--measures", "m.csv", "--measure", "coverge", "--hash-log", "h.log"},
+      "measure coverge: error: unknown measure \"coverge\"; known: alive, clusters, coverage, deaths, "
+      "displacement, held, "
+      "largest_cluster, mean_nearest_distance, mean_speed, neighbours, order, path_length, polarisation, "
+      "rank_errors, share_within, spread, stalls, state_mean, state_variance (did you mean "
+      "\"coverage\"?); no folder to search for coverge.so: give --plugin-path "
+      "(in C++ and Python: plugin_path); if it is a Python script, give --controller coverge.py (in Python: "
+      "controllers=[\"coverge.py\"])");
   refused({"--events", "none/e.csv"}, "none/e.csv: error: cannot be written: there is no folder none");
   refused({"--events", "m.csv", "--measures", "./m.csv"},
           "m.csv: error: cannot be written: another output has the same name: choose another file name");

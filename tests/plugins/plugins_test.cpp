@@ -199,23 +199,32 @@ TEST_F(PluginsTest, ComeAfterTroupesOwnAndInTheOrderOfThePath) {
   EXPECT_EQ(first_of({folder_of("other"), folder_of("plugins")}), there);
 }
 
+/// The end of the error for a controller or measure that is in no plug-in. name: its library
+std::string script_remedy(const std::string& name) {
+  return "; if it is a Python script, give --controller " + name + ".py (in Python: controllers=[\"" + name +
+         ".py\"])";
+}
+
 TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
   const std::string world = stage_world("wonder").string();
   const std::string known = world + ":3: error: unknown controller \"wonder\"; known: ";
-  EXPECT_THAT(error_of(world, options({"/nowhere", folder_of("other")})),
-              AllOf(testing::StartsWith(known),
-                    EndsWith("; there is no wonder.so in /nowhere, " + folder_of("other").string())));
+  EXPECT_THAT(
+      error_of(world, options({"/nowhere", folder_of("other")})),
+      AllOf(testing::StartsWith(known), EndsWith("; there is no wonder.so in /nowhere, " +
+                                                 folder_of("other").string() + script_remedy("wonder"))));
   EXPECT_THAT(error_of(stage_world("walker"), {}).substr(world.size()),
               AllOf(testing::StartsWith(":3: error: unknown controller \"walker\"; known: "),
                     EndsWith(" (did you mean \"wander\"?); no folder to search for walker.so: give "
-                             "--plugin-path (in C++ and Python: plugin_path)")));
+                             "--plugin-path (in C++ and Python: plugin_path)" +
+                             script_remedy("walker"))));
   EXPECT_THAT(error_of(stage_world("../plugins/walker"), options({folder_of("other")})),
               Not(HasSubstr(".so")))
       << "a name is no path";
   write("libgo.so", "");
   EXPECT_THAT(error_of(stage_world("go"), options({folder_})),
               EndsWith(" (the file name of a plug-in does not begin with \"lib\": rename " +
-                       (folder_ / "libgo.so").string() + ")"));
+                       (folder_ / "libgo.so").string() + ")" + script_remedy("go")));
+  EXPECT_THAT(error_of(stage_world("team:go"), options({folder_})), EndsWith(script_remedy("team")));
 }
 
 TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
@@ -620,13 +629,10 @@ TEST_F(PluginsResumed, WithAnotherBuildNeedToBeToldSo) {
 }
 
 TEST_F(PluginsResumed, WithoutThemSayWhichIsMissing) {
-  EXPECT_EQ(
-      fault_of_resume("nowhere"),
-      (folder_ / "c.h5").string() +
-          ": error: the run needs plug-in \"walker\": there is no "
-          "walker.so in " +
-          folder_of("nowhere").string() +
-          "; if it is a Python script, give --controller walker.py (in Python: controllers=[\"walker.py\"])");
+  EXPECT_EQ(fault_of_resume("nowhere"), (folder_ / "c.h5").string() +
+                                            ": error: the run needs plug-in \"walker\": there is no "
+                                            "walker.so in " +
+                                            folder_of("nowhere").string() + script_remedy("walker"));
 }
 
 }  // namespace

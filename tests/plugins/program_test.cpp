@@ -80,7 +80,9 @@ TEST_F(PluginProgram, TakesFoldersFromTheCommandLineThenFromTheEnvironment) {
       AllOf(
           StartsWith("w.json:2: error: /types/bot/controller/kind: unknown controller \"walker\"; known: "),
           EndsWith(
-              "; no folder to search for walker.so: give --plugin-path (in C++ and Python: plugin_path)\n")));
+              "; no folder to search for walker.so: give --plugin-path (in C++ and Python: plugin_path); if "
+              "it "
+              "is a Python script, give --controller walker.py (in Python: controllers=[\"walker.py\"])\n")));
   EXPECT_THAT(files(), ElementsAre("w.json"));
   EXPECT_EQ(run({"--plugin-path", ":"}).code, 2);
 }
