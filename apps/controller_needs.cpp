@@ -1,11 +1,11 @@
 #include "apps/controller_needs.hpp"
 
+#include "apps/example_params.hpp"
 #include "base/diagnostics.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <string_view>
 #include <utility>
@@ -16,51 +16,8 @@ namespace {
 
 using engine::ControllerKind;
 using engine::DeviceKind;
-using engine::Field;
 using engine::FieldTable;
-using engine::FieldType;
 using engine::Record;
-
-/// Smallest number of beams, pixels, bytes and so on of the devices with which a controller is tried.
-constexpr double k_readings = 16;
-
-/// Which parameters example_of() returns.
-enum class Example {
-  usual,  ///< the defaults, values for parameters that are required, and one object in each list of objects
-  named,  ///< with a name in place of empty texts, too
-  wide,   ///< at least k_readings in each number of readings, and the largest field of view, so that most
-          ///< controllers can use a device with these parameters
-};
-
-/// Returns parameters of a kind.
-Record example_of(const FieldTable& table, Example example) {
-  const bool is_wide = example == Example::wide;
-  Record record = table.defaults();
-  for (std::size_t i = 0; i < table.fields.size(); ++i) {
-    const Field& field = table.fields[i];
-    engine::Value& value = record[i];
-    if (field.optional) continue;
-    if (field.record != nullptr) {
-      value = std::vector<Record>{example_of(*field.record, example)};
-    } else if (field.type == FieldType::integer) {
-      const double least = is_wide ? k_readings : 1;
-      const auto one = static_cast<std::int64_t>(std::clamp(least, field.min, field.max));
-      if (!value.given() || is_wide) value = value.given() ? std::max(value.integer(), one) : one;
-    } else if (field.type == FieldType::number) {
-      const bool is_view = field.unit == engine::Unit::radians && field.min >= 0 && std::isfinite(field.max);
-      if (is_wide && is_view) value = field.max;
-      if (!value.given()) value = std::clamp(1.0, field.min, field.max);
-    } else if (field.type == FieldType::numbers && !value.given()) {
-      value =
-          std::vector<double>(std::max<std::size_t>(field.columns, 1), std::clamp(1.0, field.min, field.max));
-    } else if (field.type == FieldType::text && !value.given()) {
-      value = std::string(field.choices.empty() ? "name" : field.choices.front());
-    } else if (field.type == FieldType::text && example == Example::named && value.text().empty()) {
-      value = std::string("name");
-    }
-  }
-  return record;
-}
 
 /// A device of the robot with which a controller is tried.
 struct Device {
@@ -75,11 +32,8 @@ class Trial {
       : kind_(kind), params_(std::move(params)) {
     for (const DeviceKind& device : registry.devices) {
       if (device.drives) continue;  // controllers command it as the drive
-      try {
-        devices_.push_back({device.name, device.prepare(example_of(device.params, Example::wide), {})});
-      } catch (const std::exception&) {
-        continue;  // no device of this kind can have these parameters
-      }
+      if (auto prepared = prepare_example(device, Example::wide))
+        devices_.push_back({device.name, std::move(*prepared)});
     }
   }
 
@@ -160,9 +114,9 @@ Needs needs_of(const Trial& trial) {
 
 std::string needs_text(const engine::Registry& registry, const ControllerKind& kind,
                        const FieldTable& params) {
-  Needs needs = needs_of(Trial(registry, kind, example_of(params, Example::usual)));
+  Needs needs = needs_of(Trial(registry, kind, example_params(params, Example::usual)));
   if (!needs.is_complete) {  // a controller may need names, such as those of models
-    Needs named = needs_of(Trial(registry, kind, example_of(params, Example::named)));
+    Needs named = needs_of(Trial(registry, kind, example_params(params, Example::named)));
     if (named.is_complete) needs = std::move(named);
   }
   std::string text = "needs\n";

@@ -1,6 +1,7 @@
 #include "apps/describe.hpp"
 
 #include "apps/controller_needs.hpp"
+#include "apps/example_params.hpp"
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/observing/events.hpp"
@@ -137,30 +138,11 @@ std::string fields_text(const FieldTable& table) {
   return table_text(lines);
 }
 
-/// Returns typical parameters of a kind: the defaults, and one object in each required list of objects.
-/// DeviceKind::prepare() needs parameters to determine the fields of the readings. Returns std::nullopt if
-/// any other parameter is required.
-std::optional<engine::Record> usual(const FieldTable& table) {
-  engine::Record record = table.defaults();
-  for (std::size_t i = 0; i < table.fields.size(); ++i) {
-    const Field& field = table.fields[i];
-    const bool is_block = field.type == FieldType::record || field.type == FieldType::records;
-    if (record[i].given() && !(is_block && record[i].records().empty())) continue;
-    if (field.optional) continue;
-    if (!is_block) return std::nullopt;
-    std::optional<engine::Record> block = usual(*field.record);
-    if (!block) return std::nullopt;
-    record[i] = std::vector<engine::Record>{std::move(*block)};
-  }
-  return record;
-}
-
 /// Returns, as text, the fields of a device that controllers and programs can read, and the fields of its
-/// command. Empty if usual() returns std::nullopt.
+/// command. Empty if no example of the device can be made.
 std::string state_text(const engine::DeviceKind& kind) {
-  const std::optional<engine::Record> params = usual(kind.params);
-  if (!params) return {};
-  const engine::DeviceKind::Prepared prepared = kind.prepare(*params, {});
+  const std::optional<engine::DeviceKind::Prepared> prepared = prepare_example(kind, Example::usual);
+  if (!prepared) return {};
   std::string text;
   const auto add = [&text](std::string_view heading, std::span<const engine::StateField> fields) {
     if (fields.empty()) return;
@@ -180,9 +162,9 @@ std::string state_text(const engine::DeviceKind& kind) {
     }
     text += "\n";
   };
-  add(kind.is_sensor() ? "readings, with the default parameters" : "state, with the default parameters",
-      prepared.percepts);
-  add("command", prepared.commands);
+  constexpr std::string_view k_parameters = "with the default parameters and examples of required ones";
+  add(fmt::format("{}, {}", kind.is_sensor() ? "readings" : "state", k_parameters), prepared->percepts);
+  add("command", prepared->commands);
   return text;
 }
 

@@ -305,6 +305,7 @@ TEST_F(Describe, DevicesShowWhatTheyReadAndChangeOfOthers) {
 TEST_F(Describe, EveryFieldOfAStateOrCommandHasAMeaning) {
   std::size_t fields = 0;
   for (const engine::DeviceKind& kind : make_registry().devices) {
+    const std::size_t before = fields;
     bool is_field = false;
     for (const std::string& line : lines_of(troupe({"describe", std::string(kind.name)}).out)) {
       if (line.starts_with("readings,") || line.starts_with("state,") || line == "command") {
@@ -317,6 +318,7 @@ TEST_F(Describe, EveryFieldOfAStateOrCommandHasAMeaning) {
             << kind.name;
       }
     }
+    EXPECT_GT(fields, before) << kind.name;
   }
   EXPECT_GT(fields, 80u);
   EXPECT_THAT(troupe({"describe", "wheels"}).out,
