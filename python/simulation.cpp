@@ -216,7 +216,8 @@ void bind_state(SimulationClass& simulation) {
           py::arg("checkpoint"),
           "Saves the whole state in a checkpoint, an HDF5 file, from which resume() continues the run. An "
           "existing file is replaced\nwhen the new one is complete. Raises RuntimeError if the file cannot "
-          "be written.")
+          "be written, and InputError if the ending of its\nname is that of another format than HDF5, such "
+          "as .csv.")
       .def(
           "state_hash", [](const Holder& held) { return held->use().state_hash(); },
           "Returns a hash of the whole state, an integer of 64 bits. Equal states have equal hashes.")
@@ -260,8 +261,9 @@ void bind_recording(SimulationClass& simulation) {
           "(\"pose\") or of fields of sensors (\"ranges\");\nevery_s: simulated time between two frames, s. "
           "Without fields, or without every_s, the value that the world file sets\nunder \"record\" is used. "
           "replace: whether an existing file is replaced. Raises InputError for an unknown field, for "
-          "an\nexisting file without `replace`, and if the file cannot be written, and RuntimeError if a "
-          "recording is already running.")
+          "an\nexisting file without `replace`, for an ending of another format than HDF5, such as .csv, and "
+          "if "
+          "the file cannot be\nwritten, and RuntimeError if a recording is already running.")
       .def(
           "stop_recording", [](const Holder& held) { held->use().stop_recording(); },
           "Closes the recording that record() started; all HDF5 tools can then read the file. Does nothing "

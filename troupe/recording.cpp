@@ -4,6 +4,7 @@
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/effective_options.hpp"
+#include "worldio/files.hpp"
 #include "worldio/json/spec_json.hpp"
 #include "worldio/results/recording_reader.hpp"
 #include "worldio/results/recording_repair.hpp"
@@ -120,6 +121,7 @@ struct Recording::Impl {
 
 Recording::Recording(const std::filesystem::path& file, const Simulation& simulation,
                      const RecordingOptions& options) {
+  worldio::require_hdf5_ending(file);
   std::error_code ignored;
   if (!options.replace && std::filesystem::exists(file, ignored))
     throw InputError(

@@ -616,8 +616,9 @@ class Simulation {
   /// throws or the process dies, a previous file `checkpoint` therefore remains unchanged.
   ///
   /// Throws std::runtime_error, `run.h5: error: ...`, if the file cannot be written, if it is a file that the
-  /// simulation was read from (world, image, plug-in, ...), or if the build has no HDF5. Passes on exceptions
-  /// of callbacks of on_save().
+  /// simulation was read from (world, image, plug-in, ...), if the ending of its name is that of another
+  /// format than HDF5 (.csv, .html, .json, .mp4, .pdf, .png or .svg), or if the build has no HDF5. Passes on
+  /// exceptions of callbacks of on_save().
   void save(const std::filesystem::path& checkpoint) const;
 
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.

@@ -11,6 +11,7 @@
 #include "troupe/script.hpp"
 #include "troupe/simulation_impl.hpp"
 #include "troupe/world_builder.hpp"
+#include "worldio/files.hpp"
 #include "worldio/json/json_world.hpp"
 #include "worldio/json/spec_check.hpp"
 
@@ -325,6 +326,7 @@ std::optional<std::uint64_t> Simulation::resumed_at_tick() const { return impl_-
 void Simulation::save(const std::filesystem::path& checkpoint) const {
   impl_->world->require_whole();
   impl_->refuse_to_replace_inputs(checkpoint);
+  worldio::require_hdf5_ending(checkpoint);
   worldio::FileHeader header = effective_options();
   header.insert(header.begin(), {"version", version_line()});
   header.emplace_back("title", title());

@@ -1,5 +1,7 @@
 #include "worldio/files.hpp"
 
+#include "base/diagnostics.hpp"
+
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -43,6 +45,14 @@ bool has_ending_of_other_format(const std::filesystem::path& file) {
   for (char& c : ending)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return std::ranges::find(k_endings, ending) != k_endings.end();
+}
+
+void require_hdf5_ending(const std::filesystem::path& file) {
+  if (has_ending_of_other_format(file))
+    throw InputError(fmt::format(
+        "{}: error: the file would be in the format HDF5, but {} is the ending of another format: choose "
+        "another ending, such as .h5",
+        file.string(), file.extension().string()));
 }
 
 std::optional<std::string> read_file(const std::filesystem::path& path) {

@@ -28,10 +28,12 @@ std::string error_about(std::string_view message, const std::filesystem::path& f
                         const std::filesystem::path& to);
 
 /// Whether the ending of a file name is that of another format of results than HDF5: `.csv`, `.html`,
-/// `.json`,
-/// `.mp4`, `.pdf`, `.png` or `.svg`, in small or capital letters. HDF5 files, such as recordings and
+/// `.json`, `.mp4`, `.pdf`, `.png` or `.svg`, in small or capital letters. HDF5 files, such as recordings and
 /// checkpoints, must not have such a name, which would mislead people and programs.
 bool has_ending_of_other_format(const std::filesystem::path& file);
+/// Throws InputError, `run.csv: error: ...`, if the ending of a file name is that of another format than HDF5
+/// (has_ending_of_other_format()).
+void require_hdf5_ending(const std::filesystem::path& file);
 
 /// Returns the content of a regular file of at most k_most_input_bytes bytes. Returns nothing if the file is
 /// larger, is not a regular file or cannot be read.

@@ -1032,6 +1032,8 @@ class Looking(InAFolder):
             self.skipTest(str(error))
         with self.assertRaisesRegex(RuntimeError, "this run is already being recorded"):
             world.record("other.h5")
+        with self.assertRaisesRegex(troupe.InputError, "^run.csv: error: the file would be in the format HDF5"):
+            world.save("run.csv")
         world.step(5)
         world.stop_recording()
         self.assertGreater(os.path.getsize("own.h5"), 1000)

@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <span>
@@ -185,6 +186,23 @@ TEST_F(RecordingTest, RefusesWhatIsThereAndWhatTheWorldDoesNotHave) {
   EXPECT_THAT(error_of<InputError>([&] { Recording(folder_ / "new.h5", simulation, {.fields = {"rangs"}}); }),
               HasSubstr("new.h5: error: unknown field \"rangs\"; known: "));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new.h5"));
+}
+
+TEST_F(RecordingTest, HasNoNameOfAnotherFormat) {
+  Simulation simulation(world_);
+  for (const char* name : {"run.csv", "run.json", "run.PNG"}) {
+    const std::filesystem::path file = folder_ / name;
+    for (const auto& write :
+         std::vector<std::function<void()>>{[&] { Recording(file, simulation); },
+                                            [&] { simulation.record(file); }, [&] { simulation.save(file); }})
+      EXPECT_EQ(
+          error_of<InputError>(write),
+          fmt::format("{}: error: the file would be in the format HDF5, but {} is the ending of another "
+                      "format: choose another ending, such as .h5",
+                      file.string(), file.extension().string()));
+    EXPECT_FALSE(std::filesystem::exists(file));
+  }
+  for (const char* name : {"run", "run.hdf5"}) simulation.save(folder_ / name);
 }
 
 TEST_F(RecordingTest, DevicesHaveTheNamesThatTheWorldGivesThem) {
