@@ -4,6 +4,7 @@
 #include "apps/describe.hpp"
 #include "apps/options.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/json/find_keys.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 namespace troupe::apps {
 namespace {
@@ -224,9 +226,12 @@ void add_completion_options(CLI::App& command, std::string& shell) {
 
 ExitCode print_completion(const std::string& shell) {
   const engine::Registry registry = make_registry();
-  const std::vector<std::string_view> kinds = kind_names(registry);
+  std::vector<std::string> described = worldio::key_names(registry);
+  for (const std::string_view kind : kind_names(registry)) described.emplace_back(kind);
+  std::ranges::sort(described);
+  described.erase(std::unique(described.begin(), described.end()), described.end());
   fmt::print("{}", completion(shell, known_commands(),
-                              {{"describe", {kinds.begin(), kinds.end()}},
+                              {{"describe", std::move(described)},
                                {"completion", {k_shells.begin(), k_shells.end()}}}));
   return k_finished;
 }

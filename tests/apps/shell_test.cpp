@@ -44,7 +44,11 @@ TEST_F(Shell, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_THAT(offered({"troupe", "run", "--ra"}), ::testing::IsSupersetOf({"--raytracer", "--rate"}));
   EXPECT_THAT(offered({"troupe", "run", "--raytracer", "g"}), ElementsAre("grid"));
   EXPECT_THAT(offered({"troupe", "run", "--simd", "avx"}), UnorderedElementsAre("avx2", "avx512"));
-  EXPECT_THAT(offered({"troupe", "describe", "blob"}), ElementsAre("blobfinder"));
+  EXPECT_THAT(offered({"troupe", "describe", "blob"}), ::testing::Contains("blobfinder"));
+  EXPECT_THAT(offered({"troupe", "describe", "popu"}), ::testing::Contains("populations"));
+  EXPECT_THAT(offered({"troupe", "describe", "gripp"}), ElementsAre("gripper", "gripper_return"))
+      << "a kind, a key";
+  EXPECT_THAT(offered({"troupe", "describe", "quit_"}), ElementsAre("quit_time_s"));
   EXPECT_THAT(offered({"troupe", "diff", "--acr"}),
               UnorderedElementsAre("--across-domains", "--across-runs"));
 }

@@ -118,6 +118,9 @@ TEST(FindKeys, NamesForSuggestionsAreThoseAtThePlace) {
   EXPECT_THAT(names_near(registry(), "/populations/0/plase"), Contains("/populations/0/place"));
   EXPECT_THAT(names_near(registry(), "popualtions"), Contains("populations"));
   EXPECT_THAT(names_near(registry(), "popualtions.place"), Contains("tick_s"));
+  const std::vector<std::string> names = key_names(registry());
+  EXPECT_THAT(names, ::testing::IsSupersetOf({"populations", "tick_s"}));
+  for (const std::string& name : names) EXPECT_FALSE(find_keys(registry(), name).empty()) << name;
 }
 
 }  // namespace

@@ -213,6 +213,12 @@ std::vector<Objects> objects_around(const Keys& keys, Path path) {
   return around;
 }
 
+std::vector<std::string> sorted(std::vector<std::string> names) {
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
 bool are_equal(const FoundKey& a, const FoundKey& b) {
   const auto cells = [](const KeyRow& row) { return std::tie(row.names, row.value, row.usual, row.meaning); };
   return cells(a.row) == cells(b.row) && a.kinds == b.kinds &&
@@ -242,6 +248,14 @@ std::string_view kind_in_path(const engine::Registry& registry, std::string_view
   return std::ranges::any_of(objects_around(keys, path), have_kinds) ? path.names.back() : std::string_view();
 }
 
+std::vector<std::string> key_names(const engine::Registry& registry) {
+  const Keys keys(registry);
+  std::vector<std::string> names;
+  for (const Objects& objects : keys.sorts())
+    for (const Key& key : keys.keys_of(objects)) names.push_back(key_of(key.name()));
+  return sorted(std::move(names));
+}
+
 std::vector<std::string> names_near(const engine::Registry& registry, std::string_view name) {
   const Keys keys(registry);
   const Path path = path_of(name);
@@ -252,12 +266,7 @@ std::vector<std::string> names_near(const engine::Registry& registry, std::strin
       for (const Key& key : keys.keys_of(objects))
         names.push_back(fmt::format("{}{}", name.substr(0, last), key_of(key.name())));
   }
-  if (names.empty())
-    for (const Objects& objects : keys.sorts())
-      for (const Key& key : keys.keys_of(objects)) names.push_back(key_of(key.name()));
-  std::ranges::sort(names);
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
+  return names.empty() ? key_names(registry) : sorted(std::move(names));
 }
 
 }  // namespace troupe::worldio

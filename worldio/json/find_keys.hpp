@@ -39,9 +39,12 @@ std::vector<FoundKey> find_keys(const engine::Registry& registry, std::string_vi
 /// if there is no such key.
 std::string_view kind_in_path(const engine::Registry& registry, std::string_view name);
 
+/// Returns the names of all keys that find_keys() finds, sorted, without duplicates. Each key has the unit
+/// that the documentation states first.
+std::vector<std::string> key_names(const engine::Registry& registry);
+
 /// Returns the names that are possible in place of `name`, for suggestions. If only the last of several names
-/// is wrong, these are the keys at its place, each with the names before it. Otherwise these are all keys.
-/// Each key has the unit that the documentation states first.
+/// is wrong, these are the keys at its place, each with the names before it. Otherwise these are key_names().
 std::vector<std::string> names_near(const engine::Registry& registry, std::string_view name);
 
 }  // namespace troupe::worldio
