@@ -77,6 +77,25 @@ class MessageReader {
       return value;
     }
   }
+  /// Reads a number, or an id with a member index(), that put() appended; T must be the same type. Throws
+  /// std::logic_error unless it is below `end`, so the caller may use it as an index of `end` elements.
+  template <class T>
+  T get_below(std::size_t end) {
+    const T value = get<T>();
+    if constexpr (std::is_integral_v<T>)
+      require(value < end);
+    else
+      require(value.index() < end);
+    return value;
+  }
+  /// Throws std::logic_error if an index that was read from a message, as a part of a struct, is out of
+  /// range.
+  static void require(bool is_in_range) {
+    if (!is_in_range)
+      throw std::logic_error(
+          "internal error: a message between ranks refers to a body, or to another object, that does not "
+          "exist; this is no error of your input: please report it");
+  }
   /// Reads a number of elements (64 bits). The elements follow in the message, each with at least
   /// `bytes_each` bytes (not 0). Throws std::logic_error if the rest of the message is too short for them, so
   /// the caller may allocate memory for so many elements.

@@ -113,7 +113,7 @@ void DistributedRows::add_candidates(std::vector<Experiment::Candidate>& candida
     while (!received.rest.is_done()) {
       Experiment::Candidate& candidate = candidates.emplace_back();
       candidate.key = received.rest.get<std::uint64_t>();
-      candidate.body = received.rest.get<BodyId>();
+      candidate.body = received.rest.get_below<BodyId>(world_.spec().bodies.size());
     }
   }
 }

@@ -268,10 +268,13 @@ void Halo::put_row(MessageWriter& message, Row row) const {
 
 Halo::Arrival Halo::get_row(MessageReader& message) const {
   Arrival arrival;
-  arrival.state.body = message.get<BodyId>();
+  const std::size_t bodies = world_.spec().bodies.size();
+  arrival.state.body = message.get_below<BodyId>(bodies);
   arrival.place = message.get_point();
   arrival.state.bytes = message.get_all<std::byte>();
   arrival.goals = message.get_all<Goal>();
+  for (const Goal& goal : arrival.goals)
+    message.require(goal.body.index() < bodies && goal.joint < world_.type(goal.body).joints.size());
   return arrival;
 }
 

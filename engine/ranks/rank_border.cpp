@@ -115,7 +115,7 @@ void RankBorder::put_pushes(MessageWriter& message, std::span<const Conflicts::P
 void RankBorder::get_pushes(MessageReader& message) {
   pushes_.clear();
   for (std::size_t count = message.get_count(1); count > 0; --count) {
-    const auto body = message.get<BodyId>();
+    const auto body = message.get_below<BodyId>(world_.spec().bodies.size());
     const Vec2 place = message.get_point();
     if (world_.location(body) == RowLocation::here) pushes_.push_back({world_.row(body).value, place});
   }

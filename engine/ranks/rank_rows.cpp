@@ -27,4 +27,14 @@ std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, co
   return sum;
 }
 
+Effect get_effect(partition::MessageReader& message, const World& world) {
+  const auto effect = message.get<Effect>();
+  const WorldSpec& spec = world.spec();
+  message.require(effect.source.index() < spec.bodies.size());
+  message.require(effect.device < world.type(effect.source).devices.size());
+  message.require(!effect.target.valid() || effect.target.index() < spec.bodies.size());
+  message.require(effect.verb != k_birth || effect.reserve < spec.reserves.size());
+  return effect;
+}
+
 }  // namespace troupe::engine

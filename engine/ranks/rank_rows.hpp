@@ -3,6 +3,7 @@
 #include "base/geometry.hpp"
 #include "engine/fields/state_table.hpp"
 #include "engine/interventions/experiment.hpp"
+#include "engine/kinds/effects.hpp"
 #include "engine/ranks/orders.hpp"
 #include "engine/ranks/rank_work.hpp"
 #include "engine/state/world_state.hpp"
@@ -17,7 +18,6 @@
 
 namespace troupe::engine {
 
-struct Effect;
 class Effects;
 class Halo;
 class Links;
@@ -36,6 +36,10 @@ struct ReplicaParts {
 RowRange rows_in(const World& world, const StateTable& table, const RowRange& rows);
 /// Returns the sum of the hashes of rows of a table, modulo 2^64. Uses all threads of `parallel`.
 std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, const RowRange& rows);
+
+/// Reads an effect from a message. Throws std::logic_error if it refers to a body, device or reserve that
+/// does not exist.
+Effect get_effect(partition::MessageReader& message, const World& world);
 
 /// The part of a Replica that depends on how the rows of a world are divided among ranks. A row is the data
 /// of one body in the state tables. A rank is a thread or process that computes the world together with

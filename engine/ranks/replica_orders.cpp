@@ -47,6 +47,7 @@ void Replica::follow(Order order, MessageReader message) {
       setting.type = message.get<TypeId>();
       setting.of = message.get<SettingSpec::Of>();
       setting.index = message.get<std::uint32_t>();
+      message.require(has_params(world_.spec().types, setting));
       setting.params = get_record(message);
       if (const Result<> done = world_.set(setting, registry_); !done)
         throw std::logic_error(

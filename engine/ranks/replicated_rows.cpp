@@ -101,7 +101,10 @@ void ReplicatedRows::put_all(MessageWriter& message) {
 
 void ReplicatedRows::adopt_all(MessageReader message, bool is_in_tick) {
   const auto tick = message.get<std::uint64_t>();
-  for (const BodyId body : message.get_all<BodyId>()) world_.subscribe(body);
+  for (const BodyId body : message.get_all<BodyId>()) {
+    message.require(body.index() < world_.spec().bodies.size());
+    world_.subscribe(body);
+  }
   world_.adopt(
       tick,
       [&](std::span<StateTable> tables) {
@@ -136,10 +139,11 @@ void ReplicatedRows::get_written(unsigned from, MessageReader& message) {
   get_rows(Sharing::sent, rows_of(from), message);
   for (std::size_t left = message.get_count(sizeof(Links::AskedGoal)); left > 0; --left) {
     const auto [row, joint, goal] = message.get<Links::AskedGoal>();
+    message.require(row < world_.rows() && joint < world_.type(Row(row)).joints.size());
     parts_.links.ask(Row(row), joint, goal);
   }
   for (std::size_t left = message.get_count(sizeof(Effect)); left > 0; --left)
-    parts_.effects.emit(message.get<Effect>());
+    parts_.effects.emit(get_effect(message, world_));
   if (!message.is_done())
     throw std::logic_error(
         "internal error: a message between ranks is too long; this is no error of your input: please report "

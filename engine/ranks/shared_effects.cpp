@@ -1,6 +1,7 @@
 #include "engine/ranks/shared_effects.hpp"
 
 #include "engine/kinds/step_error.hpp"
+#include "engine/ranks/rank_rows.hpp"
 #include "engine/world/world.hpp"
 
 #include <fmt/format.h>
@@ -60,10 +61,10 @@ void SharedEffects::put(MessageWriter& message) const {
 void SharedEffects::get(MessageReader& message) {
   std::size_t effects = message.get_count(sizeof(Effect));
   if (effects == 0) return;
-  for (; effects > 0; --effects) effects_.emit(message.get<Effect>());
+  for (; effects > 0; --effects) effects_.emit(get_effect(message, world_));
   get_affected(message);
   for (std::size_t bodies = message.get_count(sizeof(BodyId)); bodies > 0; --bodies)
-    lacking_.push_back(message.get<BodyId>());
+    lacking_.push_back(message.get_below<BodyId>(world_.spec().bodies.size()));
 }
 
 void SharedEffects::put_affected(MessageWriter& message, std::span<const Affected> some) {
@@ -79,12 +80,13 @@ void SharedEffects::put_affected(MessageWriter& message, std::span<const Affecte
 
 /// Reads what put_affected() has appended, and adds it to affected_.
 void SharedEffects::get_affected(MessageReader& message) {
+  const std::size_t end = world_.spec().bodies.size();
   for (std::size_t bodies = message.get_count(1); bodies > 0; --bodies) {
     Affected& each = affected_.emplace_back();
-    each.body = message.get<BodyId>();
-    each.root = message.get<BodyId>();
+    each.body = message.get_below<BodyId>(end);
+    each.root = message.get_below<BodyId>(end);
     each.is_alone = message.get<bool>();
-    each.owner = message.get<unsigned>();
+    each.owner = message.get_below<unsigned>(post_.ranks);
     each.place = message.get_point();
   }
 }

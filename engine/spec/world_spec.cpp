@@ -155,23 +155,23 @@ void check_interventions(const WorldSpec& spec, const Report& report) {
     if (at.action == InterventionSpec::Action::set && !at.setting)
       error(".setting: missing, but the action `set` needs the new parameters");
     if (!at.setting) continue;
-    const SettingSpec& setting = *at.setting;
-    const auto has_it = [&] {
-      if (setting.type.index() >= spec.types.size()) return false;
-      const TypeSpec& type = spec.types[setting.type.index()];
-      switch (setting.of) {
-        case SettingSpec::Of::drive: return type.drive.has_value();
-        case SettingSpec::Of::device: return setting.index < type.devices.size();
-        case SettingSpec::Of::controller: break;
-      }
-      return setting.index < type.controllers.size();
-    };
-    if (!has_it())
+    if (!has_params(spec.types, *at.setting))
       error(".setting: refers to a type, or to a drive, device or controller of a type, that does not exist");
   }
 }
 
 }  // namespace
+
+bool has_params(std::span<const TypeSpec> types, const SettingSpec& setting) {
+  if (setting.type.index() >= types.size()) return false;
+  const TypeSpec& type = types[setting.type.index()];
+  switch (setting.of) {
+    case SettingSpec::Of::drive: return type.drive.has_value();
+    case SettingSpec::Of::device: return setting.index < type.devices.size();
+    case SettingSpec::Of::controller: break;
+  }
+  return setting.index < type.controllers.size();
+}
 
 Record& params_of(TypeSpec& type, const SettingSpec& setting) {
   switch (setting.of) {

@@ -187,8 +187,11 @@ struct TypeSpec {
   std::vector<ControllerSpec> controllers;
 };
 
+/// Whether the types include the type of a setting, and this type has the drive, device or controller that
+/// the setting changes.
+bool has_params(std::span<const TypeSpec> types, const SettingSpec& setting);
 /// Returns the parameters of a type that a setting changes: those of the drive, of a device or of a
-/// controller.
+/// controller. They must exist (has_params()).
 Record& params_of(TypeSpec& type, const SettingSpec& setting);
 
 /// One body of the world.

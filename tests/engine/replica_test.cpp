@@ -3,6 +3,7 @@
 #include "engine/ranks/replica.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/ranks/rank_rows.hpp"
 #include "engine/ranks/record_message.hpp"
 #include "engine/spec/experiment_spec.hpp"
 #include "engine/world/world.hpp"
@@ -15,6 +16,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -30,13 +32,21 @@ using ::testing::HasSubstr;
 // More elements than the address space has bytes: to allocate memory for them fails.
 constexpr std::uint64_t k_too_many = std::uint64_t{1} << 50;
 
-void expect_too_short(const std::function<void()>& work) {
+void expect_error(const std::function<void()>& work, const std::string& text) {
   try {
     work();
     ADD_FAILURE() << "no exception";
   } catch (const std::exception& error) {
-    EXPECT_THAT(std::string(error.what()), HasSubstr("a message between ranks is too short"));
+    EXPECT_THAT(std::string(error.what()), HasSubstr(text));
   }
+}
+
+void expect_too_short(const std::function<void()>& work) {
+  expect_error(work, "a message between ranks is too short");
+}
+
+void expect_unknown(const std::function<void()>& work) {
+  expect_error(work, "a message between ranks refers to a body, or to another object, that does not exist");
 }
 
 class ReplicaMessages : public test::ScratchTest {
@@ -68,7 +78,7 @@ TEST_F(ReplicaMessages, OrdersWithAWrongSizeAllocateNothing) {
   step.put(k_too_many);
   expect_too_short([&] { follow(Order::step, std::move(step)); });
   MessageWriter set;  // a setting whose record has too many values
-  set.put(TypeId(0));
+  set.put(world_.spec().bodies.back().type);
   set.put(SettingSpec::Of());
   set.put(std::uint32_t{0});
   set.put(k_too_many);
@@ -83,6 +93,77 @@ TEST_F(ReplicaMessages, RowsWithAWrongSizeAllocateNothing) {
   rows.put(k_too_many);
   mailboxes_.of(1).send(0, std::move(rows));
   expect_too_short([&] { world_.gather(); });
+}
+
+TEST_F(ReplicaMessages, OrdersMayNotReferToWhatDoesNotExist) {
+  Replica replica(world_, simulation_.registry(), mailboxes_.of(1), 0, {});
+  const auto follow = [&](Order order, MessageWriter writer) {
+    const Message message = writer.take();
+    replica.follow(order, MessageReader(message));
+  };
+  const auto subscribed = [](BodyId body) {  // the state of a replicated world with a subscribed body
+    MessageWriter step;
+    step.put(false);  // no callback
+    step.put(true);   // the state follows
+    step.put(std::uint64_t{0});
+    step.put_all(std::span<const BodyId>(&body, 1));
+    return step;
+  };
+  const BodyId last(world_.spec().bodies.size() - 1);
+  expect_unknown([&] { follow(Order::step, subscribed(BodyId(last.index() + 1))); });
+  expect_unknown([&] { follow(Order::step, subscribed(BodyId())); });
+  expect_too_short([&] { follow(Order::step, subscribed(last)); });
+  const auto setting = [](std::size_t type, SettingSpec::Of of, std::uint32_t index) {
+    MessageWriter set;
+    set.put(TypeId(type));
+    set.put(of);
+    set.put(index);
+    put_record(set, {});
+    return set;
+  };
+  const std::size_t types = world_.types().size();
+  expect_unknown([&] { follow(Order::set, setting(types, SettingSpec::Of::drive, 0)); });
+  for (std::size_t type = 0; type < types; ++type)
+    for (const SettingSpec::Of of : {SettingSpec::Of::device, SettingSpec::Of::controller})
+      expect_unknown([&] { follow(Order::set, setting(type, of, 0)); });
+}
+
+TEST_F(ReplicaMessages, RowsMayNotReferToWhatDoesNotExist) {
+  Replica replica(world_, simulation_.registry(), mailboxes_.of(0), 0, {.is_distributed = true});
+  MessageWriter rows = begin_message(Order::gather, 0);
+  rows.put(BodyId(world_.spec().bodies.size()));
+  mailboxes_.of(1).send(0, std::move(rows));
+  expect_unknown([&] { world_.gather(); });
+}
+
+TEST_F(ReplicaMessages, EffectsMayNotReferToWhatDoesNotExist) {
+  simulation_ = Simulation(write("lamp.json", R"({"troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2],
+        "drive": {"kind": "diff"}, "devices": [{"name": "lamp", "kind": "led"}]}},
+      "populations": [{"name": "p", "type": "bot", "count": 2, "place": {"rule": "grid",
+        "region_m": [[-2, -2], [2, 2]], "pitch_m": 1}}]})"),
+                           {});
+  const World& world = simulation_.world();
+  const auto received = [&](const Effect& effect) {
+    MessageWriter writer;
+    writer.put(effect);
+    const Message message = writer.take();
+    MessageReader reader(message);
+    return get_effect(reader, world);
+  };
+  const std::size_t bodies = world.spec().bodies.size();
+  const Effect good{.source = BodyId(1), .target = BodyId()};
+  EXPECT_EQ(received(good).source, good.source);
+  const auto expect_bad = [&](auto&& change) {
+    Effect bad = good;
+    change(bad);
+    expect_unknown([&] { received(bad); });
+  };
+  expect_bad([&](Effect& effect) { effect.source = BodyId(bodies); });
+  expect_bad([&](Effect& effect) { effect.source = BodyId(); });
+  expect_bad([&](Effect& effect) { effect.source = BodyId(0); });  // static: it has no device
+  expect_bad([&](Effect& effect) { effect.device = 1; });
+  expect_bad([&](Effect& effect) { effect.target = BodyId(bodies); });
+  expect_bad([&](Effect& effect) { effect.verb = k_birth; });  // the world has no reserve
 }
 
 // An exception that is no StepError has ended the program on rank 0, which destroys its worlds.

@@ -1,5 +1,7 @@
 #include "partition/mailboxes.hpp"
 
+#include "base/ids.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -108,6 +110,21 @@ TEST(Message, WithAWrongNumberOfElementsAllocatesNothing) {
   other = reader;
   EXPECT_THROW(other.get_count(6), std::logic_error);
   EXPECT_THROW(reader.get_all<double>(), std::logic_error);
+}
+
+TEST(Message, WithAnIndexOutOfRangeIsAnError) {
+  MessageWriter writer;
+  for (const std::uint32_t index : {0u, 6u, 7u, ~0u}) writer.put(index);
+  const Message message = writer.take();
+  MessageReader reader(message);
+  MessageReader ids = reader;
+  EXPECT_EQ(reader.get_below<std::uint32_t>(7), 0u);
+  EXPECT_EQ(reader.get_below<std::uint32_t>(7), 6u);
+  EXPECT_THROW(reader.get_below<std::uint32_t>(7), std::logic_error);
+  EXPECT_EQ(ids.get_below<BodyId>(7), BodyId(0));
+  EXPECT_EQ(ids.get_below<BodyId>(7), BodyId(6));
+  EXPECT_THROW(ids.get_below<BodyId>(7), std::logic_error);
+  EXPECT_THROW(ids.get_below<BodyId>(7), std::logic_error) << "an invalid id";
 }
 
 TEST(Message, ABoolIsTrueIfItsByteIsNot0) {
