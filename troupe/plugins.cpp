@@ -190,14 +190,14 @@ auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unkn
                            did_you_mean(name, known))};
 }
 
-Result<const Plugins::Library*> Plugins::load(std::string_view name) {
+Result<const Plugins::Library*> Plugins::load(std::string_view name, bool may_be_script) {
   if (!plugin::is_name(name))
     return Error{fmt::format(
         "\"{}\" is not a valid name of a plug-in: give one word that does not begin with a dot and contains "
         "none of : = / \\ and quotation marks",
         name)};
   const Loaded& library = loaded(name);
-  if (!library.found) return Error{library.missing_script()};
+  if (!library.found) return may_be_script ? Error{library.missing_script()} : library.found.error();
   if (!library.opened) return library.opened.error();
   return &library;
 }

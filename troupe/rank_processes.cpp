@@ -75,7 +75,8 @@ struct Follower {
     for (std::size_t left = message.get_count(1); left > 0; --left) {
       const std::string name = message.get_text();
       const auto contents = message.get<std::uint64_t>();
-      const Result<const Plugins::Library*> loaded = plugins->load(name);
+      // Runs on several processes have no scripts.
+      const Result<const Plugins::Library*> loaded = plugins->load(name, false);
       if (!loaded) throw InputError(fmt::format("plug-in \"{}\": {}", name, loaded.error().text));
       if ((*loaded)->contents != contents)
         throw InputError(fmt::format(

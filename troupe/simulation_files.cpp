@@ -60,7 +60,7 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
   for (const auto& [key, contents] : checkpoint.header()) {
     if (!key.starts_with(k_plugin)) continue;
     const std::string name = key.substr(k_plugin.size());
-    const Result<const Plugins::Library*> loaded = plugins.load(name);
+    const Result<const Plugins::Library*> loaded = plugins.load(name, true);
     if (!loaded)
       throw InputError(fmt::format("{}: error: the run needs plug-in \"{}\": {}", checkpoint.file().string(),
                                    name, loaded.error().text));
