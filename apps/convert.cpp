@@ -1,5 +1,6 @@
 #include "apps/convert.hpp"
 
+#include "apps/numbers.hpp"
 #include "apps/outputs.hpp"
 #include "troupe/input_files.hpp"
 #include "troupe/plugins.hpp"
@@ -39,10 +40,6 @@ Examples:
   troupe convert cave.world cave.json --force --set /models/3/pose/x_m=2
   troupe convert robots.json robots.world
   troupe convert room.world room.json --controller my.py)";
-
-std::string counted(std::size_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
 
 /// Throws OutputError if OUT cannot be written, or exists and --force is not given.
 void check(const ConvertOptions& options) {
@@ -97,8 +94,8 @@ ExitCode convert(const ConvertOptions& options) {
     } catch (const std::system_error& error) {
       refuse_output(options.out, error.code().message());
     }
-    fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model", "models"),
-               counted(world.types, "type", "types"), options.in.string());
+    fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
+               counted(world.types, "type"), options.in.string());
   } catch (const OutputError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return k_bad_input;

@@ -1,5 +1,6 @@
 #include "apps/lint.hpp"
 
+#include "apps/numbers.hpp"
 #include "apps/options.hpp"
 #include "troupe/lint.hpp"
 
@@ -49,7 +50,7 @@ ExitCode lint_world(const LintOptions& options) {
   if (findings.empty())
     fmt::print("{}: nothing found\n", world.string());
   else
-    fmt::print("{}: {} finding{}\n", world.string(), findings.size(), findings.size() == 1 ? "" : "s");
+    fmt::print("{}: {}\n", world.string(), counted(findings.size(), "finding"));
   return findings.empty() ? k_finished : k_failed;
 }
 

@@ -25,4 +25,8 @@ std::string four_digits(double x) {
   return (x < 0 ? "-" : "") + grouped(static_cast<std::uint64_t>(rounded));
 }
 
+std::string counted(std::uint64_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
 }  // namespace troupe::apps

@@ -1,5 +1,6 @@
 #include "apps/repair.hpp"
 
+#include "apps/numbers.hpp"
 #include "apps/options.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recording_repair.hpp"
@@ -36,8 +37,8 @@ void add_repair_options(CLI::App& command, std::filesystem::path& recording) {
 ExitCode repair(const std::filesystem::path& recording) {
   try {
     const worldio::Repair done = worldio::repair_recording(recording);
-    fmt::print("{}: {}: {} {}\n", recording.string(), done.needed ? "repaired" : "nothing to repair",
-               done.frames, done.frames == 1 ? "frame" : "frames");
+    fmt::print("{}: {}: {}\n", recording.string(), done.needed ? "repaired" : "nothing to repair",
+               counted(done.frames, "frame"));
     return k_finished;
   } catch (const std::runtime_error& error) {
     fmt::print(stderr, "{}\n", error.what());

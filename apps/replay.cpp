@@ -1,5 +1,6 @@
 #include "apps/replay.hpp"
 
+#include "apps/numbers.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "apps/replay_page.hpp"
@@ -65,10 +66,6 @@ std::string ordinal(std::size_t n) {
                              : n % 10 == 3 ? "rd"
                                            : "th";
   return fmt::format("{}{}", n, ending);
-}
-
-std::string counted(std::size_t n, const char* what) {
-  return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s");
 }
 
 /// Returns how many bytes of recorded data fit into a page of at most `max_mb` megabytes (10^6 bytes). The

@@ -1,6 +1,7 @@
 #include "apps/check/check.hpp"
 
 #include "apps/check/filled_storage.hpp"
+#include "apps/numbers.hpp"
 #include "apps/progress.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
@@ -69,8 +70,8 @@ struct Variant {
 };
 
 std::string variant_name(unsigned ranks, unsigned threads, double tile_size_m) {
-  return fmt::format("{}{} thread{}, {}", ranks == 1 ? "" : fmt::format("{} ranks, ", ranks), threads,
-                     threads == 1 ? "" : "s",
+  return fmt::format("{}{}, {}", ranks == 1 ? "" : fmt::format("{} ranks, ", ranks),
+                     counted(threads, "thread"),
                      tile_size_m > 0 ? fmt::format("tiles of {} m", tile_size_m) : "automatic tiles");
 }
 

@@ -1,5 +1,6 @@
 #include "apps/diff/diff_recordings.hpp"
 
+#include "apps/numbers.hpp"
 #include "apps/run_header.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
@@ -164,9 +165,8 @@ ExitCode compare_frames(const RecordingReader& first, const RecordingReader& sec
                (ended == &first ? second : first).file().string(), begin);
     return k_failed;
   }
-  fmt::print("same bits, tick {} to {}, in {} frame{} of {}; the last state has the hash {}\n", begin,
-             first.ticks()[last], frames, frames == 1 ? "" : "s", components_of(pairs),
-             hex(first.hashes()[last]));
+  fmt::print("same bits, tick {} to {}, in {} of {}; the last state has the hash {}\n", begin,
+             first.ticks()[last], counted(frames, "frame"), components_of(pairs), hex(first.hashes()[last]));
   return k_finished;
 }
 

@@ -54,8 +54,5 @@ void add_runs(std::size_t runs, std::size_t failed, Summary& summary);
 /// Returns a range of ticks (simulation steps) and of simulated times as text, such as "0 to 20, 0 to 2 s".
 /// first_s, last_s: the simulated times of the ticks `first` and `last`, s.
 std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s);
-/// Returns a count and a noun as text: "1 robot", "2 robots". what: the noun in the singular; `s` is appended
-/// if the count is not 1.
-std::string counted(std::size_t count, std::string_view what);
 
 }  // namespace troupe::apps

@@ -3,6 +3,7 @@
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/info/info_kinds.hpp"
+#include "apps/numbers.hpp"
 #include "apps/observers/tables.hpp"
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
@@ -110,10 +111,6 @@ std::string ticks_text(const std::optional<Span>& first, const Span& last) {
 
 std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s) {
   return fmt::format("{} to {}, {:.10g} to {:.10g} s", first, last, first_s, last_s);
-}
-
-std::string counted(std::size_t count, std::string_view what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
 Summary summary_of_hash_log(const fs::path& file) {

@@ -1,4 +1,5 @@
 #include "apps/info/info_kinds.hpp"
+#include "apps/numbers.hpp"
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/spec/ranging_engine.hpp"

@@ -108,12 +108,12 @@ std::string summary_text(const Report& report) {
   line("threads", fmt::format("{}, serial share {:.1f} %, imbalance {:.2f}", report.threads,
                               100 * report.serial_share, report.imbalance));
   if (report.ranks.ranks > 1)
-    line("ranks", fmt::format("{} on {} node{}, rank 0 waited {} s, sent {} bytes in {} messages per tick, "
-                              "rebalanced {} time{}",
-                              report.ranks.ranks, report.ranks.nodes, report.ranks.nodes == 1 ? "" : "s",
-                              four_digits(report.ranks.waited_s), four_digits(report.bytes_per_tick()),
-                              four_digits(report.messages_per_tick()), report.ranks.rebalanced,
-                              report.ranks.rebalanced == 1 ? "" : "s"));
+    line("ranks",
+         fmt::format("{} on {}, rank 0 waited {} s, sent {} bytes in {} messages per tick, "
+                     "rebalanced {}",
+                     report.ranks.ranks, counted(report.ranks.nodes, "node"),
+                     four_digits(report.ranks.waited_s), four_digits(report.bytes_per_tick()),
+                     four_digits(report.messages_per_tick()), counted(report.ranks.rebalanced, "time")));
   if (!report.rank_counts.empty())
     line("per rank", fmt::format("{}, {}, in each tick",
                                  per_rank_text(report.per_rank(&RankCounts::messages), "messages"),
@@ -129,9 +129,8 @@ std::string summary_text(const Report& report) {
                      per_rank_text(report.per_rank(&RankCounts::rounds), "rounds of messages")));
     line("robot data",
          fmt::format("distributed: {} ghosts (copies of robots of other ranks) per own robot; robots divided "
-                     "among the ranks {} time{}",
-                     four_digits(report.ghosts_per_own()), report.ranks.distributions,
-                     report.ranks.distributions == 1 ? "" : "s"));
+                     "among the ranks {}",
+                     four_digits(report.ghosts_per_own()), counted(report.ranks.distributions, "time")));
   } else if (!report.ranks.why_replicated.empty())
     line("robot data", fmt::format("replicated on each rank, because {}", report.ranks.why_replicated));
   line("peak memory",

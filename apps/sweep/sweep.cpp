@@ -2,6 +2,7 @@
 
 #include "apps/csv.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/numbers.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "apps/ranks/ranks.hpp"
@@ -171,10 +172,10 @@ ExitCode finish(const Study& study, const SweepIdentity& identity, const SweepOp
   const std::size_t lost =
       all_are_here ? missing_runs(table, 0, 1) : missing_runs(table, options.part - 1, options.parts);
   if (lost > 0)
-    throw OutputError(fmt::format(
-        "{}: error: the results of {} finished run{} are missing, so there is no table: another program "
-        "has removed or replaced files in this folder; repeat the command",
-        options.folder.string(), lost, lost == 1 ? "" : "s"));
+    throw OutputError(
+        fmt::format("{}: error: the results of {} are missing, so there is no table: another program "
+                    "has removed or replaced files in this folder; repeat the command",
+                    options.folder.string(), counted(lost, "finished run")));
   return ended.failed.empty() ? k_finished : k_failed;
 }
 
