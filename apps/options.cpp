@@ -281,4 +281,15 @@ SimulationOptions with_environment(SimulationOptions options) {
   return options;
 }
 
+ResumeOptions resume_options(const WorldOptions& options) {
+  const SimulationOptions& simulation = options.simulation;
+  return {.threads = simulation.threads,
+          .tile_size_m = simulation.tile_size_m,
+          .set = simulation.set,
+          .across_versions = options.across_versions,
+          .plugin_path = plugin_path(simulation.plugin_path),
+          .scripts = simulation.scripts,
+          .across_plugins = options.across_plugins};
+}
+
 }  // namespace troupe::apps

@@ -139,5 +139,8 @@ std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path
 /// member search_path, as Stage does. Appends the folders of TROUPE_PLUGIN_PATH, and then those of STAGEPATH,
 /// to the member plugin_path.
 SimulationOptions with_environment(SimulationOptions options);
+/// Returns how `options` resume a checkpoint in one rank. Adds the folders of environment variables to the
+/// member plugin_path, as with_environment() does.
+ResumeOptions resume_options(const WorldOptions& options);
 
 }  // namespace troupe::apps

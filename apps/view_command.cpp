@@ -129,14 +129,7 @@ Simulation load(const ViewOptions& options) {
         fmt::format("{}: error: --seed, --raytracer, --robots and --spare are only for world files; a "
                     "checkpoint keeps the values of the run that wrote it: omit these options",
                     options.world.string()));
-  if (is_checkpoint)
-    return Simulation::resume(options.world, {.threads = options.simulation.threads,
-                                              .tile_size_m = options.simulation.tile_size_m,
-                                              .set = options.simulation.set,
-                                              .across_versions = options.across_versions,
-                                              .plugin_path = plugin_path(options.simulation.plugin_path),
-                                              .scripts = options.simulation.scripts,
-                                              .across_plugins = options.across_plugins});
+  if (is_checkpoint) return Simulation::resume(options.world, resume_options(options));
   refuse_across_options(options);
   SimulationOptions given = with_environment(options.simulation);
   given.mortal = true;

@@ -173,15 +173,9 @@ void refuse_given(const RenderOptions& options, std::span<const std::string_view
 }
 
 Simulation load(const RenderOptions& options, bool is_checkpoint) {
-  const SimulationOptions& simulation = options.simulation;
-  if (is_checkpoint)
-    return Simulation::resume(options.world, {.threads = simulation.threads,
-                                              .across_versions = options.across_versions,
-                                              .plugin_path = plugin_path(simulation.plugin_path),
-                                              .scripts = simulation.scripts,
-                                              .across_plugins = options.across_plugins});
+  if (is_checkpoint) return Simulation::resume(options.world, resume_options(options));
   refuse_across_options(options);
-  return Simulation(options.world, with_environment(simulation));
+  return Simulation(options.world, with_environment(options.simulation));
 }
 
 void render_checked(const RenderOptions& options) {

@@ -39,19 +39,15 @@ Simulation load(const RunOptions& options) {
   const unsigned ranks = options.dry_run ? 1 : simulation.ranks;  // a dry run needs no other ranks
   // Without a clock, the ranks cannot compare their times.
   const auto clock = options.balances_ranks ? rank_clock : nullptr;
-  if (options.is_checkpoint)
-    return Simulation::resume(options.world, {.threads = simulation.threads,
-                                              .tile_size_m = simulation.tile_size_m,
-                                              .set = simulation.set,
-                                              .across_versions = options.across_versions,
-                                              .plugin_path = plugin_path(simulation.plugin_path),
-                                              .scripts = simulation.scripts,
-                                              .across_plugins = options.across_plugins,
-                                              .ranks = ranks,
-                                              .rank_seed = simulation.rank_seed,
-                                              .rank_clock = clock,
-                                              .processes = simulation.processes,
-                                              .distribute = simulation.distribute});
+  if (options.is_checkpoint) {
+    ResumeOptions resume = resume_options(options);
+    resume.ranks = ranks;
+    resume.rank_seed = simulation.rank_seed;
+    resume.rank_clock = clock;
+    resume.processes = simulation.processes;
+    resume.distribute = simulation.distribute;
+    return Simulation::resume(options.world, resume);
+  }
   SimulationOptions given = with_environment(simulation);
   given.mortal = !options.session.empty() || options.view;
   given.rank_clock = clock;
