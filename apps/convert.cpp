@@ -69,7 +69,7 @@ void add_convert_options(CLI::App& command, ConvertOptions& options) {
                options.out);
   command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
   add_set_option(command, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
-  add_kind_options(command, options.sources.plugin_path, options.sources.scripts);
+  add_kind_options(command, options.sources);
 }
 
 ExitCode convert(const ConvertOptions& options) {

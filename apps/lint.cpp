@@ -37,7 +37,7 @@ void add_lint_options(CLI::App& lint, LintOptions& options) {
           "World file: Stage's .world, or .json")
       ->option_text(" ")
       ->required();
-  add_kind_options(lint, options.sources.plugin_path, options.sources.scripts);
+  add_kind_options(lint, options.sources);
 }
 
 ExitCode lint_world(const LintOptions& options) {

@@ -263,6 +263,10 @@ void add_kind_options(CLI::App& app, std::vector<std::filesystem::path>& plugin_
   add_controller_option(app, scripts);
 }
 
+void add_kind_options(CLI::App& app, KindSources& sources) {
+  add_kind_options(app, sources.plugin_path, sources.scripts);
+}
+
 engine::Registry registry_with(const KindSources& sources) {
   engine::Registry registry = make_registry();
   add_plugins(registry, plugin_path(sources.plugin_path), sources.scripts);

@@ -124,11 +124,13 @@ void add_rank_limit_option(CLI::App& app, double& limit_s);
 void add_kind_options(CLI::App& app, std::vector<std::filesystem::path>& plugin_path,
                       std::vector<std::shared_ptr<const Script>>& scripts);
 
-/// The values of add_kind_options(), for commands that run no simulation.
+/// The values of add_kind_options(), for commands without WorldOptions.
 struct KindSources {
   std::vector<std::filesystem::path> plugin_path;      ///< folders to search for plug-ins (shared libraries)
   std::vector<std::shared_ptr<const Script>> scripts;  ///< scripts with controllers (--controller)
 };
+/// Adds the same options as the other add_kind_options(). Parsing fills `sources`, which must outlive `app`.
+void add_kind_options(CLI::App& app, KindSources& sources);
 /// Returns the kinds of Troupe, with those of the plug-ins and scripts of `sources` and of the folders in the
 /// environment variables that plugin_path() reads. Throws InputError for a script that cannot be used.
 engine::Registry registry_with(const KindSources& sources);

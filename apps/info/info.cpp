@@ -153,7 +153,7 @@ void add_info_options(CLI::App& command, InfoOptions& options) {
           "World, result or other file of Troupe")
       ->option_text(" ")
       ->required();
-  add_kind_options(command, options.sources.plugin_path, options.sources.scripts);
+  add_kind_options(command, options.sources);
 }
 
 ExitCode info(const InfoOptions& options) {

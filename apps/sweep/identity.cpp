@@ -69,7 +69,7 @@ bool names_file(const nlohmann::json& value, const fs::path& world, const std::v
 /// A hash of the worlds with each listed value of a parameter that names a file, such as the image of a floor
 /// plan or a plug-in: the file is not part of the study, and run 0 may not read it.
 std::string hash_of_choices(const Study& study, const SweepOptions& options) {
-  const std::vector<fs::path> plugins = plugin_path(options.plugin_path);
+  const std::vector<fs::path> plugins = plugin_path(options.sources.plugin_path);
   std::string hashes;
   for (std::size_t p = 0; p < study.choices.size(); ++p)
     for (const std::string& value : study.choices[p].values) {

@@ -84,8 +84,8 @@ std::vector<double> values_of(Measures& measures, const std::vector<std::string>
 SimulationOptions simulation_options(const worldio::Study& study, const worldio::Study::Run& run,
                                      const SweepOptions& options) {
   SimulationOptions simulation = with_environment({});
-  simulation.plugin_path = plugin_path(options.plugin_path);
-  simulation.scripts = options.scripts;
+  simulation.plugin_path = plugin_path(options.sources.plugin_path);
+  simulation.scripts = options.sources.scripts;
   simulation.threads = 1;
   simulation.seed = run.seed;
   simulation.set = study.settings(run);

@@ -11,8 +11,6 @@
 #include "apps/sweep/parallel_runs.hpp"
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
-#include "troupe/plugins.hpp"
-#include "troupe/registry.hpp"
 #include "worldio/json/study.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
@@ -137,9 +135,7 @@ void print_result(const SweepTable& table, bool is_complete, const fs::path& fol
 
 /// Reads and checks the study. Throws InputError with all errors.
 Study checked_study(const SweepOptions& options, Diagnostics& diagnostics) {
-  engine::Registry registry = make_registry();
-  add_plugins(registry, plugin_path(options.plugin_path), options.scripts);
-  Study study = worldio::load_study(options.study, registry, diagnostics);
+  Study study = worldio::load_study(options.study, registry_with(options.sources), diagnostics);
   diagnostics.throw_if_errors();
   return study;
 }

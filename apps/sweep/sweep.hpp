@@ -1,12 +1,10 @@
 #pragma once
 
 #include "apps/exit_code.hpp"
-#include "troupe/script.hpp"
+#include "apps/options.hpp"
 
 #include <cstddef>
 #include <filesystem>
-#include <memory>
-#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
 class App;
@@ -25,8 +23,7 @@ struct SweepOptions {
   double rank_limit_s = 600;  ///< --rank-limit: longest wait for another process, wall time, s
   bool list = false;          ///< only print the list of runs
   bool quiet = false;         ///< print only errors
-  std::vector<std::filesystem::path> plugin_path;      ///< folders to search for plug-ins (shared libraries)
-  std::vector<std::shared_ptr<const Script>> scripts;  ///< scripts with controllers (--controller)
+  KindSources sources;        ///< plug-ins and scripts with kinds that the study or its world names
 };
 
 /// Adds the options of `sweep` to `command`. Parsing fills `options`, which must outlive `command`.
