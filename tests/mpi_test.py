@@ -480,7 +480,7 @@ class OnProcesses:
     def test_a_wrong_study_is_reported_once(self):
         done = self.run_on(3, "sweep", "room.json", "-o", "results")
         self.assertEqual(done.returncode, 2, done.stderr)
-        self.assertEqual(done.stderr.count('missing "troupe_study"'), 1, done.stderr)
+        self.assertEqual(done.stderr.count("this is a world, not a study"), 1, done.stderr)
 
     def test_an_error_of_one_process_ends_a_study(self):
         plugins = pathlib.Path(PROGRAM).parent.parent / "plugins" / "plugins"

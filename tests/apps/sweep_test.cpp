@@ -354,7 +354,10 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
   };
   refused({"sweep", "study.json"}, "-o DIR is required");
   refused({"sweep", "study.json", "-o", "out", "--part", "3/2"}, "\"3/2\" is not a part I/N");
-  refused({"sweep", "w.json", "-o", "out"}, "missing \"troupe_study\"");
+  refused({"sweep", "w.json", "-o", "out"},
+          "w.json:1: error: this is a world, not a study: a study names it with the key \"world\"\n");
+  refused({"run", "study.json", "--for", "1"},
+          "study.json:1: error: this is a study, not a world: `troupe sweep` makes its runs\n");
   std::string study(k_study);
   study.replace(study.find("/populations/0/count"), 20, "/populations/7/count");
   write("study.json", study);

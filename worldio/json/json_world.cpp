@@ -117,6 +117,10 @@ std::optional<WorldDocument> load_json_document(const std::filesystem::path& fil
   const Where start{diagnostics.files()->add(file.string()), 0};
   std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
   if (!document) return std::nullopt;
+  if (const JsonNode* study = document->find("troupe_study"); study && !document->find("troupe")) {
+    diagnostics.error(study->where, "this is a study, not a world: `troupe sweep` makes its runs");
+    return std::nullopt;
+  }
   change_json_world(*document, file, options, diagnostics);
   return read_json_document(*document, registry, options, diagnostics);
 }

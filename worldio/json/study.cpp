@@ -129,6 +129,11 @@ class StudyReader {
   Study read(const JsonNode& document, Diagnostics& diagnostics) {
     const JsonCursor root(document, diagnostics);
     study_.where = {document.where.file, 0};
+    if (const JsonNode* world = document.find("troupe"); world && !document.find("troupe_study")) {
+      diagnostics.error(world->where,
+                        "this is a world, not a study: a study names it with the key \"world\"");
+      return std::move(study_);
+    }
     JsonObject object(root);
     read_version(object);
     if (const JsonNode* node = object.find("$schema"))
