@@ -19,6 +19,19 @@ bool are_of_world(const Simulation& simulation, const std::vector<std::string>& 
   return wanted.empty() && !simulation.world().spec().measures.empty();
 }
 
+/// Returns the name of the column of a measure without the unit.
+std::string name_of(const engine::MeasureSpec& spec) {
+  if (!spec.name.empty()) return spec.name;
+  return spec.of.empty() ? spec.kind : spec.kind + ":" + spec.of;
+}
+
+/// Returns the measure that the world file lists under this name; null if there is none.
+const engine::MeasureSpec* listed(const Simulation& simulation, const std::string& name) {
+  const std::vector<engine::MeasureSpec>& specs = simulation.world().spec().measures;
+  const auto found = std::ranges::find(specs, name, name_of);
+  return found == specs.end() ? nullptr : &*found;
+}
+
 std::vector<engine::MeasureSpec> specs_of(const Simulation& simulation,
                                           const std::vector<std::string>& wanted, Diagnostics& diagnostics) {
   if (are_of_world(simulation, wanted)) return simulation.world().spec().measures;
@@ -28,7 +41,9 @@ std::vector<engine::MeasureSpec> specs_of(const Simulation& simulation,
       if (kind.is_usual())
         specs.push_back({.kind = std::string(kind.name), .params = kind.params.defaults()});
   for (const std::string& text : wanted)
-    if (auto spec = worldio::parse_measure(text, "measure " + text, simulation.registry(), diagnostics))
+    if (const engine::MeasureSpec* of_world = listed(simulation, text))
+      specs.push_back(*of_world);
+    else if (auto spec = worldio::parse_measure(text, "measure " + text, simulation.registry(), diagnostics))
       specs.push_back(std::move(*spec));
   return specs;
 }
@@ -57,9 +72,7 @@ Measures::Measures(Simulation& simulation, const std::vector<std::string>& wante
   diagnostics.throw_if_errors();
   for (std::size_t i = 0; i < specs.size(); ++i) {
     if (std::ranges::find(too_large, i) != too_large.end()) continue;
-    const engine::MeasureSpec& spec = specs[i];
-    const std::string kind = spec.of.empty() ? spec.kind : spec.kind + ":" + spec.of;
-    impl_->names.push_back(spec.name.empty() ? kind : spec.name);
+    impl_->names.push_back(name_of(specs[i]));
   }
 }
 

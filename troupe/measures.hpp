@@ -28,6 +28,8 @@ class Measures {
  public:
   /// Makes measures, and updates them with the current state, as see() does. Each text in `wanted` describes
   /// one measure. It is one of:
+  /// - the name of a measure that the world file lists: its key `name`, or, without this key, its kind and
+  ///   robots as below. The measure has the parameters that the world file gives;
   /// - the name of a measure: "stalls";
   /// - the name of a measure, a colon, and the robots for which it is computed: "stalls:leaders". The word
   ///   after the colon is the name of a type of bodies, of a population (an entry of the world file that

@@ -87,6 +87,22 @@ TEST_F(MeasuresOfASimulation, AreThoseOfTheWorldElseAll) {
             std::ranges::count_if(all, &engine::MeasureKind::is_usual));
 }
 
+TEST_F(MeasuresOfASimulation, WithANameInTheWorldHaveItsParameters) {
+  Simulation world = simulation(make_registry(), R"([
+      {"kind": "neighbours", "radius_m": 2, "name": "near"}, {"kind": "neighbours", "radius_m": 6},
+      {"kind": "neighbours", "radius_m": 7, "of": "a"},
+      {"kind": "largest_cluster", "distance_m": 1, "bodies": "robots"}])");
+  Measures of_world(world);
+  Measures named(world, {"largest_cluster", "near", "neighbours", "neighbours:a", "spread"});
+  EXPECT_THAT(named.columns(),
+              ElementsAre("largest_cluster", "near", "neighbours", "neighbours:a", "spread_m"));
+  const std::vector<double> all = of_world.values();
+  std::vector<double> values = named.values();
+  values.pop_back();
+  EXPECT_THAT(values, ElementsAre(all[3], all[0], all[1], all[2]));
+  EXPECT_NE(Measures(world, {R"({"kind": "neighbours"})"}).values().front(), all[1]) << "is of 1 m";
+}
+
 TEST_F(MeasuresOfASimulation, LeaveOutUsualOnesThatNeedTooMuchMemory) {
   Simulation large(write("large.json", R"({"troupe": 1, "bounds_m": [[-1e5, -1e5], [1e5, 1e5]]})"));
   Simulation small = simulation();
