@@ -223,9 +223,9 @@ std::string wrapped(std::string_view text) {
 
 std::string measure_text(const engine::MeasureKind& kind) {
   const std::string_view symbol = engine::unit_suffixes(kind.unit).front().symbol;
-  return fmt::format("measure {}{}: {}\n\n{}{}\n{}\n", kind.name,
+  return fmt::format("measure {}{}: {}\n{}{}\n{}\n", kind.name,
                      symbol.empty() ? std::string() : fmt::format(" ({})", symbol), kind.text,
-                     wrapped(kind.definition),
+                     kind.definition.empty() ? std::string() : "\n" + wrapped(kind.definition),
                      kind.formula.empty() ? std::string() : fmt::format("\n    {}\n", kind.formula),
                      fields_text(kind.params));
 }

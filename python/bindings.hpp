@@ -126,7 +126,8 @@ py::list callbacks_of(const py::object& simulation);
 /// name and unit of the parameter for the text of the error, as in "every_s (s)".
 double from_zero(std::string_view what, double value, double most);
 
-/// Returns the JSON text of a Python value. Throws py::error_already_set if the value, such as NaN, has none.
+/// Returns the JSON text of a Python value (troupe/_json.py), which may contain NumPy numbers and arrays.
+/// Throws py::error_already_set if the value, such as NaN, has none.
 /// indent: the parameter of json.dumps().
 std::string json_of(const py::object& value, const py::object& indent = py::none());
 
@@ -233,5 +234,6 @@ void bind_math(py::module_& module);
 void bind_study(py::module_& module);
 void bind_robot_batch(py::module_& module);
 void bind_program(py::module_& module);
+void bind_scripts(py::module_& module);
 
 }  // namespace troupe::python

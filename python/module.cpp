@@ -256,6 +256,7 @@ PYBIND11_MODULE(_core, module) {
   bind_batch(module);
   bind_robot_batch(module);
   bind_program(module);
+  bind_scripts(module);
   bind_live(module, simulation);
   bind_math(module);
   bind_study(module);

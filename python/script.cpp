@@ -38,7 +38,7 @@ constexpr std::size_t k_most_kinds = 64;  // controllers, and measures, in a pro
 
 /// A measure in Python: a function of a swarm that returns a number.
 struct PythonMeasure {
-  std::string name, text, file;
+  std::string name, text, definition, file;
   py::object function;
 };
 
@@ -203,10 +203,21 @@ engine::Element element_of(const py::dtype& type) {
       "report it");  // _script.py has checked it
 }
 
-engine::Unit unit_of(const std::string& symbol) {
+std::string_view symbol_of(engine::Unit unit) { return engine::unit_suffixes(unit).front().symbol; }
+
+/// All units but Unit::none.
+std::vector<engine::Unit> units() {
+  std::vector<engine::Unit> all;
   for (auto unit = engine::Unit::meters; unit <= engine::Unit::watts;
        unit = static_cast<engine::Unit>(static_cast<int>(unit) + 1))
-    if (engine::unit_suffixes(unit).front().symbol == symbol) return unit;
+    all.push_back(unit);
+  return all;
+}
+
+/// Returns Unit::none for an empty text. _script.py has checked that other texts are known.
+engine::Unit unit_of(const std::string& symbol) {
+  for (const engine::Unit unit : units())
+    if (symbol_of(unit) == symbol) return unit;
   return engine::Unit::none;
 }
 
@@ -268,10 +279,12 @@ engine::MeasureKind measure_of(const py::dict& described, const std::string& fil
   auto measure = std::make_unique<PythonMeasure>();
   measure->name = described["name"].cast<std::string>();
   measure->text = described["text"].cast<std::string>();
+  measure->definition = described["definition"].cast<std::string>();
   measure->file = file;
   measure->function = described["function"];
   engine::MeasureKind kind{.name = measure->name, .unit = unit_of(described["unit"].cast<std::string>())};
-  kind.text = kind.definition = measure->text;
+  kind.text = measure->text;
+  kind.definition = measure->definition;
   kind.is_foreign = true;
   kind.make = std::get<2>(k_hooks)[Slots<PythonMeasure>::add(std::move(measure), "measures")];
   return kind;
@@ -302,6 +315,17 @@ std::vector<std::shared_ptr<const Script>> scripts_of(const py::object& sources)
     scripts.push_back(*described["script"].cast<py::capsule>().get_pointer<std::shared_ptr<const Script>>());
   }
   return scripts;
+}
+
+void bind_scripts(py::module_& module) {
+  module.def(
+      "_units",
+      [] {
+        std::vector<std::string> symbols;
+        for (const engine::Unit unit : units()) symbols.emplace_back(symbol_of(unit));
+        return symbols;
+      },
+      "The units that a measure may have.");
 }
 
 }  // namespace troupe::python

@@ -143,7 +143,7 @@ template <class M>
 engine::MeasureKind measure_of(std::string_view name) {
   engine::Unit unit = engine::Unit::none;
   if constexpr (requires { M::unit; }) unit = M::unit;
-  std::string_view definition = M::text;
+  std::string_view definition;
   if constexpr (requires { M::definition; }) definition = M::definition;
   std::string_view formula;
   if constexpr (requires { M::formula; }) formula = M::formula;

@@ -12,7 +12,7 @@ needs_numpy_1: bool
 
 _File = Union[str, "PathLike[str]"]
 _Numbers = Union[float, npt.ArrayLike]
-_Where = Optional[npt.NDArray[np.bool_]]
+_Where = Union[None, npt.NDArray[np.bool_], Sequence[bool]]
 _Doubles = npt.NDArray[np.float64]
 _Floats = npt.NDArray[np.float32]
 _Pose = Union["Pose", Tuple[float, float, float]]
@@ -21,6 +21,7 @@ _Callback = TypeVar("_Callback", bound=Optional[Callable[["Simulation"], object]
 
 def version_line() -> str: ...
 def _read_study(file: _File, text: Optional[str] = ...) -> Dict[str, Any]: ...
+def _units() -> List[str]: ...
 def _ticks_until(end_s: float, tick_s: float) -> int: ...
 def _period_ticks(period_s: float, tick_s: float) -> int: ...
 

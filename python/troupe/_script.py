@@ -17,7 +17,7 @@ from typing import Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tupl
 
 import numpy as np
 
-from ._core import InputError, Robots
+from ._core import InputError, Robots, _units
 
 _ELEMENTS = ("f8", "f4", "i8", "i4", "u8", "u4", "u1")
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -80,10 +80,14 @@ def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", na
         def reach(robots):
             return np.abs(robots.poses()[:, 0]).max()
 
-    unit: unit of the result, such as "m". name: name of the measure; None: the name of the function. In the script
-    my.py, this example declares the measure `my:reach`. Troupe does not guarantee that measures in Python have the same
-    bits on every machine.
+    unit: unit of the result, such as "m"; an unknown unit raises ValueError, whose text lists the known units. name:
+    name of the measure; None: the name of the function. In the script my.py, this example declares the measure
+    `my:reach`. Troupe does not guarantee that measures in Python have the same bits on every machine.
     """
+
+    if unit and unit not in _units():
+        raise ValueError(f'unknown unit "{unit}"; known: {", ".join(_units())}; for other units leave `unit` out, and name '
+                         "the unit in the name of the measure")
 
     def declare(function: Callable[..., Any]) -> Callable[..., Any]:
         setattr(function, "_troupe_measure", {"unit": unit, "name": name or function.__name__})
@@ -251,8 +255,9 @@ def _controller(cls: Any, file: str) -> Dict[str, Any]:
 
 def _measure(function: Any) -> Dict[str, Any]:
     declared = function._troupe_measure
-    return {"name": declared["name"], "unit": declared["unit"], "function": function,
-            "text": (inspect.getdoc(function) or "a function in Python").split("\n")[0]}
+    text, _, definition = (inspect.getdoc(function) or "a function in Python").partition("\n")
+    return {"name": declared["name"], "unit": declared["unit"], "function": function, "text": text,
+            "definition": " ".join(definition.split())}
 
 
 def _execute(file: str) -> ModuleType:

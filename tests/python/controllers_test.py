@@ -182,6 +182,20 @@ class Controllers(InAFolder):
                 use()
         self.assertEqual(repr(kept), "<Swarm of 30 robots>")
 
+    def test_a_measure_with_an_unknown_unit_is_an_error_with_its_line(self):
+        self.write("my.py", ROAM.replace('unit="m"', 'unit="m2"'))
+        line = ROAM.splitlines().index('@troupe.measure(unit="m")') + 1
+        known = "m, rad, s, m/s, rad/s, m/s^2, rad/s^2, 1/s, kg, J, W"
+        with self.assertRaisesRegex(troupe.InputError, rf'my\.py:{line}: error: ValueError: unknown unit "m2"; known: {re.escape(known)}; '):
+            troupe.Simulation("w.json", controllers=["my.py"])
+
+    def test_the_error_for_a_measure_of_a_missing_script_names_the_option(self):
+        made = self.troupe("run", "w.json", "--measures", "m.csv", "--measure", "my:reach", code=2)
+        self.assertIn('unknown measure "my"; known: ', made.stderr)
+        self.assertTrue(made.stderr.endswith('; if it is a Python script, give --controller my.py (in Python: controllers=["my.py"])\n'), made.stderr)
+        made = self.troupe("run", "w.json", "--set", '/types/bot/controller={"kind": "my:roam"}', code=2)
+        self.assertIn('if it is a Python script, give --controller my.py (in Python: controllers=["my.py"])', made.stderr)
+
     def test_a_measure_that_returns_no_number_is_an_error_with_its_line(self):
         for result, found in (("'x'", "'x'"), ("None", "None"), ("robots.poses()", "an array of shape (30, 4)")):
             self.write("my.py", ROAM.replace("np.abs(robots.poses()[:, :2]).max()", result))
@@ -274,7 +288,11 @@ class Controllers(InAFolder):
         self.assertTrue(described.startswith("controller roam: roam about\n"), described)
         self.assertIn("\nneeds\n  no drive\n  uses all devices of the robot; there may be at most 16\n"
                       "  one call decides for all robots of a type\n", described)
-        self.assertIn("measure roam:reach", self.troupe("describe", "roam:reach", *script).stdout)
+        self.assertIn("measure roam:reach (m): largest distance from the middle\n\n  takes no parameters\n",
+                      self.troupe("describe", "roam:reach", *script).stdout)
+        self.write("long.py", ROAM.replace('"largest distance from the middle"', '"""largest distance\n\n    from the\n    middle\n    """'))
+        self.assertIn("measure long:reach (m): largest distance\n\n  from the middle\n\n  takes no parameters\n",
+                      self.troupe("describe", "long:reach", "--controller", "long.py").stdout)
         self.assertIn("controllers of roam.py\n  roam  roam about\n\nmeasures of roam.py\n  roam:reach  largest distance",
                       self.troupe("describe", *script).stdout)
         self.write("my.py", ROAM.replace('robots = "r"', 'robots = "s"'))
