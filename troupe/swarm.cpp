@@ -28,11 +28,8 @@ void check_size(std::string_view what, std::size_t given, std::size_t robots) {
 Swarm Simulation::swarm(std::string_view of) {
   engine::World& world = this->world();
   std::vector<BodyId> robots = engine::robots_of(world, of);
-  if (robots.empty() && !of.empty() && !engine::is_name_of_no_robots(world, of)) {
-    const std::vector<std::string> known = engine::names_of_robots(world);
-    throw std::out_of_range(unknown_name("type or population of robots", of,
-                                         std::vector<std::string_view>(known.begin(), known.end())));
-  }
+  if (robots.empty() && !of.empty() && !engine::is_name_of_no_robots(world, of))
+    throw std::out_of_range(engine::unknown_robots(world, of));
   return Swarm(world, std::move(robots));
 }
 

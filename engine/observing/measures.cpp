@@ -63,9 +63,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     const MeasureKind* kind = *found;
     std::vector<BodyId> robots = robots_of(world, spec.of);
     if (robots.empty() && !spec.of.empty() && !is_name_of_no_robots(world, spec.of)) {
-      const std::vector<std::string> known = names_of_robots(world);
-      error(unknown_name("type or population of robots", spec.of,
-                         std::vector<std::string_view>(known.begin(), known.end())));
+      error(unknown_robots(world, spec.of));
       continue;
     }
     std::string column = column_name(spec, *kind);
@@ -211,6 +209,17 @@ std::vector<std::string> names_of_robots(const World& world) {
       names.emplace(population);
   }
   return {names.begin(), names.end()};
+}
+
+std::string unknown_robots(const World& world, std::string_view name) {
+  const WorldSpec& spec = world.spec();
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b)
+    if (world.type(BodyId(b)).name == name || spec.name(BodyId(b)) == name ||
+        is_of_population(spec.names, spec.bodies[b].name, name))
+      return fmt::format("\"{}\" has no drive: robots are bodies with a drive", name);
+  const std::vector<std::string> known = names_of_robots(world);
+  return unknown_name("type or population of robots", name,
+                      std::vector<std::string_view>(known.begin(), known.end()));
 }
 
 }  // namespace troupe::engine

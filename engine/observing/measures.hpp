@@ -111,6 +111,9 @@ bool is_name_of_no_robots(const World& world, std::string_view name);
 /// Returns the names of all types of robots and of all populations, sorted, each once. The population of a
 /// robot has the name of the robot without the digits at its end: "ant" for "ant7".
 std::vector<std::string> names_of_robots(const World& world);
+/// Returns the text of an error for a name that robots_of() does not find, and for which
+/// is_name_of_no_robots() is false.
+std::string unknown_robots(const World& world, std::string_view name);
 
 /// Returns how many of the bodies are in the world, that is, neither unborn nor dead. No body may be static.
 std::size_t count_there(const World& world, std::span<const BodyId> bodies);

@@ -231,6 +231,9 @@ TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
       "\"coverage\"?); no folder to search for coverge.so: give --plugin-path "
       "(in C++ and Python: plugin_path); if it is a Python script, give --controller coverge.py (in Python: "
       "controllers=[\"coverge.py\"])");
+  refused({"--measures", "m.csv", "--measure", "share_within"},
+          "measure share_within: error: the measure \"share_within\" has parameters without a default: write "
+          "{\"kind\": \"share_within\", \"center_m\": ..., \"radius_m\": ...}");
   refused({"--events", "none/e.csv"}, "none/e.csv: error: cannot be written: there is no folder none");
   refused({"--events", "m.csv", "--measures", "./m.csv"},
           "m.csv: error: cannot be written: another output has the same name: choose another file name");

@@ -192,6 +192,9 @@ TEST(Swarms, SayWhatIsWrong) {
   EXPECT_EQ(
       message_of<std::out_of_range>([&] { static_cast<void>(simulation.swarm("bots")); }),
       "unknown type or population of robots \"bots\"; known: b, bot, c, t, truck (did you mean \"bot\"?)");
+  for (const char* name : {"wall", "east"})
+    EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.swarm(name)); }),
+              "\"" + std::string(name) + "\" has no drive: robots are bodies with a drive");
   Swarm bots = simulation.swarm("b");
   std::vector<float> ranges(9);
   EXPECT_EQ(message_of<std::out_of_range>([&] { bots.ranges(ranges, "ear"); }),

@@ -214,9 +214,18 @@ JsonNode schema_of_texts(const std::string& pattern) {
   return schema;
 }
 
-bool has_defaults(const engine::FieldTable& params) {
-  return std::ranges::all_of(params.defaults(), &engine::Value::given);
+/// Returns the keys of the parameters without a default, in SI units.
+std::vector<std::string> required_keys(const engine::FieldTable& params) {
+  const engine::Record defaults = params.defaults();
+  std::vector<std::string> keys;
+  for (std::size_t i = 0; i < defaults.size(); ++i)
+    if (!defaults[i].given())
+      keys.push_back(fmt::format("{}{}", params.fields[i].name,
+                                 engine::unit_suffixes(params.fields[i].unit).front().suffix));
+  return keys;
 }
+
+bool has_defaults(const engine::FieldTable& params) { return required_keys(params).empty(); }
 
 void read_measure_text(const JsonCursor& at, const std::string& text, const Registry& registry,
                        void* object) {
@@ -236,11 +245,10 @@ void read_measure_text(const JsonCursor& at, const std::string& text, const Regi
   const auto kind = k_measures.find(registry, measure.kind);
   if (!kind) return at.error(kind.error().text);
   measure.params = kind->params->defaults();
-  if (!has_defaults(*kind->params))
-    at.error(
-        fmt::format("the measure \"{}\" has parameters without a default: write {{\"kind\": \"{}\", ...}} "
-                    "with these parameters",
-                    kind->name, kind->name));
+  if (const std::vector<std::string> keys = required_keys(*kind->params); !keys.empty())
+    at.error(fmt::format(
+        "the measure \"{}\" has parameters without a default: write {{\"kind\": \"{}\", \"{}\": ...}}",
+        kind->name, kind->name, fmt::join(keys, "\": ..., \"")));
 }
 
 std::vector<JsonNode> measure_text_schemas(const Registry& registry) {
