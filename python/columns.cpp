@@ -47,10 +47,11 @@ void refuse(std::string_view name, const py::array& given, std::size_t robots, s
 
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots) {
   if (!where) return {};
-  if (where->dtype().kind() != 'b' || where->ndim() != 1 || static_cast<std::size_t>(where->size()) != robots)
-    refuse(fmt::format("where, an array of {},", std::string(py::str(where->dtype()))), *where, robots,
+  const py::array given = py::module_::import("numpy").attr("asarray")(*where);
+  if (given.dtype().kind() != 'b' || given.ndim() != 1 || static_cast<std::size_t>(given.size()) != robots)
+    refuse(fmt::format("where, an array of {},", std::string(py::str(given.dtype()))), given, robots,
            "one bool per robot");
-  const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(*where);
+  const py::array_t<bool, py::array::c_style | py::array::forcecast> marks(given);
   return {marks.data(), marks.data() + marks.size()};
 }
 
@@ -101,6 +102,8 @@ py::array rows_for(const engine::StateField& field, const py::handle& value, py:
 
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots) {
+  const auto field = std::ranges::find(fields, "payload", &engine::StateField::name);
+  if (field == fields.end()) throw std::out_of_range(fmt::format("the device \"{}\" is not a radio", device));
   py::dict values;
   values["mode"] = 1;
   if (py::isinstance<py::bytes>(message)) {
@@ -118,8 +121,6 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
         "bytes object, or an array of numbers or bytes",
         std::string(py::str(rows.dtype()))));
   const py::ssize_t length = robots > 0 ? rows.nbytes() / robots : 0;
-  const auto field = std::ranges::find(fields, "payload", &engine::StateField::name);
-  if (field == fields.end()) throw std::out_of_range(fmt::format("the device \"{}\" is not a radio", device));
   const auto columns = static_cast<py::ssize_t>(field->columns);
   if (length > columns)
     throw py::value_error(

@@ -18,7 +18,7 @@
 namespace troupe::python {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Where = std::optional<py::array>;
+using Where = std::optional<py::object>;
 
 /// Throws ValueError for an argument of a wrong shape. name: name of the argument; given: its value; robots:
 /// number of robots; wanted: text that says what is expected, such as "one number, or one per robot".
@@ -41,9 +41,10 @@ class Column {
   std::size_t step_;
 };
 
-/// Converts the Python argument `where`, which selects the robots that get a command. It is an array of one
-/// bool per robot, or None, which selects all robots. Returns one byte per robot, 1 for a selected robot and
-/// 0 for others; for None, returns an empty vector. Throws ValueError for any other argument.
+/// Converts the Python argument `where`, which selects the robots that get a command. It is an array or a
+/// list of one bool per robot, or None, which selects all robots. Returns one byte per robot, 1 for a
+/// selected robot and 0 for others; for None, returns an empty vector. Throws ValueError for any other
+/// argument.
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots);
 
 /// Returns a new array for the values of a field, with the element type of the field. The shape is (robots,)
@@ -73,9 +74,9 @@ py::array rows_for(const engine::StateField& field, const py::handle& value, py:
 /// of a row are the message of the robot. fields: all fields of the command of the radios. device: name of
 /// the radios, for the text of errors.
 ///
-/// If `message` is an array, throws ValueError if it does not have one row per robot, if its elements are
-/// Python objects, or if a row is longer than the payload of a message; and std::out_of_range if `fields`
-/// contains no payload, because the device is not a radio.
+/// Throws std::out_of_range if `fields` contains no payload, because the device is not a radio. If `message`
+/// is an array, throws ValueError if it does not have one row per robot, if its elements are Python objects,
+/// or if a row is longer than the payload of a message.
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots);
 /// Returns the messages that radios received, as Swarm.heard() in Python does. The result is a pair of arrays

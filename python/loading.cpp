@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -18,8 +19,8 @@
 namespace troupe::python {
 
 std::string json_of(const py::object& value, const py::object& indent) {
-  return py::module_::import("json")
-      .attr("dumps")(value, py::arg("allow_nan") = false, py::arg("indent") = indent)
+  return py::module_::import("troupe._json")
+      .attr("text_of")(value, py::arg("indent") = indent)
       .cast<std::string>();
 }
 
@@ -39,7 +40,8 @@ std::vector<fs::path> folders_of(Paths paths) {
 /// its JSON is invalid, and the reader of settings treats invalid JSON as a text without quotes.
 std::string setting_of(const py::object& value) {
   std::string json = json_of(value);
-  const py::object text = py::module_::import("json").attr("dumps")(value, py::arg("ensure_ascii") = false);
+  const py::object text =
+      py::module_::import("troupe._json").attr("text_of")(value, py::arg("ensure_ascii") = false);
   if (PyUnicode_AsUTF8(text.ptr()) != nullptr) return json;
   PyErr_Clear();
   throw py::value_error(fmt::format(
@@ -140,8 +142,14 @@ Holder load(const std::variant<py::dict, fs::path>& world, const Robots& robots,
             unsigned ranks) {
   const SimulationOptions options = options_of(robots, threads, seed, ranging, set, std::move(search_path),
                                                std::move(plugin_path), controllers, tile_size_m, ranks);
-  if (const fs::path* file = std::get_if<fs::path>(&world))
+  std::error_code ignored;
+  if (const fs::path* file = std::get_if<fs::path>(&world)) {
+    if (file->native().find_first_of("{\n") != std::string::npos && !fs::exists(*file, ignored))
+      throw py::value_error(
+          "world: found the text of a world where the name of a file is expected: use "
+          "Simulation.from_text()");
     return hold([&] { return Simulation(*file, options); });
+  }
   const std::string text = json_of(std::get<py::dict>(world), py::int_(1));
   return hold([&] { return Simulation::from_text(text, name, options); });
 }

@@ -52,19 +52,18 @@ struct HeldMeasures {
 
  private:
   double value_of(const py::object& function) const {
-    return call(function, py::cast(HeldSwarm{held, held->use().swarm()})).cast<double>();
+    const py::object result = call(function, py::cast(HeldSwarm{held, held->use().swarm()}));
+    return py::module_::import("troupe._script").attr("number_of")(function, result).cast<double>();
   }
 };
 
 /// Converts the measures that a program requests to the texts that the constructor of Measures takes: dicts
 /// become JSON, names are not changed.
 std::vector<std::string> texts_of(const std::vector<Wanted>& wanted) {
-  const py::object dumps = py::module_::import("json").attr("dumps");
   std::vector<std::string> texts;
   for (const Wanted& one : wanted) {
     if (const auto* name = std::get_if<std::string>(&one)) texts.push_back(*name);
-    if (const auto* described = std::get_if<py::dict>(&one))
-      texts.push_back(dumps(*described).cast<std::string>());
+    if (const auto* described = std::get_if<py::dict>(&one)) texts.push_back(json_of(*described));
   }
   return texts;
 }
@@ -146,9 +145,17 @@ void bind_observers(py::module_& module) {
       .def_readonly("robot", &Event::robot)
       .def_readonly("id", &Event::id)
       .def_readonly("other", &Event::other)
-      .def("__repr__", [](const Event& event) {
-        return "<Event " + event.type + " of " + event.robot + (event.other ? ", " + *event.other : "") + ">";
-      });
+      .def("__repr__",
+           [](const Event& event) {
+             return "<Event " + event.type + " of " + event.robot + (event.other ? ", " + *event.other : "") +
+                    ">";
+           })
+      .def(py::pickle(
+          [](const Event& event) { return py::make_tuple(event.type, event.robot, event.id, event.other); },
+          [](const py::tuple& state) {
+            return Event{state[0].cast<std::string>(), state[1].cast<std::string>(),
+                         state[2].cast<std::uint32_t>(), state[3].cast<std::optional<std::string>>()};
+          }));
 
   py::class_<HeldEvents>(module, "Events",
                          "Detects events of robots, such as beginnings of stalls, by comparing the state of "

@@ -136,7 +136,9 @@ bool run_until(const py::object& self, const py::function& done, double at_most_
   for (; ticks > 0 && !held->use().stopped(); --ticks) {
     advance(self, 1, true);
     const Held::Calling calling(*held);
-    if (call(done, self).cast<bool>()) return true;
+    const int is_done = PyObject_IsTrue(call(done, self).ptr());
+    if (is_done < 0) throw py::error_already_set();  // an array of several elements is neither true nor false
+    if (is_done > 0) return true;
   }
   return false;
 }
@@ -493,9 +495,15 @@ void bind_values(py::module_& module) {
       .def("__iter__", [](const Pose& p) { return py::iter(py::make_tuple(p.x, p.y, p.heading)); })
       .def(
           "__eq__", [](const Pose& a, const Pose& b) { return a == b; }, py::is_operator())
-      .def("__repr__", [](const Pose& p) {
-        return fmt::format("Pose(x={}, y={}, heading={}, z={})", p.x, p.y, p.heading, p.z);
-      });
+      .def("__repr__",
+           [](const Pose& p) {
+             return fmt::format("Pose(x={}, y={}, heading={}, z={})", p.x, p.y, p.heading, p.z);
+           })
+      .def(py::pickle([](const Pose& p) { return py::make_tuple(p.x, p.y, p.z, p.heading); },
+                      [](const py::tuple& state) {
+                        return Pose{state[0].cast<double>(), state[1].cast<double>(), state[2].cast<double>(),
+                                    state[3].cast<double>()};
+                      }));
   py::implicitly_convertible<py::tuple, Pose>();
 
   py::class_<Model::Speed>(module, "Speed",
@@ -506,9 +514,15 @@ void bind_values(py::module_& module) {
       .def_readonly("turn", &Model::Speed::turn)
       .def("__iter__",
            [](const Model::Speed& s) { return py::iter(py::make_tuple(s.forward, s.left, s.turn)); })
-      .def("__repr__", [](const Model::Speed& s) {
-        return fmt::format("Speed(forward={}, left={}, turn={})", s.forward, s.left, s.turn);
-      });
+      .def("__repr__",
+           [](const Model::Speed& s) {
+             return fmt::format("Speed(forward={}, left={}, turn={})", s.forward, s.left, s.turn);
+           })
+      .def(py::pickle(
+          [](const Model::Speed& s) { return py::make_tuple(s.forward, s.left, s.turn); },
+          [](const py::tuple& state) {
+            return Model::Speed{state[0].cast<double>(), state[1].cast<double>(), state[2].cast<double>()};
+          }));
 }
 
 }  // namespace

@@ -10,6 +10,7 @@ import threading
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _core
+from ._json import text_of
 
 if TYPE_CHECKING:
     import pandas
@@ -134,7 +135,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
         if isinstance(document.get("world"), Mapping):
             world = document["world"]
             document["world"] = name
-        read = _core._read_study(name, json.dumps(document))
+        read = _core._read_study(name, text_of(document))
     else:
         name = os.fspath(study)
         read = _core._read_study(name)

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import pathlib
+import pickle
 import signal
 import subprocess
 import sys
@@ -45,6 +46,24 @@ class Loading(InAFolder):
         self.assertEqual(worlds[0].tick_s, 0.1)
         self.assertEqual(worlds[0].quit_time_s, 60)
         self.assertEqual(worlds[1].threads, 2)
+
+    def test_values_may_be_numbers_and_arrays_of_numpy(self):
+        plain = troupe.Simulation({**ROOM, "bounds_m": [[-6, -6], [6, 6]], "seed": 9}, set={"/populations/0/count": 3})
+        numpy = troupe.Simulation({**ROOM, "bounds_m": np.array([[-6.0, -6], [6, 6]]), "seed": np.int64(9)},
+                                  set={"/populations/0/count": np.arange(5)[3]})
+        self.assertEqual(numpy.state_hash(), plain.state_hash())
+        near = troupe.Measures(numpy, [{"kind": "neighbours", "radius_m": np.float32(9)}])
+        self.assertEqual(near.values(), troupe.Measures(plain, [{"kind": "neighbours", "radius_m": 9}]).values())
+        for wrong in (1j, {1}, object(), np.array([1j])):
+            with self.assertRaisesRegex(TypeError, "^a [a-z]+ has no counterpart in JSON: give a dict, "):
+                troupe.Simulation({**ROOM, "seed": wrong})
+        with self.assertRaisesRegex(ValueError, "not JSON compliant"):
+            troupe.Simulation({**ROOM, "tick_s": np.float64("nan")})
+
+    def test_the_text_of_a_world_is_no_file_name(self):
+        for text in (json.dumps(ROOM), "include\n"):
+            with self.assertRaisesRegex(ValueError, "^world: found the text of a world where the name of a file is expected: "):
+                troupe.Simulation(text)
 
     def test_options_take_effect(self):
         world = troupe.Simulation(ROOM, seed=2**64 - 1, ranging="grid", threads=1, set={"/title": "Mine"})
@@ -453,6 +472,12 @@ class Callbacks(InAFolder):
         self.assertEqual(world.tick, 4)
         self.assertFalse(world.run_until(lambda simulation: False, 0.4))
         self.assertEqual(world.tick, 6)
+        for true in (np.True_, 1, "yes", [0], np.ones(1)):
+            self.assertTrue(world.run_until(lambda simulation: true, 60))
+        for false in (np.False_, 0, None, "", np.zeros(1)):
+            self.assertFalse(world.run_until(lambda simulation: false, 0.4))
+        with self.assertRaisesRegex(ValueError, "truth value of an array"):
+            world.run_until(lambda simulation: np.ones(2), 60)
         with self.assertRaisesRegex(ValueError, r"run_until\(-1\): give a time from 0"):
             world.run_until(lambda simulation: True, -1)
         ending = troupe.Simulation({**ROOM, "stop_when": ["displacement > 0.3"]})
@@ -943,6 +968,9 @@ class Swarms(InAFolder):
         self.world.step()
         self.assertEqual(self.bots.speeds()[2].tolist(), [0.25, 0, 0.5])
         self.assertGreater(self.bots.speeds()[3, 0], 0.1)
+        self.bots.set_speeds(0.125, 0, where=[True] + [False] * 7)
+        self.world.step()
+        self.assertEqual(self.bots.speeds()[0].tolist(), [0.125, 0, 0])
         poses = self.bots.poses()
         poses[:6] = np.column_stack([np.arange(6) - 3, np.full(6, -4.5), np.zeros(6), np.zeros(6)])
         self.bots.set_poses(poses, where=np.arange(8) < 6)
@@ -957,6 +985,9 @@ class Swarms(InAFolder):
                 self.bots.set_speeds(0, wrong)
         with self.assertRaisesRegex(ValueError, "where, an array of int64, has shape .8,.; .* give one bool per robot"):
             self.bots.set_speeds(0, 0, where=np.arange(8))
+        for wrong in ([0, 1], True, "all", [True] * 7):
+            with self.assertRaisesRegex(ValueError, "^where, an array of .* give one bool per robot"):
+                self.bots.set_speeds(0, 0, where=wrong)
         with self.assertRaisesRegex(ValueError, "poses has shape .8, 3."):
             self.bots.set_poses(np.zeros((8, 3)))
         for wrong in ("fast", None):
@@ -966,6 +997,8 @@ class Swarms(InAFolder):
             self.world.swarm().ranges("eye")
         with self.assertRaisesRegex(LookupError, 'unknown type or population of robots "bit".*did you mean "bot"'):
             self.world.swarm("bit")
+        with self.assertRaisesRegex(LookupError, '^"wall" has no drive: robots are bodies with a drive$'):
+            self.world.swarm("wall")
         with self.assertRaisesRegex(ValueError, "outside the world's bounds"):
             self.bots.set_poses(np.full((8, 4), 1e9))
 
@@ -991,6 +1024,26 @@ class Looking(InAFolder):
             troupe.Measures(world, ["far"])
         with self.assertRaises(TypeError):
             troupe.Measures(None)
+        for wrong, found in ((lambda robots: robots.poses(), r"an array of shape \(9, 4\)"), (lambda robots: None, "None"), (lambda robots: "1", "'1'")):
+            with self.assertRaisesRegex(TypeError, f"^the measure <lambda> returned {found}, expected a number$"):
+                troupe.Measures(world, [wrong]).values()
+
+    def test_poses_speeds_and_events_can_be_pickled(self):
+        world = troupe.Simulation(ROOM)
+        robot, events = world.find("r0"), troupe.Events(world)
+        robot.set_pose((4.7, 0, 0))
+        robot.set_speed(0.5, 0)
+        seen = []
+        for _ in range(4):
+            world.step()
+            seen += events.see()
+        self.assertEqual(repr(seen), "[<Event stall_begins of r0>]")
+        for value in (troupe.Pose(1, 2, 3, 4), robot.pose(), robot.speed(), *seen):
+            other = pickle.loads(pickle.dumps(value))
+            self.assertEqual((type(other), repr(other)), (type(value), repr(value)))
+        self.assertEqual(pickle.loads(pickle.dumps(seen[0])).id, seen[0].id)
+        with self.assertRaisesRegex(TypeError, "cannot pickle"):
+            pickle.dumps(world)
 
     def test_means_are_exact_sums_rounded_once(self):
         world = troupe.Simulation(HOSPITAL, robots=3000)

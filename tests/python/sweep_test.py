@@ -12,6 +12,7 @@ import time
 import unittest
 import unittest.mock
 
+import numpy as np
 import troupe
 import troupe.plot
 
@@ -66,6 +67,11 @@ class Sweep(unittest.TestCase):
         self.assertEqual(len(means), 2 * 5)
         last = series.groupby("run")["coverage"].last()
         self.assertEqual(list(last), list(troupe.sweep(STUDY)["coverage"]))
+
+    def test_a_study_may_contain_numpy_values(self):
+        values = STUDY["parameters"][0]["values"]
+        numpy = {**STUDY, "for_s": np.float64(STUDY["for_s"]), "parameters": [{**STUDY["parameters"][0], "values": np.array(values)}]}
+        self.assertEqual(list(troupe.sweep(numpy)["state_hash"]), list(troupe.sweep(STUDY)["state_hash"]))
 
     def test_what_is_wrong_is_an_error_and_a_run_that_fails_a_row(self):
         with self.assertRaisesRegex(troupe.InputError, "study.json"):
