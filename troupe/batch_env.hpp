@@ -103,7 +103,7 @@ struct BatchColumn {
 /// was finished (see BatchEnd) before the step, or that is not in the world after the step.
 struct BatchReward {
   BatchColumn of;     ///< the number that is rewarded
-  double weight = 1;  ///< factor by which the number is multiplied
+  double weight = 1;  ///< factor by which the number is multiplied; finite
   /// False: the term uses the number itself. True: the term uses the change of the number since the previous
   /// step or, in the first step of an episode, since the end of the tick with which the episode begins. The
   /// change is 0 for a robot that was not in the world after the previous step.
@@ -117,9 +117,9 @@ struct BatchReward {
 /// not yet born).
 struct BatchEnd {
   BatchColumn of;         ///< the number that is tested
-  double below = 0;       ///< the threshold
+  double below = 0;       ///< the threshold; not NaN
   bool is_above = false;  ///< true: holds if the number is greater than the threshold; false: if it is less
-  double reward = 0;      ///< added to the robot's reward in the step after which the condition holds
+  double reward = 0;      ///< added to the robot's reward in the step after which the condition holds; finite
 };
 
 /// A group of robots that learn one policy. They have the same observations, actions and rewards.

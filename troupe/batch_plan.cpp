@@ -51,6 +51,16 @@ void BatchEnv::Impl::check_spec() const {
       if (!std::isfinite(action.low) || !std::isfinite(action.high))
         refuse(fmt::format("action \"{}\" of team \"{}\": low is {}, high is {}: give finite numbers",
                            action.command, team.name, action.low, action.high));
+    for (const BatchReward& reward : team.rewards)
+      if (!std::isfinite(reward.weight))
+        refuse(fmt::format("reward of team \"{}\": weight is {}: give a finite number", team.name,
+                           reward.weight));
+    for (const BatchEnd& end : team.ends)
+      if (std::isnan(end.below) || !std::isfinite(end.reward))
+        refuse(
+            fmt::format("end of team \"{}\": the threshold is {}, reward is {}: give a threshold that is a "
+                        "number, and a finite reward",
+                        team.name, end.below, end.reward));
   }
 }
 

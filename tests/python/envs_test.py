@@ -338,6 +338,9 @@ class Vector(unittest.TestCase):
         ):
             with self.assertRaisesRegex(ValueError, text):
                 env.reset(seed=wrong)
+        for wrong, found in ((1.5, "1.5"), ("12", "'12'"), ([1, 2.0, 3], "2.0"), (np.array([1.0, 2, 3]), ".*1.0.*")):
+            with self.assertRaisesRegex(TypeError, f"^seed: found {found}: give a whole number"):
+                env.reset(seed=wrong)
         with self.assertRaisesRegex(ValueError, "found a list of 2 seeds: give 3, one per copy$"):
             troupe.envs.VectorEnv(Short(2), 3, robot="r0").reset(seed=[1, 2])
 

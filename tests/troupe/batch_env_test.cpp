@@ -453,6 +453,18 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       k_argument, [](auto&, auto& t) { t.rewards[0].of.column = 4; },
       "there is no column 4 in array \"goal\", which has 4 columns");
   is_wrong(
+      k_argument, [](auto&, auto& t) { t.rewards[0].weight = NAN; },
+      "reward of team \"bots\": weight is nan: give a finite number");
+  is_wrong(
+      k_argument, [](auto&, auto& t) { t.ends.push_back({.of = {.array = "goal"}, .below = NAN}); },
+      "end of team \"bots\": the threshold is nan, reward is 0: give a threshold that is a number");
+  is_wrong(
+      k_argument,
+      [](auto&, auto& t) {
+        t.ends.push_back({.of = {.array = "goal"}, .reward = -std::numeric_limits<double>::infinity()});
+      },
+      "reward is -inf: give a threshold that is a number, and a finite reward");
+  is_wrong(
       k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "stalls"; }, "unknown measure \"stalls\"");
   is_wrong(  // the beginning of a name
       k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "mean"; }, "unknown measure \"mean\"");

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import operator
 from typing import Any, Dict, List, Optional, Sequence
 
 import numpy as np
@@ -19,10 +20,15 @@ _OF_SPACE = ("low", "high", "shape")  # members of a part that define its observ
 
 
 def checked_seed(seed: Any) -> int:
-    """Returns a seed as an int. Raises ValueError if it is not from 0 to 2^64 - 1."""
-    if not 0 <= int(seed) < 2**64:
+    """Returns a seed as an int. Raises TypeError if it is not a whole number, and ValueError if it is not from 0 to
+    2^64 - 1."""
+    try:
+        whole = operator.index(seed)
+    except TypeError:
+        raise TypeError(f"seed: found {seed!r}: give a whole number from 0 to {2**64 - 1}") from None
+    if not 0 <= whole < 2**64:
         raise ValueError(f"seed: found {seed}: give a whole number from 0 to {2**64 - 1}")
-    return int(seed)
+    return whole
 
 
 class Batch:

@@ -184,7 +184,9 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
             return []
         if isinstance(seed, (int, np.integer)):
             return [(checked_seed(seed) + copy) % 2**64 for copy in range(self.copies)]
-        seeds = [None if each is None else int(each) for each in seed]
+        if isinstance(seed, str) or not hasattr(seed, "__iter__"):
+            raise TypeError(f"seed: found {seed!r}: give a whole number, or a list with one seed per copy")
+        seeds = [None if each is None else checked_seed(each) for each in seed]
         if len(seeds) == self.copies:
             return seeds
         if len(seeds) != self.num_envs:
