@@ -110,28 +110,27 @@ bool Diagnostics::is_heir(std::size_t heir, std::size_t base) const {
 }
 
 std::optional<std::size_t> Diagnostics::to_common_base(std::string& message) const {
-  std::optional<std::size_t> about;
   const auto root = [this](std::size_t part) {
     while (kin_[part].base != part) part = kin_[part].base;
     return part;
   };
-  for (std::size_t i = 0; i < kin_.size() && !about; ++i) {
+  for (std::size_t i = 0; i < kin_.size(); ++i) {
     const std::string& path = kin_[i].part.path;
     if (!message.starts_with(path) || message.size() == path.size()) continue;
     if (message[path.size()] != '/' && message[path.size()] != ':') continue;
     message.replace(0, path.size(), kin_[root(i)].part.path);
-    about = i;
+    return i;
   }
+  std::optional<std::size_t> about;
   std::size_t first = message.size();
-  for (std::size_t i = 0; i < kin_.size() && !about; ++i) {
+  for (std::size_t i = 0; i < kin_.size(); ++i) {
     const std::string quoted = fmt::format("\"{}\"", kin_[i].part.name);
     const std::size_t at = message.find(quoted);
     if (at >= first) continue;
     first = at;
     about = i;
   }
-  if (first < message.size())
-    message.replace(first + 1, kin_[*about].part.name.size(), kin_[root(*about)].part.name);
+  if (about) message.replace(first + 1, kin_[*about].part.name.size(), kin_[root(*about)].part.name);
   return about;
 }
 

@@ -172,5 +172,17 @@ TEST(Diagnostics, AnInheritedFindingIsReportedOnceForTheBase) {
                                  "maze.json:9: warning: /types/tall/drive: slow"));
 }
 
+TEST(Diagnostics, AFindingThatQuotesTwoPartsIsAboutTheFirst) {
+  Diagnostics diagnostics;
+  const std::uint32_t file = diagnostics.files()->add("maze.json");
+  diagnostics.inherits({"/types/docked", "docked", {file, 2}}, {"/types/dock", "dock", {file, 3}});
+  diagnostics.inherits({"/types/small", "small", {file, 4}}, {"/types/bot", "bot", {file, 5}});
+  diagnostics.warning({file, 5}, "\"bot\" does not fit \"dock\"");
+  diagnostics.warning({file, 5}, "\"small\" does not fit \"dock\"");
+  diagnostics.warning({file, 5}, "\"bot\" does not fit \"docked\"");
+  EXPECT_THAT(diagnostics.warnings(), ElementsAre("maze.json:5: warning: \"bot\" does not fit \"dock\"",
+                                                  "maze.json:5: warning: \"bot\" does not fit \"docked\""));
+}
+
 }  // namespace
 }  // namespace troupe
