@@ -167,12 +167,15 @@ std::vector<World::RowState> World::remove_rows(std::span<const BodyId> bodies) 
 
 void World::add_rows(std::span<const RowState> added) {
   begin_row_change("added");
-  for (const RowState& each : added)
-    if (location(each.body) != RowLocation::elsewhere)
+  std::vector<bool> comes(state_.rows.size(), false);
+  for (const RowState& each : added) {
+    if (location(each.body) != RowLocation::elsewhere || comes[each.body.index()])
       throw std::invalid_argument(
-          fmt::format("the row of \"{}\" cannot be added: it is in this world already, "
-                      "or the body is static",
+          fmt::format("the row of \"{}\" cannot be added: it is in this world already, it is to be added "
+                      "twice, or the body is static",
                       state_.spec.name(each.body)));
+    comes[each.body.index()] = true;
+  }
   const Completion completion(*this);
   append_rows(added);
   state_.own_rows = rows();

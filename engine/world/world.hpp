@@ -229,7 +229,7 @@ class World {
   /// add_rows() and, if the rows are distributed among ranks, in gather().
   std::vector<RowState> remove_rows(std::span<const BodyId> bodies);
   /// Adds rows that remove_rows() has removed, in any order. Throws std::invalid_argument if location() of a
-  /// body is not RowLocation::elsewhere. Call this between steps.
+  /// body is not RowLocation::elsewhere, or if a body occurs twice. Call this between steps.
   void add_rows(std::span<const RowState> added);
   /// Number of completed ticks. During a step, from the phase `sense` on, it is the number of the tick that
   /// the step computes.

@@ -303,6 +303,9 @@ TEST(RowOrder, TreesLeaveTogetherAndNoRowTwice) {
   const std::uint64_t hash = world.hashes().state;
   const auto removed = world.remove_rows(tree);
   EXPECT_THROW(world.remove_rows(tree), std::invalid_argument);
+  auto removed_twice = removed;
+  removed_twice.push_back(removed.front());
+  EXPECT_THROW(world.add_rows(removed_twice), std::invalid_argument);
   world.add_rows(removed);
   EXPECT_THROW(world.add_rows(removed), std::invalid_argument);
   EXPECT_EQ(world.hashes().state, hash);
