@@ -110,6 +110,7 @@ struct MpiTransport::Impl {
   std::vector<std::string> hosts;
   std::string failure;  // text of the first RankError; empty: none
   std::list<Sending> sending;
+  Units receiving;  // to which MPI writes until the transfer is done, also after the wait for it has failed
   // The last message, and the same message as units, so that a message to all ranks is converted only once.
   std::shared_ptr<const Message> last;
   std::shared_ptr<const Units> last_units;
@@ -163,8 +164,8 @@ std::shared_ptr<const Message> MpiTransport::receive(unsigned from) {
         return count > 0;
       },
       sender);
-  Units units(static_cast<std::size_t>(count));
-  void* transfer = own.mpi.receive(found, units.data(), units.size());
+  own.receiving = Units(static_cast<std::size_t>(count));
+  void* transfer = own.mpi.receive(found, own.receiving.data(), own.receiving.size());
   own.check(transfer != nullptr, "receiving from", from);
   own.wait(
       [&] {
@@ -173,6 +174,7 @@ std::shared_ptr<const Message> MpiTransport::receive(unsigned from) {
         return done == 1;
       },
       sender);
+  const Units units = std::exchange(own.receiving, {});
   std::uint64_t bytes = 0;
   const auto* first = reinterpret_cast<const std::byte*>(units.data());
   std::memcpy(&bytes, first, sizeof bytes);

@@ -32,7 +32,7 @@ struct troupe_mpi {
    * the message for receive(). Returns 0 if no message has come, and -1 after an error. */
   long (*probe)(unsigned from, void** message);
   /* Starts to receive a message that probe() found, and frees the handle of the message. Returns a handle of the transfer
-   * for is_done(), or null after an error. */
+   * for is_done(), or null after an error. MPI may write to the units until is_done() returns 1 for the handle. */
   void* (*receive)(void* message, void* units, size_t count);
   /* Returns 1 if a transfer is done, and then frees its handle; 0 if it is not done, and -1 after an error. */
   int (*is_done)(void* transfer);
