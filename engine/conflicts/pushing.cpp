@@ -29,7 +29,6 @@ class Few {
   std::span<std::uint32_t> all() {
     return count_ <= few_.size() ? std::span(few_).first(count_) : std::span(many_);
   }
-  void clear() { count_ = 0; }
 
  private:
   std::array<std::uint32_t, 512> few_;
