@@ -43,6 +43,11 @@ void add_device_body(TypeSpec& type, std::size_t d, const DeviceKind& kind) {
   } catch (...) {
     throw std::runtime_error(fmt::format("device \"{}\" ({}) {}", device.name, kind.name, thrown_text()));
   }
+  for (const DeviceKind::Fixture& fixture : fixtures)
+    if (fixture.joint >= static_cast<std::int32_t>(moving.size()))
+      throw std::runtime_error(fmt::format(
+          "device \"{}\" ({}) has a solid on the joint {} (DeviceKind::Fixture::joint), but only {} joints",
+          device.name, kind.name, fixture.joint, moving.size()));
   for (DeviceKind::Fixture& fixture : fixtures) {
     PartSpec& part =
         fixture.joint < 0 ? type.parts[device.part] : moving[static_cast<std::size_t>(fixture.joint)];

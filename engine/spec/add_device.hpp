@@ -31,7 +31,8 @@ std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind
 /// that carries the device, and has a new name. Its other properties, such as the colour, are copied from the
 /// part that carries the device.
 ///
-/// If DeviceKind::body throws, this function throws std::runtime_error and leaves the type unchanged.
+/// If DeviceKind::body throws, or returns a solid on a joint that the kind does not have, this function
+/// throws std::runtime_error and leaves the type unchanged.
 void add_device_body(TypeSpec& type, std::size_t device, const DeviceKind& kind);
 
 }  // namespace troupe::engine

@@ -86,6 +86,20 @@ Result<> check_ranger(const DeviceKind::Prepared& prepared) {
   return {};
 }
 
+/// Checks what a drive device must have: see DeviceKind::drives.
+Result<> check_drive(const DeviceKind& kind, const DeviceKind::Prepared& prepared) {
+  if (!kind.drives) return {};
+  if (prepared.command_bytes != sizeof(Command) || !same_fields(prepared.commands, command_fields()))
+    return Error{
+        "is a drive device (DeviceKind::drives), so its command struct must be a Command: use the fields "
+        "that command_fields() returns"};
+  std::size_t bytes = 0;
+  for (const StateField& field : prepared.percepts) bytes += width_of(field);
+  if (bytes < sizeof(Pose))
+    return Error{"is a drive device (DeviceKind::drives), so its state must begin with a Pose"};
+  return {};
+}
+
 }  // namespace
 
 Result<> check_prepared(const DeviceKind& kind, const DeviceKind::Prepared& prepared) {
@@ -95,6 +109,7 @@ Result<> check_prepared(const DeviceKind& kind, const DeviceKind::Prepared& prep
     return fields;
   if (Result<> numbers = check_numbers(kind, prepared); !numbers) return numbers;
   if (Result<> ranger = check_ranger(prepared); !ranger) return ranger;
+  if (Result<> drive = check_drive(kind, prepared); !drive) return drive;
   if ((prepared.most_effects > 0 || prepared.ends_lives) && kind.act == nullptr)
     return Error{
         "declares effects (most_effects or ends_lives), which only the hook \"act\" may emit, but has no "

@@ -12,6 +12,8 @@ namespace troupe::engine {
 /// - Reach and hint for the cells are not negative or NaN, and the hint is finite. Power and poses of joints
 ///   are finite. There is one pose per joint, or none.
 /// - A ranger has one bearing per range, and each of its fans has readings that exist.
+/// - The command struct of a drive device is a Command, and its state has room for the Pose with which it
+///   must begin.
 /// - A kind with effects has the hook `act`, from which they must be emitted.
 ///
 /// The text of the error continues the words `device "NAME"`.

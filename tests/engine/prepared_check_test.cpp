@@ -95,6 +95,32 @@ TEST(PreparedCheck, RefusesRangersWithOtherNumbersOfBeams) {
       "has a fan of 3 readings that begins with reading 1 (Prepared::transducers), but only 3 bearings");
 }
 
+struct Place {
+  double x = 0, y = 0, z = 0, heading = 0;
+  TROUPE_FIELDS(x, y, z, heading)
+};
+
+TEST(PreparedCheck, RefusesDriveDevicesWithoutCommandOrPose) {
+  DeviceKind wheels{.name = "kind", .text = ""};
+  wheels.drives = true;
+  const Prepared correct{.percepts = memory_fields<Place>(),
+                         .percept_bytes = sizeof(Place),
+                         .commands = command_fields(),
+                         .command_bytes = sizeof(Command)};
+  EXPECT_TRUE(check_prepared(wheels, correct));
+  const auto error_of = [&](auto change) {
+    Prepared prepared = correct;
+    change(prepared);
+    const Result<> fits = check_prepared(wheels, prepared);
+    return fits ? std::string() : fits.error().text;
+  };
+  EXPECT_THAT(error_of([](Prepared& p) { p.commands.clear(); }), HasSubstr("must be a Command"));
+  EXPECT_THAT(error_of([](Prepared& p) { p.commands.pop_back(); }), HasSubstr("must be a Command"));
+  EXPECT_THAT(error_of([](Prepared& p) { p.command_bytes = 0; }), HasSubstr("must be a Command"));
+  EXPECT_THAT(error_of([](Prepared& p) { p.percepts.pop_back(); }),
+              HasSubstr("its state must begin with a Pose"));
+}
+
 TEST(PreparedCheck, RefusesEffectsOfSensors) {
   const DeviceKind sensor{.name = "kind", .text = ""};
   EXPECT_THAT(check_prepared(sensor, {.most_effects = 1}).error().text,
