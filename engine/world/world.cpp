@@ -131,6 +131,7 @@ void World::forget() {
   movement_.forget_motions();
 }
 
+/// Makes the grid of the grid ray engine, with the static scene. redraw_ray_grid() must follow.
 void World::build_ray_grid(Diagnostics& diagnostics) {
   std::vector<partition::MovingOutline> outlines;
   for (std::uint32_t r = 0; r < rows(); ++r)
@@ -146,7 +147,6 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
     diagnostics.throw_if_errors();
   }
   state_.bind_view();
-  redraw_ray_grid();
 }
 
 void World::redraw_ray_grid() {
@@ -332,7 +332,10 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   const auto begin_with = [&](std::uint64_t next_seed, std::span<const BodySpec> next) {
     state_.spec.seed = next_seed;
     std::ranges::copy(next, state_.spec.bodies.begin());
-    if (has_scene_changed) build_scene();
+    if (has_scene_changed) {
+      build_scene();
+      if (state_.ray_grid) build_ray_grid(diagnostics);  // start() redraws it
+    }
     build_faults(registry, groups, diagnostics);
     forget_settings();
     if (has_any_changed) bind_kinds_again(registry);
@@ -343,10 +346,9 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   const std::vector<BodySpec> old = state_.spec.bodies;
   try {
     begin_with(seed, bodies);
-    if (has_scene_changed && state_.ray_grid) build_ray_grid(diagnostics);
   } catch (const StepError&) {
     throw;
-  } catch (...) {  // some kinds, or the ray grid, still have the old bodies: the world returns to these
+  } catch (...) {  // a kind, or the ray grid, has refused the new bodies: the world returns to the old ones
     Diagnostics none(state_.spec.files);
     std::swap(diagnostics, none);
     begin_with(old_seed, old);

@@ -202,7 +202,10 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   build_experiment(registry, diagnostics);
   build_scene();
   build_tables();
-  if (state_.spec.ranging == RangingEngine::grid) build_ray_grid(diagnostics);
+  if (state_.spec.ranging == RangingEngine::grid) {
+    build_ray_grid(diagnostics);
+    redraw_ray_grid();
+  }
   report_overlaps(diagnostics);
 }
 

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cfenv>
+#include <stdexcept>
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif
@@ -64,6 +65,37 @@ TEST(World, ARestartThatTheGridRefusesChangesNothing) {
   world.restart(7, bodies, test::registry());
   EXPECT_EQ(world.spec().seed, 7u);
   EXPECT_NEAR(range_after_a_step(), 2.9, 0.03);
+}
+
+TEST(World, AfterARestartThatThrewTheGridHasTheNewScene) {
+  static bool throws;
+  throws = false;
+  Registry registry = test::registry();
+  DeviceKind moody{.name = "moody", .text = ""};
+  moody.prepare = [](const Record&, const Pose&) { return DeviceKind::Prepared{.data = 0}; };
+  moody.start = [](const std::any&, StateTable&, std::size_t) {
+    if (throws) throw std::runtime_error("not today");
+  };
+  registry.devices.push_back(moody);
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].devices = {test::ranger("eye", {{.range_max = 5}}),
+                         {.name = "moody", .kind = "moody", .params = {}, .where = {}}};
+  scene[type].devices[0].pose_body_device.z = 0.5;
+  const BodyId robot = scene.body("r", type);
+  const BodyId wall = scene.body("w", scene.type("wall", {box(0.2, 2)}), {2, 0, 0, 0});
+  scene.spec.ranging = RangingEngine::grid;
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  std::vector<BodySpec> bodies = world.spec().bodies;
+  bodies[wall.index()].pose_world_body.x = 3;
+  throws = true;
+  EXPECT_THROW(world.restart(7, bodies, registry), StepError);
+  throws = false;
+  world.reset();
+  world.step();
+  const Row row = world.row(robot);
+  EXPECT_NEAR(world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0], 2.9, 0.03);
 }
 
 TEST(World, ARestartThatAKindRefusesChangesNothing) {
