@@ -1,11 +1,11 @@
 #include "engine/kinds/device_kind.hpp"
 #include "engine/kinds/energy.hpp"
 #include "engine/world/world.hpp"
+#include "models/devices/lowest.hpp"
 #include "models/devices/power.hpp"
 #include "partition/closeness.hpp"
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 
 namespace troupe::models {
@@ -63,24 +63,8 @@ struct Taker {
   auto operator<=>(const Taker&) const = default;
 };
 
-/// A list of takers in ascending order of body id and device index. If more than k_most_takers are added, it
-/// keeps the first k_most_takers in this order.
-class Takers {
- public:
-  void add(const Taker& taker) {
-    Taker* const place = std::lower_bound(list_.data(), list_.data() + count_, taker);
-    const auto at = static_cast<std::size_t>(place - list_.data());
-    if (at == list_.size()) return;
-    count_ = std::min(count_ + 1, list_.size());
-    std::move_backward(place, list_.data() + count_ - 1, list_.data() + count_);
-    list_[at] = taker;
-  }
-  std::span<const Taker> list() const { return {list_.data(), count_}; }
-
- private:
-  std::array<Taker, k_most_takers> list_;
-  std::size_t count_ = 0;
-};
+/// The takers that a giving contact touches, in ascending order of body id and device index.
+using Takers = Lowest<Taker, k_most_takers>;
 
 /// Adds to `takers` the taking contacts of the body in row `other` that touch `giver`, the shape of the
 /// giving contact.

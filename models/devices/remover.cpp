@@ -2,12 +2,10 @@
 
 #include "engine/kinds/device_kind.hpp"
 #include "engine/sensing/sensing_view.hpp"
+#include "models/devices/lowest.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -18,25 +16,6 @@ using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Mount;
 using engine::SensingView;
-
-/// A list of body ids in ascending order. If more than k_most_removed ids are added, it keeps the lowest
-/// k_most_removed of them.
-class Lowest {
- public:
-  void add(BodyId body) {
-    BodyId* const place = std::lower_bound(list_.data(), list_.data() + count_, body);
-    const auto at = static_cast<std::size_t>(place - list_.data());
-    if (at == list_.size()) return;
-    count_ = std::min(count_ + 1, list_.size());
-    std::move_backward(place, list_.data() + count_ - 1, list_.data() + count_);
-    list_[at] = body;
-  }
-  std::span<const BodyId> list() const { return {list_.data(), count_}; }
-
- private:
-  std::array<BodyId, k_most_removed> list_;
-  std::size_t count_ = 0;
-};
 
 struct Remover {
   struct Params {
@@ -92,7 +71,7 @@ struct Remover {
     const SensingView& view = batch.view;
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
       const Vec2 at = compose(batch.mount(i), place).transform.position;
-      Lowest found;
+      Lowest<BodyId, k_most_removed> found;
       view.index().for_each_near(Box::around(at, params.radius), [&](const partition::BodyCircle& circle) {
         const Row row(circle.row);
         if (row == batch.rows[i]) return;
