@@ -120,6 +120,7 @@ struct Forager {
   void work(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
   void head_for(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions,
                 const Goal& goal) const;
+  static void follow_way(const Goal& goal, const engine::Percept& percept, engine::Actions& actions);
   void go_to_zone(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
   void refuel(Memory& memory, const engine::Percept& percept, Random& random, engine::Actions& actions) const;
@@ -221,7 +222,10 @@ void Forager::operator()(Memory& memory, const engine::Percept& percept, Random&
 
 void Forager::head_for(Memory& memory, const engine::Percept& percept, Random& random,
                        engine::Actions& actions, const Goal& goal) const {
-  if (avoids(memory, percept, random, actions)) return;
+  if (!avoids(memory, percept, random, actions)) follow_way(goal, percept, actions);
+}
+
+void Forager::follow_way(const Goal& goal, const engine::Percept& percept, engine::Actions& actions) {
   const double off =
       bearing_of(percept.estimate, goal.ways->ahead(percept.estimate.position(), k_steps_ahead));
   actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
@@ -254,13 +258,10 @@ void Forager::work(Memory& memory, const engine::Percept& percept, Random& rando
     if (!has_flag) memory.task = random.below(static_cast<std::uint32_t>(tasks.size()));
   }
   if (avoids(memory, percept, random, actions)) return;
-  if (away < radius / 2) {
+  if (away < radius / 2)
     actions.command = {};
-    return;
-  }
-  const double off =
-      bearing_of(percept.estimate, goal.ways->ahead(percept.estimate.position(), k_steps_ahead));
-  actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
+  else
+    follow_way(goal, percept, actions);
 }
 
 void Forager::refuel(Memory& memory, const engine::Percept& percept, Random& random,
@@ -378,8 +379,7 @@ struct Fasr2 : Forager {
     if (names.empty())
       return Error{
           "has no task: give `task`; with the value \"red\", the robot carries flags from the model "
-          "red_source to "
-          "the model red_sink"};
+          "red_source to the model red_sink"};
     return Forager::choose(devices, claimed);
   }
 };
