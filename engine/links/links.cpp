@@ -97,8 +97,7 @@ void Links::build() {
   for (std::vector<std::uint32_t>& list : near_) list.reserve(k_room_near);
 
   // Reserves memory now, so that no memory is allocated when a body is gripped, unless that body carries
-  // another one.
-  // Larger shapes allocate their memory when they are first computed.
+  // another one. Larger shapes allocate their memory when they are first computed.
   constexpr std::size_t k_most_pieces = 64;
   const BodyType* cargo = most_intricate_cargo(state_.types);
   for (std::size_t c = 0; c < composites_.size(); ++c) {
@@ -649,8 +648,7 @@ void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const
   if (!is_finite(to))
     throw StepError(
         fmt::format("tick {}: a device of \"{}\" moves joint {} (counted from 0) to x {}, y {}, z {} (m), "
-                    "heading {} (rad): "
-                    "DeviceBatch::move_joint() needs finite numbers",
+                    "heading {} (rad): DeviceBatch::move_joint() needs finite numbers",
                     view.tick(), view.spec().name(body(i)), n, to.x, to.y, to.z, to.heading));
   links.ask(rows[i], joint_index(*this, i, n), to);
 }

@@ -213,8 +213,7 @@ void DistributedRows::verify(std::span<const std::vector<std::uint64_t>> sums) c
       if (sums[a][2 * b] != sums[b][2 * a + 1])
         throw std::logic_error(
             fmt::format("internal error: after tick {2}, the copies on rank {0} of bodies that rank {1} "
-                        "computes differ from "
-                        "the originals; if the world uses no plug-in, please report it",
+                        "computes differ from the originals; if the world uses no plug-in, please report it",
                         b, a, world_.tick()));
 }
 

@@ -222,8 +222,7 @@ void ReplicatedRows::verify(std::span<const std::vector<std::uint64_t>> sums) co
       if (sums[from][sum] != sums[0][sum])
         throw std::logic_error(
             fmt::format("internal error: the tables \"{}\" of ranks 0 and {} differ after tick {}; unless a "
-                        "plug-in caused "
-                        "this, it is no error of your input: please report it",
+                        "plug-in caused this, it is no error of your input: please report it",
                         parts_.tables[t].component(), from, world_.tick()));
       ++sum;
     }

@@ -127,10 +127,9 @@ engine::MeasureKind clusters_measure() {
       "The number of connected components of the graph that joins all pairs of bodies whose origins are at "
       "most `distance` apart. By default the bodies are all pushable bodies, and the key `of` of the measure "
       "has no effect; it is an error if the world has no pushable type. With `bodies`: \"robots\" they are "
-      "the "
-      "robots that `of` selects. A body without "
-      "neighbours is a cluster of one. Source, for aggregates of robots: Garnier et al., The embodiment of "
-      "cockroach aggregation behavior in a group of micro-robots, Artificial Life 14, 2008.",
+      "the robots that `of` selects. A body without neighbours is a cluster of one. Source, for aggregates "
+      "of robots: Garnier et al., The embodiment of cockroach aggregation behavior in a group of "
+      "micro-robots, Artificial Life 14, 2008.",
       "number of components of the graph {(i, j): |x_i - x_j| <= distance}");
 }
 
