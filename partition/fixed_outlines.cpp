@@ -4,18 +4,70 @@
 #include "base/math.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 namespace troupe::partition {
 namespace {
 
 constexpr unsigned k_tile_bits = 3;
 
+/// Consecutive edges that form one piece, and their bounding box.
+struct Chain {
+  std::span<const FixedEdge> edges;
+  Box box;
+};
+
+/// A circle that contains a piece or a part of it.
 struct ChainCircle {
   Vec2 center;
   double radius;
   std::uint32_t piece;
 };
+
+/// Divides edges into chains. A chain is as long as possible, but has at most k_most_edges edges. If it has
+/// several edges, half the diagonal of its bounding box is at most `most`, m.
+std::vector<Chain> chains_of(std::span<const FixedEdge> edges, double most) {
+  std::vector<Chain> chains;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const FixedEdge& edge = edges[i];
+    const auto with_edge = [&](Box box) {
+      box.extend(edge.a);
+      box.extend(edge.b);
+      return box;
+    };
+    if (!chains.empty()) {
+      Chain& last = chains.back();
+      const Box wider = with_edge(last.box);
+      if (edge.solid == last.edges.front().solid && edge.a == last.edges.back().b &&
+          last.edges.size() < FixedOutlines::k_most_edges && 0.5 * wider.size().norm() <= most) {
+        last = {{last.edges.data(), last.edges.size() + 1}, wider};
+        continue;
+      }
+    }
+    chains.push_back({edges.subspan(i, 1), with_edge(Box())});
+  }
+  return chains;
+}
+
+/// Appends circles that together contain a chain, the piece with the index `piece`. The circles of a single
+/// edge longer than 2 * most have radii of about `most`, m.
+void add_circles(const Chain& chain, double most, std::uint32_t piece, std::vector<ChainCircle>& circles) {
+  const FixedEdge& edge = chain.edges.front();
+  const double length = (edge.b - edge.a).norm();
+  if (chain.edges.size() > 1 || 0.5 * length <= most) {
+    circles.push_back({chain.box.center(), 0.5 * chain.box.size().norm(), piece});
+    return;
+  }
+  const auto parts = static_cast<std::uint32_t>(std::clamp(length / (2 * most) + 1, 1.0, 1e6));
+  // Because of rounding to float, a beam may hit an edge slightly beyond its end. The circles are enlarged
+  // to cover this error.
+  constexpr double k_ends = 8e-6;  // the error, as a fraction of the length of the edge
+  for (std::uint32_t i = 0; i < parts; ++i)
+    circles.push_back(
+        {edge.a + (i + 0.5) / parts * (edge.b - edge.a), 0.5 * length / parts + k_ends * length, piece});
+}
 
 }  // namespace
 
@@ -24,46 +76,16 @@ FixedOutlines::FixedOutlines(std::span<const FixedEdge> edges, double piece_m)
   vertices_.reserve(edges.size() + edges.size() / k_most_edges);
   const double most = 0.5 * piece_m;
   std::vector<ChainCircle> circles;
-  const auto close = [&](const Box& box, std::uint32_t first, std::uint32_t count) {
+  for (const Chain& chain : chains_of(edges, most)) {
     const auto piece = static_cast<std::uint32_t>(pieces_.size());
-    pieces_.push_back({static_cast<std::uint32_t>(vertices_.size()), count + 1, edges[first].solid});
-    vertices_.push_back(edges[first].a);
-    for (const FixedEdge& edge : edges.subspan(first, count)) vertices_.push_back(edge.b);
-    const FixedEdge& edge = edges[first];
-    const double length = (edge.b - edge.a).norm();
-    if (count > 1 || 0.5 * length <= most) {
-      circles.push_back({box.center(), 0.5 * box.size().norm(), piece});
-      return;
-    }
-    const auto parts = static_cast<std::uint32_t>(std::clamp(length / (2 * most) + 1, 1.0, 1e6));
-    // Because of rounding to float, a beam may hit an edge slightly beyond its end. The circles are enlarged
-    // to cover this error.
-    constexpr double k_ends = 8e-6;  // the error, as a fraction of the length of the edge
-    for (std::uint32_t i = 0; i < parts; ++i)
-      circles.push_back(
-          {edge.a + (i + 0.5) / parts * (edge.b - edge.a), 0.5 * length / parts + k_ends * length, piece});
-  };
-  Box box;
-  std::uint32_t first = 0;
-  for (std::uint32_t i = 0; i < edges.size(); ++i) {
-    Box wider = box;
-    wider.extend(edges[i].a);
-    wider.extend(edges[i].b);
-    const bool joins = i > first && edges[i].solid == edges[first].solid && edges[i].a == edges[i - 1].b &&
-                       i - first < k_most_edges && 0.5 * wider.size().norm() <= most;
-    if (!joins) {
-      if (i > first) close(box, first, i - first);
-      first = i;
-      wider = Box();
-      wider.extend(edges[i].a);
-      wider.extend(edges[i].b);
-    }
-    box = wider;
+    pieces_.push_back({static_cast<std::uint32_t>(vertices_.size()),
+                       static_cast<std::uint32_t>(chain.edges.size() + 1), chain.edges.front().solid});
+    vertices_.push_back(chain.edges.front().a);
+    for (const FixedEdge& edge : chain.edges) vertices_.push_back(edge.b);
+    add_circles(chain, most, piece, circles);
   }
-  if (first < edges.size()) close(box, first, static_cast<std::uint32_t>(edges.size()) - first);
-
-  vertices_.resize(vertices_.size() + k_most_edges,
-                   Vec2::Zero());  // EdgeBlock::add() reads beyond the end of a chain
+  // EdgeBlock::add() reads beyond the end of a chain.
+  vertices_.resize(vertices_.size() + k_most_edges, Vec2::Zero());
 
   // The circles are sorted by cell with a counting sort.
   const std::size_t cells = geometry_.cells_per_tile();
