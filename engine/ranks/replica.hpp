@@ -103,7 +103,8 @@ class Replica {
 
   /// On ranks other than 0: carries out an order of rank 0. `order` is one of the orders from Order::step to
   /// Order::counts; for any other order, the function throws std::logic_error. If a tick, World::reset() or
-  /// World::restart() fails with a StepError, this function does not throw it, because rank 0 reports it.
+  /// World::restart() fails with a StepError, or World::restart() with an InputError, this function does not
+  /// throw it, because rank 0 reports it.
   ///
   /// message: the rest of the message, after its head (begin_message())
   void follow(Order order, partition::MessageReader message);

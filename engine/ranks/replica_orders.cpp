@@ -40,7 +40,11 @@ void Replica::follow(Order order, MessageReader message) {
         body.pose_world_body = message.get<Pose>();
         body.color = message.get<Color>();
       }
-      return ignore_step_error([&] { world_.restart(seed, bodies, registry_); });
+      try {
+        ignore_step_error([&] { world_.restart(seed, bodies, registry_); });
+      } catch (const InputError&) {  // rank 0 also throws it; both worlds have returned to the old bodies
+      }
+      return;
     }
     case Order::set: {
       SettingSpec setting;

@@ -542,6 +542,27 @@ TEST_F(RanksOfLeds, GoOnAfterAResetThatThrows) {
   EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
 }
 
+TEST_F(RanksOfAProgram, GoOnAfterARestartThatTheGridRefuses) {
+  std::string text(k_wanderers);
+  text.insert(1, R"("ranging": "grid", )");
+  const std::filesystem::path file = write("grid.json", text);
+  SimulationOptions options;
+  options.threads = 1;
+  Simulation one(file, options);
+  options.ranks = 3;
+  Simulation three(file, options);
+  for (Simulation* simulation : {&one, &three}) {
+    engine::World& world = simulation->world();
+    simulation->step();
+    std::vector<engine::BodySpec> bodies = world.spec().bodies;
+    bodies[world.find("wall").index()].pose_world_body.x = 2e7;
+    EXPECT_THROW(world.restart(7, bodies, simulation->registry()), InputError);
+    static_cast<void>(simulation->rank_counts());  // the other ranks answer after they have tried to restart
+    simulation->step();
+  }
+  EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
+}
+
 // The callback of rank 0 reads data of the ranks that have already failed in this tick.
 TEST_F(RanksOfLeds, ReportAnErrorThatOtherRanksHadBeforeTheCallback) {
   const std::string more =
