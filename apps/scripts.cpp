@@ -37,15 +37,6 @@ std::string environment(const char* name) {
   return value ? value : "";
 }
 
-/// Returns the Python interpreter to execute: the one that the environment variable TROUPE_PYTHON names, else
-/// the one for which the package was built, if it exists, else the first python3 on PATH.
-std::string interpreter() {
-  if (std::string chosen = environment("TROUPE_PYTHON"); !chosen.empty()) return chosen;
-  const std::string built_for = TROUPE_PYTHON_INTERPRETER;
-  std::error_code error;
-  return fs::exists(built_for, error) ? built_for : "python3";
-}
-
 /// Makes the Python package that was built or installed with this program importable, through PYTHONPATH.
 void add_package_path() {
   std::error_code error;
@@ -58,6 +49,13 @@ void add_package_path() {
 }
 
 }  // namespace
+
+std::string python_interpreter() {
+  if (std::string chosen = environment("TROUPE_PYTHON"); !chosen.empty()) return chosen;
+  const std::string built_for = TROUPE_PYTHON_INTERPRETER;
+  std::error_code error;
+  return fs::exists(built_for, error) ? built_for : "python3";
+}
 
 void set_script_reader(ReadScript read) { g_read_script = std::move(read); }
 
@@ -83,7 +81,7 @@ void run_in_python(int argc, const char* const* argv) {
                     "start the program without the launcher",
                     launcher->name, launcher->ranks));
   add_package_path();
-  const std::string python = interpreter();
+  const std::string python = python_interpreter();
   std::vector<const char*> arguments{python.c_str(), "-c", k_run_package};
   for (int i = 1; i < argc; ++i) arguments.push_back(argv[i]);
   arguments.push_back(nullptr);

@@ -32,11 +32,12 @@ void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Scri
 /// Whether the parsed command line has --controller but this process cannot read scripts, because
 /// set_script_reader() was not called. The caller must then call run_in_python().
 bool python_is_wanted();
-/// Replaces this process by a Python interpreter, which runs the Python package `troupe` with the arguments
-/// argv[1] to argv[argc - 1]. The environment variable TROUPE_PYTHON names the interpreter. If it is not set,
-/// the interpreter is the one for which the package was built. If that one does not exist, it is the first
-/// python3 on PATH. Python searches modules in the working folder last, so that files there do not hide
-/// modules of Python. Throws InputError if the interpreter cannot be executed, or if a launcher such as
+/// Returns the Python interpreter to execute: the one that the environment variable TROUPE_PYTHON names, else
+/// the one for which the package was built, if it exists, else the first python3 on PATH.
+std::string python_interpreter();
+/// Replaces this process by python_interpreter(), which runs the Python package `troupe` with the arguments
+/// argv[1] to argv[argc - 1]. Python searches modules in the working folder last, so that files there do not
+/// hide modules of Python. Throws InputError if the interpreter cannot be executed, or if a launcher such as
 /// mpirun started several processes.
 [[noreturn]] void run_in_python(int argc, const char* const* argv);
 

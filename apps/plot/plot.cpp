@@ -2,6 +2,7 @@
 
 #include "apps/options.hpp"
 #include "apps/plot/plot_script.hpp"
+#include "apps/scripts.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -9,8 +10,8 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
+#include <string>
 #include <vector>
 
 namespace troupe::apps {
@@ -25,7 +26,8 @@ and below the mean. With --over, the x axis is a parameter of the study, and eac
 mean over the runs with this value of the parameter, with a bar of one standard deviation. Without --by there is one
 line per combination of values of the parameters that vary between runs.
 
-Needs python3 with matplotlib: the interpreter in TROUPE_PYTHON, else the first python3 on PATH.
+Needs Python with matplotlib: the interpreter in TROUPE_PYTHON, else the one for which the Python package was built,
+else the first python3 on PATH.
 
 Exit codes: 0 plotted; 1 failed, or python3 or matplotlib is missing; 2 bad input or usage.
 
@@ -57,8 +59,7 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
 }
 
 ExitCode plot(const PlotOptions& options) {
-  const char* const chosen = std::getenv("TROUPE_PYTHON");
-  const std::string python = chosen && *chosen ? chosen : "python3";
+  const std::string python = python_interpreter();
   // With "=", a value that begins with a minus is not parsed as an option.
   std::vector<std::string> words = {python, "-c", std::string(k_plot_script)};
   const auto add = [&words](const char* name, const std::string& value) {
@@ -78,8 +79,8 @@ ExitCode plot(const PlotOptions& options) {
   fmt::print(
       stderr,
       "troupe plot: error: {} cannot be started: {} (Debian, Ubuntu: apt install python3-matplotlib; the "
-      "environment variable TROUPE_PYTHON {} Python interpreter)\n",
-      python, std::strerror(errno), chosen && *chosen ? "names this" : "can name another");
+      "environment variable TROUPE_PYTHON can name another Python interpreter)\n",
+      python, std::strerror(errno));
   return k_failed;
 }
 

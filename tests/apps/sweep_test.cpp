@@ -153,7 +153,7 @@ TEST_F(Sweep, PlotHandsOverToPython) {
   EXPECT_THAT(lines_of(missing.err),
               ElementsAre(AllOf(StartsWith("troupe plot: error: ./no-such-python cannot be started"),
                                 HasSubstr("apt install python3-matplotlib; the environment variable "
-                                          "TROUPE_PYTHON names this Python interpreter)"))));
+                                          "TROUPE_PYTHON can name another Python interpreter)"))));
   EXPECT_EQ(troupe({"plot"}).code, 2);
   EXPECT_EQ(troupe({"plot", "out", "--measure", ""}).code, 2);
 }
