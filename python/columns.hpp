@@ -2,6 +2,9 @@
 
 #include "python/bindings.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -29,14 +32,21 @@ using Where = std::optional<py::object>;
 /// number for robot i. The object refers to the memory of the array.
 class Column {
  public:
+  /// name: name of the argument, for errors; must outlive the object
   Column(std::string_view name, const Numbers& numbers, std::size_t robots)
-      : first_(numbers.data()), step_(numbers.ndim() == 0 ? 0 : 1) {
+      : name_(name), first_(numbers.data()), step_(numbers.ndim() == 0 ? 0 : 1) {
     if (numbers.ndim() > 1 || (numbers.ndim() == 1 && static_cast<std::size_t>(numbers.size()) != robots))
       refuse(name, numbers, robots, "one number, or one per robot");
   }
   double operator[](std::size_t i) const { return first_[i * step_]; }
+  /// Throws ValueError if the number for robot i is infinite or NaN.
+  void check_finite(std::size_t i) const {
+    if (!std::isfinite((*this)[i]))
+      throw py::value_error(fmt::format("{} of row {} is {}: give a finite number", name_, i, (*this)[i]));
+  }
 
  private:
+  std::string_view name_;
   const double* first_;
   std::size_t step_;
 };

@@ -132,13 +132,16 @@ void RobotBatch::command(const std::string& device, const Where& where, const py
 template <engine::ControlMode k_mode>
 void RobotBatch::drive(const Numbers& x, const Numbers& turn, const Numbers& y, const Where& where) const {
   const std::size_t n = batch().size();
-  const bool is_goal = k_mode == engine::ControlMode::position;
-  const Column xs(is_goal ? "x" : "forward", x, n);
-  const Column ys(is_goal ? "y" : "left", y, n);
-  const Column turns(is_goal ? "heading" : "turn", turn, n);
+  constexpr bool k_is_goal = k_mode == engine::ControlMode::position;
+  const Column xs(k_is_goal ? "x" : "forward", x, n);
+  const Column ys(k_is_goal ? "y" : "left", y, n);
+  const Column turns(k_is_goal ? "heading" : "turn", turn, n);
   const std::vector<std::uint8_t> mask = mask_of(where, n);
-  for (std::size_t i = 0; i < n; ++i)
-    if (mask.empty() || mask[i] != 0) batch().command(i) = {xs[i], ys[i], turns[i], k_mode};
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!mask.empty() && mask[i] == 0) continue;
+    for (const Column* column : {&xs, &ys, &turns}) column->check_finite(i);
+    batch().command(i) = {xs[i], ys[i], turns[i], k_mode};
+  }
 }
 
 void bind_robot_batch(py::module_& module) {

@@ -418,6 +418,8 @@ class Controllers(InAFolder):
             (('np.where(near, 0.0, 0.3)', "np.zeros(4)"), 1, "my.py:17: ValueError: forward has shape (4,); "),
             (('memory["seen"] = robots.ranges("eye")', 'memory["seen"] = robots.ranges("eye")[:, :2]'), 1,
              "my.py:15: ValueError: "),
+            (('np.where(near, 0.0, 0.3)', "np.full(len(robots), np.nan)"), 1,
+             "my.py:17: ValueError: forward of row 0 is nan: give a finite number"),
             (('memory["steps"] += 1', "self.count = 1"), 1,
              'my.py:14: AttributeError: a controller cannot have the attribute "count": declare it in `memory`'),
             (("    def decide(self, robots):", "    def decied(self, robots):"), 2,
