@@ -1,5 +1,5 @@
 // Robots that say their heading, turn to the mean heading of those that they hear, and show how many these
-// are: the law of tests/python/swarm_devices_test.py, to compare state and time.
+// are: the law of tests/python/swarm_devices_test.py, to compare what both show.
 #include <models/devices/led.hpp>
 #include <sensors/radio.hpp>
 #include <troupe/plugin.hpp>

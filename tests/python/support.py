@@ -12,6 +12,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HOSPITAL = ROOT / "worlds" / "hospital.json"
+WAIT_S = 240  # longest wait for another process or thread, on a busy machine
 
 ROOM = {
     "troupe": 1,
@@ -82,6 +83,24 @@ class InAFolder(unittest.TestCase):
         stack.callback(os.chdir, before)
         os.chdir(self.folder)
         self.addCleanup(stack.close)
+
+
+def calls_of(function):
+    """Returns the number of calls of functions in Python and in C that a function makes. Unlike its time, it is the same on every
+    machine."""
+    calls = 0
+
+    def count(_frame, event, _function):
+        nonlocal calls
+        calls += event in ("call", "c_call")
+
+    before = sys.getprofile()
+    sys.setprofile(count)
+    try:
+        function()
+    finally:
+        sys.setprofile(before)
+    return calls
 
 
 def train(script, *arguments):
