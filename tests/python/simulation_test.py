@@ -18,7 +18,7 @@ import weakref
 
 import numpy as np
 import troupe
-from support import HOSPITAL, ROOM, ROOT, InAFolder, has_view, needs_view
+from support import HOSPITAL, ROOM, ROOT, WAIT_S, InAFolder, has_view, needs_view
 
 sys.path.insert(0, str(ROOT))
 from tests.support.websocket import Socket  # noqa: E402
@@ -230,9 +230,16 @@ class Running(InAFolder):
 
     def test_control_c_ends_it_between_two_ticks(self):
         code = f"""
+import threading
 import troupe
 world = troupe.Simulation({str(HOSPITAL)!r}, robots=50)
-print("begun", flush=True)
+def tell():
+    try:
+        while True:
+            world.tick
+    except RuntimeError:  # the main thread steps the world
+        print("begun", flush=True)
+threading.Thread(target=tell).start()
 try:
     world.run_for(1e9)
 except KeyboardInterrupt:
@@ -244,9 +251,13 @@ except KeyboardInterrupt:
 """
         with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
             self.assertEqual(process.stdout.readline(), "begun\n")
-            time.sleep(0.3)
+            time.sleep(0.3)  # for some ticks
             process.send_signal(signal.SIGINT)
-            self.assertEqual(process.communicate(timeout=60)[0], "same\n")
+            try:
+                self.assertEqual(process.communicate(timeout=WAIT_S)[0], "same\n")
+            except subprocess.TimeoutExpired:
+                process.kill()
+                raise
 
     @needs_view
     def test_control_c_ends_the_wait_of_a_batch_for_its_view(self):
@@ -264,8 +275,8 @@ watched, alone = batch(), batch()
 with tempfile.TemporaryDirectory() as folder:
     view = watched.view(2, rate=0.0001, out=folder)  # a tick of 0.2 s would take 2000 s
     for _ in range(2):
-        print("begun", flush=True)
         try:
+            print("begun", flush=True)
             watched.step()
             watched.step()
         except KeyboardInterrupt:
@@ -282,7 +293,7 @@ print("same" if [alone.state_hash(i) for i in range(4)] == [watched.state_hash(i
                 time.sleep(1)
                 process.send_signal(signal.SIGINT)
             try:
-                self.assertEqual(process.communicate(timeout=60)[0], "same\n")
+                self.assertEqual(process.communicate(timeout=WAIT_S)[0], "same\n")
             except subprocess.TimeoutExpired:
                 process.kill()
                 raise
@@ -309,7 +320,7 @@ time.sleep(0.3)
 print("over")
 """
         for _ in range(5):
-            done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+            done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=WAIT_S)
             self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "over\n", ""))
 
     def test_threads_are_those_that_the_process_may_use(self):
@@ -322,7 +333,7 @@ eight = troupe.Simulation({str(HOSPITAL)!r}, robots=5, threads=8)
 eight.step()
 print(eight.threads)
 """
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=WAIT_S)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "1\n8\n", ""))
         for threads in (1025, 100_000, 2**32 - 1):
             with self.assertRaisesRegex(ValueError, f"^{threads} threads: must be 1 to 1024, or 0 for one per "):
@@ -770,9 +781,11 @@ class Models(InAFolder):
         view = world.view(rate=0.001, out=self.folder)  # the second tick would wait for 200 s
         stepping = threading.Thread(target=lambda: world.step(3), daemon=True)
         stepping.start()
-        time.sleep(0.5)
+        with self.assertRaisesRegex(RuntimeError, "is being stepped by another thread"):
+            while stepping.is_alive():
+                world.state_hash()
         del view
-        stepping.join(60)
+        stepping.join(WAIT_S)
         self.assertFalse(stepping.is_alive())
         self.assertEqual(world.tick, 3)
         lines = [json.loads(line) for line in (self.folder / "world.session.jsonl").read_text().splitlines()]

@@ -15,6 +15,7 @@ import unittest.mock
 import numpy as np
 import troupe
 import troupe.plot
+from support import WAIT_S
 
 try:
     import pandas
@@ -88,8 +89,8 @@ class Sweep(unittest.TestCase):
     def test_control_c_ends_the_running_runs(self):
         code = f"""
 import troupe
-print("begun", flush=True)
 try:
+    print("begun", flush=True)
     troupe.sweep({ {**STUDY, "for_s": 1e7, "measure_every_s": 1e5}!r}, threads=2)
 except KeyboardInterrupt:
     print("interrupted")
@@ -99,7 +100,7 @@ except KeyboardInterrupt:
             time.sleep(3)  # until the runs are running
             process.send_signal(signal.SIGINT)
             try:
-                told = process.communicate(timeout=60)[0]
+                told = process.communicate(timeout=WAIT_S)[0]
             except subprocess.TimeoutExpired:
                 process.kill()
                 raise
