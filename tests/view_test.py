@@ -25,7 +25,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 from tests.support.chromium import Page, Picture, find  # noqa: E402
-from tests.support.websocket import Refused, Socket, request  # noqa: E402
+from tests.support.websocket import WAIT_S, Refused, Socket, request  # noqa: E402
 
 TROUPE = None
 PICTURES = None
@@ -113,7 +113,7 @@ class View:
         """Ends the program as Ctrl-C does, and returns the last line of its output: a line of the hash log."""
         self.process.send_signal(signal.SIGINT)
         printed = self.process.stdout.read()
-        assert self.process.wait(20) == 3, (self.process.returncode, self.said())
+        assert self.process.wait(WAIT_S) == 3, (self.process.returncode, self.said())
         return printed.strip().split("\n")[-1]
 
     def replayed(self, *arguments, command=("run", "rooms.json"), session=None):
@@ -205,7 +205,7 @@ class Steered(unittest.TestCase):
                 with view.open() as viewer:
                     self.assertEqual(viewer.ask(do="hold", robot="red", speed=[0, 0, 1])["type"], "done")
                     self.assertIn("another viewer drives", other.ask(do="hold", robot="red", speed=[0, 0, 1])["reason"])
-                until = time.monotonic() + 20
+                until = time.monotonic() + WAIT_S
                 while other.ask(do="hold", robot="red", speed=[0, 0, 0])["type"] == "refused" and time.monotonic() < until:
                     time.sleep(0.02)
             view.end()
@@ -229,7 +229,7 @@ class Steered(unittest.TestCase):
     def test_a_viewer_that_does_not_read_holds_nothing_up(self):
         with View("--rate", 0) as view, view.open() as lazy, view.open() as viewer:
             before = viewer.state()["tick"]
-            for _ in range(100):  # the server disconnects a viewer that has not answered for 30 s
+            for _ in range(100):
                 viewer.state()
             self.assertGreater(viewer.state()["tick"], before)
             lazy.socket.settimeout(1)
@@ -237,8 +237,8 @@ class Steered(unittest.TestCase):
             try:
                 while True:
                     pictures += isinstance(lazy.receive(), bytes)
-            except TimeoutError:
-                pass
+            except (TimeoutError, ConnectionError):
+                pass  # on a slow machine, the server has disconnected it, because it has not answered for 30 s
             self.assertEqual(pictures, 2, "so many are on their way at most")
 
     def test_it_ends_while_viewers_send(self):
@@ -578,7 +578,7 @@ class OfTheDocumentation(unittest.TestCase):
         with View("--rate", 1) as view:
             (view.folder / "watch.py").write_text(listing.replace("pictures=100", "pictures=20"))
             printed = subprocess.run([sys.executable, view.folder / "watch.py", view.address], check=True, capture_output=True,
-                                     text=True, timeout=60).stdout.split("\n")[:-1]
+                                     text=True, timeout=WAIT_S).stdout.split("\n")[:-1]
             seen = [(int(tick), name, float(x)) for tick, name, x, _ in map(str.split, printed)]
             self.assertEqual(len(seen), 20)
             self.assertEqual({name for _, name, _ in seen}, {"red"})
@@ -641,7 +641,7 @@ class Attacked(unittest.TestCase):
             self.assertTrue(view.address.startswith(f"http://127.0.0.2:{view.port}/#"))
 
             def get(host, address="127.0.0.2"):
-                with socket.create_connection((address, view.port), timeout=10) as connection:
+                with socket.create_connection((address, view.port), timeout=WAIT_S) as connection:
                     connection.sendall(f"GET / HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
                     return connection.recv(4096)
             for host in (f"127.0.0.2:{view.port}", "proxy.example", "proxy.example:443"):
@@ -655,7 +655,7 @@ class Attacked(unittest.TestCase):
         self.assertEqual(refused.returncode, 2)
         self.assertIn("--bind: localhost", refused.stderr.replace('"', ""))
         if os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in Path("/proc/net/if_inet6").read_text():
-            with socket.create_connection(("::1", self.view.port), timeout=10) as connection:
+            with socket.create_connection(("::1", self.view.port), timeout=WAIT_S) as connection:
                 connection.sendall(f"GET / HTTP/1.1\r\nHost: [::1]:{self.view.port}\r\n\r\n".encode())
                 self.assertIn(b" 200 ", connection.recv(4096))
 
@@ -675,10 +675,8 @@ class Attacked(unittest.TestCase):
                 with self.assertRaises(ConnectionError):
                     stranger.receive()
         with Socket(self.view.port) as silent:
-            begin = time.monotonic()
-            with self.assertRaises(ConnectionError):
+            with self.assertRaises(ConnectionError):  # and not TimeoutError
                 silent.receive()
-            self.assertLess(time.monotonic() - begin, 15)
         self.assert_said_once("without a valid token")
 
     def test_a_token_for_looking_commands_nothing(self):
@@ -706,6 +704,7 @@ class Attacked(unittest.TestCase):
         self.assert_said_once("a binary message")
 
     def test_messages_that_make_no_sense(self):
+        refused = 0
         for text in ("", "{", "[]", "7", '{"do": 5}', '{"do": []}', '{"id": -1}', "\x00", "[" * 60000, '{"do":"play","do":"pause"}',
                      '{"do": "step", "ticks": -1}', '{"do": "step", "ticks": 1e300}', '{"do": "rate", "rate": "x"}',
                      '{"do": "inspect", "robot": 5}', '{"do": "inspect", "robot": "missing"}', '{"do": "plot", "measure": "x"}',
@@ -717,9 +716,12 @@ class Attacked(unittest.TestCase):
                     answer = client.receive()
                     while not isinstance(answer, dict) or answer["type"] == "state":
                         answer = client.receive()
-                    self.assertEqual(answer["type"], "refused" if "play" not in text else answer["type"], text)
+                    if "play" not in text:
+                        self.assertEqual(answer["type"], "refused", text)
+                        refused += 1
                 except ConnectionError:
                     pass  # invalid UTF-8, or disconnected
+        self.assertGreater(refused, 10)
 
     def test_ids_and_counts_are_whole_numbers(self):
         with self.view.open() as client:
@@ -748,9 +750,11 @@ class Attacked(unittest.TestCase):
         self.assertEqual(self.get()[0], 200)
         with self.view.open() as other:
             self.assertEqual(other.hello["type"], "hello")
-        time.sleep(6)
-        descriptors = len(os.listdir(f"/proc/{self.view.process.pid}/fd"))
-        self.assertLess(descriptors, 40, "those that say nothing are cut off")
+        descriptors = lambda: len(os.listdir(f"/proc/{self.view.process.pid}/fd"))
+        until = time.monotonic() + WAIT_S
+        while descriptors() >= 40 and time.monotonic() < until:
+            time.sleep(0.1)
+        self.assertLess(descriptors(), 40, "those that say nothing are cut off")
         for stranger in strangers:
             stranger.close()
         self.assert_said_once("connections without a token")
@@ -758,7 +762,7 @@ class Attacked(unittest.TestCase):
     def test_garbage_frames(self):
         draw = random.Random(1)
         for i in range(300):
-            with Socket(self.view.port) as stranger:
+            with Socket(self.view.port, timeout=20) as stranger:
                 if i % 2:
                     stranger.send(self.view.token)
                     stranger.receive()
@@ -782,7 +786,7 @@ class Attacked(unittest.TestCase):
             opener.chmod(0o755)
             with View("--open", environment={"PATH": f"{folder}:{os.environ['PATH']}"}) as view:
                 opened = Path(folder) / "opened"
-                until = time.monotonic() + 20
+                until = time.monotonic() + WAIT_S
                 while not opened.exists() and time.monotonic() < until:
                     time.sleep(0.02)
                 page = Path(opened.read_text().strip())
@@ -790,7 +794,7 @@ class Attacked(unittest.TestCase):
                 attack = f"""
 import socket, sys
 def get(text):
-    with socket.create_connection(("127.0.0.1", {view.port}), timeout=10) as connection:
+    with socket.create_connection(("127.0.0.1", {view.port}), timeout={WAIT_S}) as connection:
         connection.sendall(text.encode())
         data = b""
         while True:
@@ -1071,7 +1075,7 @@ class InABrowser(unittest.TestCase):
             page.press("l", "KeyL")  # all lines; there are no others
             page.press("l", "KeyL")  # none
             page.wait("troupe.lines() === 0")
-            until = time.monotonic() + 60
+            until = time.monotonic() + WAIT_S
             while pixel(names[0], middle) == drawn and time.monotonic() < until:
                 pass
             self.assertNotEqual(pixel(names[0], middle), drawn, "a link was drawn between two robots")
@@ -1081,7 +1085,7 @@ class InABrowser(unittest.TestCase):
             page.run(f"troupe.act({{do: 'command', robot: '{left}', device: 'lamp', values: {{red: 1, green: 0, blue: 0, shows: 1}}}})")
             page.run("troupe.step(1)")
             page.wait("!troupe.state().playing && troupe.state().line")
-            until = time.monotonic() + 60
+            until = time.monotonic() + WAIT_S
             while pixel(left) == own and time.monotonic() < until:
                 pass
             red, green, blue = pixel(left)
@@ -1089,7 +1093,7 @@ class InABrowser(unittest.TestCase):
 
             page.run("troupe.color('pose.x')")
             page.wait("troupe.legend()[1] > troupe.legend()[0]")
-            until = time.monotonic() + 60
+            until = time.monotonic() + WAIT_S
             while pixel(left)[0] > 150 and time.monotonic() < until:
                 pass
             ends = [pixel(left), pixel(right)]
@@ -1117,7 +1121,7 @@ class InABrowser(unittest.TestCase):
                 return Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
 
             def wait_for(name, shift, expected):
-                until = time.monotonic() + 60
+                until = time.monotonic() + WAIT_S
                 while (found := pixel(name, shift)) != expected and time.monotonic() < until:
                     pass
                 self.assertEqual(found, expected, name)

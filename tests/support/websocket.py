@@ -6,12 +6,14 @@ import os
 import socket
 import struct
 
+WAIT_S = 240  # longest wait for a message, on a busy machine
+
 
 class Refused(Exception):
     """The server did not answer the handshake with status 101. args[0]: its status; 0: it closed the connection."""
 
 
-def request(port, text, timeout=10):
+def request(port, text, timeout=WAIT_S):
     """Sends raw bytes and returns the answer of the server, until it closes the connection."""
     with socket.create_connection(("127.0.0.1", port), timeout=timeout) as connection:
         connection.sendall(text.encode() if isinstance(text, str) else text)
@@ -27,7 +29,7 @@ def request(port, text, timeout=10):
 
 
 class Socket:
-    def __init__(self, port, path="/live", host=None, origin=None, timeout=20):
+    def __init__(self, port, path="/live", host=None, origin=None, timeout=WAIT_S):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=timeout)
         lines = [f"GET {path} HTTP/1.1", f"Host: {host or f'127.0.0.1:{port}'}", "Upgrade: websocket", "Connection: Upgrade",
                  f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}", "Sec-WebSocket-Version: 13"]
