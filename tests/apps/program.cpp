@@ -118,10 +118,20 @@ Outcome ProgramTest::troupe_with_signals(const std::vector<std::string>& argumen
   const int process = start(arguments, out, err);
   close(out);
   close(err);
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(240);
+  const auto has_ended = [process] {
+    siginfo_t ended{};
+    waitid(P_PID, static_cast<id_t>(process), &ended, WEXITED | WNOHANG | WNOWAIT);
+    return ended.si_pid != 0;
+  };
   for (const Signal& signal : signals) {
-    while (!signal.when() && std::chrono::steady_clock::now() < deadline)
+    while (!signal.when()) {
+      if (has_ended() || std::chrono::steady_clock::now() > deadline) {
+        ADD_FAILURE() << "the condition of signal " << signal.number << " did not become true";
+        break;
+      }
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
     kill(process, signal.number);
   }
   return finish(process);

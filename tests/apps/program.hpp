@@ -43,12 +43,12 @@ class ProgramTest : public ::testing::Test {
     std::function<bool()> when;  ///< condition; the signal is sent as soon as it returns true
   };
   /// Runs `troupe ARGUMENTS...` and sends it signals in the given order. Sends each signal as soon as its
-  /// condition `when` is true. If the conditions take longer than 60 s in total, sends the remaining signals
-  /// at once. Then waits until the program ends.
+  /// condition `when` is true. Then waits until the program ends. If the program ends before, or after 240 s,
+  /// the test fails, and the remaining signals are sent at once.
   Outcome troupe_with_signals(const std::vector<std::string>& arguments,
                               const std::vector<Signal>& signals) const;
   /// Runs `troupe ARGUMENTS...`, and sends it a signal as soon as a file in the temporary folder has `lines`
-  /// lines (after 60 s at the latest). Then waits until the program ends.
+  /// lines, as troupe_with_signals() does.
   Outcome troupe_until(const std::vector<std::string>& arguments, const std::string& file, std::size_t lines,
                        int signal) const;
   /// Runs `troupe ARGUMENTS...` as on a full disk: an attempt of the program to make a file longer than

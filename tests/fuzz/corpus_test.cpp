@@ -92,8 +92,8 @@ TEST_P(Corpus, IsReadToTheEnd) {
       ++count;
     }
   EXPECT_GE(count, 2u);
-  if (!test::k_slow_build) {
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60));
+  if (!test::k_slow_build) {  // usually a few seconds
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(600));
   }
 }
 

@@ -42,7 +42,7 @@ constexpr const char* k_one_bot = R"({"troupe": 1, "bounds_m": [[-9, -9], [9, 9]
 constexpr std::string_view k_handshake =
     "GET /live HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n";
-constexpr time_t k_most_s = 30;  // longest wait for a message of the program
+constexpr time_t k_most_s = 240;  // longest wait for a message of the program
 
 /// A client with the token of an address `http://127.0.0.1:PORT/#TOKEN`.
 class Viewer {

