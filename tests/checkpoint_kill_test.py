@@ -3,8 +3,8 @@
 
     checkpoint_kill_test.py PROGRAM [N] [--seed S]
 
-Each run resumes from the previous checkpoint, writes checkpoints and a recording, and does not end by itself. It must leave a
-checkpoint that `troupe resume` accepts, not older than the previous one, with the state of an uninterrupted run at that tick.
+Each run resumes from the previous checkpoint, writes checkpoints and a recording, and does not end by itself. The first run and
+every other one are killed only after they have written a checkpoint, however slow the machine is. Each run must leave a checkpoint that `troupe resume` accepts, not older than the previous one, with the state of an uninterrupted run at that tick.
 The recording, which every run continues, must equal that of the uninterrupted run. Prints one line with the last tick and the
 number of kills during a write.
 """
@@ -28,6 +28,7 @@ define bot position ( size [0.4 0.3 0.2] ranger( sensor( fov 180 samples 9 range
 """ + "".join(f"bot( pose [{x} {y} 0 {40 * x + 70 * y}] )\n" for x in range(-3, 4) for y in range(-3, 4))
 
 FOREVER = "1e9"
+WAIT_S = 240  # longest wait for a checkpoint, on a busy machine
 
 
 class Runs:
@@ -39,18 +40,31 @@ class Runs:
     def troupe(self, *arguments):
         return subprocess.run([self.program, *arguments, "--quiet"], cwd=self.folder, capture_output=True, text=True)
 
-    def kill_one(self, wait_s):
-        """Starts or resumes the run and kills it after wait_s seconds."""
-        go_on = (self.folder / "c.h5").exists()
+    def saved(self):
+        """Returns when the checkpoint was written. 0: there is none."""
+        try:
+            return (self.folder / "c.h5").stat().st_mtime_ns
+        except FileNotFoundError:
+            return 0
+
+    def kill_one(self, after_a_checkpoint, wait_s):
+        """Starts or resumes the run and kills it after wait_s seconds, or at that time after its first checkpoint."""
+        before = self.saved()
+        go_on = before > 0
         command = ["resume", "c.h5"] if go_on else ["run", "room.world", "--force"]
         outputs = ["--checkpoint", "c.h5", "--checkpoint-every", "0.2", "--record", "r.h5"]
         process = subprocess.Popen([self.program, *command, "--for", FOREVER, "--quiet", "--threads", "1", *outputs],
                                    cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        until = time.monotonic() + WAIT_S
+        while after_a_checkpoint and self.saved() == before and process.poll() is None and time.monotonic() < until:
+            time.sleep(0.005)
         time.sleep(wait_s)
         process.send_signal(signal.SIGKILL)
         _, errors = process.communicate()
         if process.returncode != -signal.SIGKILL:
             raise SystemExit(f"the run ended by itself, with {process.returncode}: {errors}")
+        if after_a_checkpoint and self.saved() == before:
+            raise SystemExit(f"the run wrote no checkpoint within {WAIT_S} s")
 
     def first_line(self):
         """Resumes the checkpoint and returns the first line of the hash log: its tick and state. Fails if it cannot be resumed."""
@@ -76,10 +90,8 @@ def main():
         while len(lines) < options.kills:
             partial = Path(name) / "c.h5.partial"
             partial.unlink(missing_ok=True)
-            runs.kill_one(moments.uniform(0.02, 0.25))
+            runs.kill_one(len(lines) % 2 == 0, moments.uniform(0.02, 0.25))
             in_a_write += partial.exists()
-            if not (Path(name) / "c.h5").exists():
-                continue  # killed before the first checkpoint
             line = runs.first_line()
             if lines and int(line.split()[0]) < int(lines[-1].split()[0]):
                 raise SystemExit(f"the checkpoint is older than the previous one: {line} after {lines[-1]}")

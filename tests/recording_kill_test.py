@@ -5,7 +5,8 @@
 
 Each recording must contain every frame that had been flushed, readable with swmr=True and equal to the frame of an
 uninterrupted run. After `troupe repair`, h5py must read the same frames without swmr. The hash log of the same run shows
-how many ticks the run had completed. One more recording is read while its run goes on.
+how many ticks the run had completed. The times of the kills are measured from a random number of ticks, so that a slow machine
+kills as many runs with frames as a fast one. One more recording is read while its run goes on.
 """
 
 import os
@@ -32,8 +33,10 @@ except ImportError:
 
 TROUPE = Path(sys.argv[1]).resolve()
 KILLS = int(sys.argv[2]) if len(sys.argv) > 2 else 20
-SEED = int(sys.argv[3]) if len(sys.argv) > 3 else time.time_ns()
-LONGEST_S = 0.4  # longest time from the start of a run to its kill
+SEED = int(sys.argv[3]) if len(sys.argv) > 3 else 1
+LONGEST_S = 0.4  # longest time from the start of a run, or from a tick of it, to its kill
+MOST_TICKS = 2000
+WAIT_S = 240  # longest wait for a tick, on a busy machine
 
 WORLD = """
 interval_sim 100
@@ -108,15 +111,25 @@ def check(file, reference, frames, exactly):
     assert frames == 0 or seen == len(reference.arrays), f"{seen} arrays"
 
 
+def logged(log):
+    """Returns the number of the last tick in a hash log."""
+    return max(0, sum(not line.startswith("#") for line in log.read_text().split("\n")[:-1]) - 1) if log.exists() else 0
+
+
 def kill_one(number, rng, reference):
     recording, log = FOLDER / f"run{number}.h5", FOLDER / f"run{number}.log"
     process = run(["--for", "1e9", "--record", recording, "--record-fields", reference.fields, "--hash-log", log])
+    # Every fourth run is killed at any time after its start.
+    least = 0 if number % 4 == 3 else rng.randrange(MOST_TICKS)
+    until = time.monotonic() + WAIT_S
+    while logged(log) < least and process.poll() is None and time.monotonic() < until:
+        time.sleep(0.01)
     time.sleep(rng.uniform(0, LONGEST_S))
     process.send_signal(signal.SIGKILL)
     assert process.wait() == -signal.SIGKILL, "the run had ended by itself"
 
     # The last tick in the log may be one that was logged but not yet recorded.
-    ticks = max(0, sum(not line.startswith("#") for line in log.read_text().split("\n")[:-1]) - 1) if log.exists() else 0
+    ticks = logged(log)
     try:
         with h5py.File(recording, "r", swmr=True) as file:
             batch = file["state/pose/x"].chunks[0]
@@ -142,7 +155,7 @@ def read_while_it_runs(reference):
     recording = FOLDER / "live.h5"
     process = run(["--for", "1e9", "--record", recording, "--record-fields", reference.fields])
     frames = 0
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + WAIT_S
     while frames < 1000 and time.monotonic() < deadline:
         time.sleep(0.05)
         try:
@@ -173,6 +186,9 @@ def main():
             print(f"FAILED: kill {number} of {KILLS} with seed {SEED}: {fault}")
             return 1
     frames = [n for n in kept if n]
+    if len(frames) < KILLS // 4:
+        print(f"FAILED: only {len(frames)} of {KILLS} killed runs left frames, with seed {SEED}")
+        return 1
     print(f"{KILLS} kills: {len(frames)} recordings of {min(frames, default=0)} to {max(frames, default=0)} frames, every "
           f"flushed row read back; {kept.count(0)} without a batch, {kept.count(None)} before the file began")
     return 0

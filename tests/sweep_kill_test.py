@@ -8,6 +8,8 @@ The study is apps/examples/study/coverage.json, with 64 runs. Every kill happens
 whose results had been written must not be repeated.
 """
 
+import contextlib
+import os
 import random
 import shutil
 import signal
@@ -21,7 +23,7 @@ ROOT = Path(__file__).resolve().parent.parent
 STUDY = ROOT / "apps/examples/study/coverage.json"
 PROGRAM = Path(sys.argv[1]).resolve()
 KILLS = int(sys.argv[2]) if len(sys.argv) > 2 else 3
-SEED = int(sys.argv[3]) if len(sys.argv) > 3 else time.time_ns()
+SEED = int(sys.argv[3]) if len(sys.argv) > 3 else 1
 
 
 def noted(folder):
@@ -35,6 +37,8 @@ def loses_results(folder):
     while process.poll() is None and not (folder.exists() and noted(folder) > 0):
         time.sleep(0.01)
     process.send_signal(signal.SIGSTOP)
+    with contextlib.suppress(ChildProcessError):  # it has ended, and poll() has noticed it
+        os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
     if noted(folder) == 64:
         process.kill()
         process.communicate()
