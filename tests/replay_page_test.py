@@ -28,8 +28,7 @@ TROUPE = None
 PICTURES = None
 PROGRAM = find()
 SIZE = (1000, 625)  # CSS pixels; small, because graphics are drawn in software
-# Time of the script for a picture with 10,000 robots. On a busy machine it varies; TROUPE_TIMED=1 sets the strict limit.
-MOST_SCRIPT_MS = 10 if os.environ.get("TROUPE_TIMED") else 100
+MOST_SCRIPT_MS = 10  # time of the script for a picture with 10,000 robots
 
 WORLD = {
     "troupe": 1, "title": "A page's test", "seed": 3,
@@ -459,8 +458,16 @@ class TenThousandRobots(Used):
     def world(cls, folder):
         return ROOT / "worlds" / "hospital-10cm.json"
 
-    def test_script_takes_less_than_10_ms_a_picture(self):
+    def test_the_page_plays(self):
         self.assertEqual(self.state()["robots"], 10000)
+        self.page.run("troupe.color('speed'), troupe.trails(2), troupe.setSpeed(0.25), troupe.seek(0), troupe.play()")
+        self.page.wait("troupe.state().time > 0.2")
+        self.page.run("troupe.play(false), troupe.seek(1.5)")
+        self.shown()
+        self.keep("ten_thousand")
+
+    @unittest.skipUnless(os.environ.get("TROUPE_TIMED"), "its time depends on the machine: TROUPE_TIMED=1 measures it")
+    def test_script_takes_less_than_10_ms_a_picture(self):
         self.page.run("troupe.color('speed'), troupe.trails(2), troupe.setSpeed(0.25)")
         median = float("inf")
         for attempt in range(3):  # the machine may be busy with something else
@@ -473,12 +480,7 @@ class TenThousandRobots(Used):
             print(f"10,000 robots: script takes {median:.2f} ms a picture, at most {max(times):.2f}")
             if median < MOST_SCRIPT_MS:
                 break
-        if median == float("inf"):
-            self.skipTest("the machine is too busy: fewer than 30 pictures at each attempt")
         self.assertLess(median, MOST_SCRIPT_MS)
-        self.page.run("troupe.play(false), troupe.seek(1.5)")
-        self.shown()
-        self.keep("ten_thousand")
 
 
 class ADamagedPage(unittest.TestCase):

@@ -88,7 +88,7 @@ class ShortRun(unittest.TestCase):
                 while call.poll() is None and not self.has_run(folder):
                     time.sleep(0.2)
                 call.send_signal(signal.SIGTERM)
-                output = call.communicate(timeout=120)[0]
+                output = call.communicate(timeout=600)[0]
             finally:
                 call.kill()
                 call.wait()

@@ -30,6 +30,7 @@ constexpr std::uint32_t k_rounds = 400;
 
 std::string content(const char* name) {
   std::ifstream stream(fs::path(TROUPE_SOURCE_DIR) / "tests/fuzz" / name, std::ios::binary);
+  EXPECT_TRUE(stream) << name;
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
