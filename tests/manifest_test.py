@@ -33,6 +33,7 @@ class Shipped(unittest.TestCase):
         self.assertEqual(sorted(map(str, read_golden())), sorted(map(str, Scenes().golden_runs())))
 
     def test_proofs_have_golden_hashes_of_both_lengths(self):
+        self.assertTrue(Scenes().proved())
         for world in Scenes().proved():
             for ticks in (50, 300):
                 self.assertIn((world.key, None, ticks), read_golden())
@@ -44,7 +45,9 @@ class Shipped(unittest.TestCase):
         self.assertEqual(gallery.with_table(page, Scenes()), page)
 
     def test_scenes_with_curves_are_shipped(self):
-        for scene in script("scenes").SCENES.values():
+        scenes = script("scenes").SCENES
+        self.assertTrue(scenes)
+        for scene in scenes.values():
             self.assertIn(scene.world, shipped())
 
 

@@ -202,7 +202,7 @@ std::vector<Run> runs_of(std::string_view suite) {
   try {
     const Manifest manifest = read_manifest(fs::path(TROUPE_SOURCE_DIR) / "worlds" / "scenes.json");
     const auto found = manifest.tests.find(suite);
-    if (found == manifest.tests.end())
+    if (found == manifest.tests.end() || found->second.empty())
       throw std::runtime_error(fmt::format("worlds/scenes.json: error: no runs of the suite \"{}\"", suite));
     return found->second;
   } catch (const std::runtime_error& error) {
