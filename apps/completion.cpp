@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -226,12 +227,11 @@ void add_completion_options(CLI::App& command, std::string& shell) {
 
 ExitCode print_completion(const std::string& shell) {
   const engine::Registry registry = make_registry();
-  std::vector<std::string> described = worldio::key_names(registry);
-  for (const std::string_view kind : kind_names(registry)) described.emplace_back(kind);
-  std::ranges::sort(described);
-  described.erase(std::unique(described.begin(), described.end()), described.end());
+  const std::vector<std::string> keys = worldio::key_names(registry);
+  std::set<std::string> described(keys.begin(), keys.end());
+  for (const std::string_view kind : kind_names(registry)) described.emplace(kind);
   fmt::print("{}", completion(shell, known_commands(),
-                              {{"describe", std::move(described)},
+                              {{"describe", {described.begin(), described.end()}},
                                {"completion", {k_shells.begin(), k_shells.end()}}}));
   return k_finished;
 }

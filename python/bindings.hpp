@@ -60,6 +60,10 @@ bool is_interrupted();
 /// Unlocked explains.
 py::object call(py::handle function, py::handle argument);
 
+/// Returns `result`, which the measure `function` returned, as a number. Throws py::error_already_set if it is
+/// not a number (ResultError of troupe/_script.py). The caller must hold the interpreter's lock.
+double number_of(const py::object& function, const py::object& result);
+
 /// A simulation owned by Python. Arrays and handles that refer to it keep it alive.
 ///
 /// It steps without the interpreter's lock, so that other Python threads can run meanwhile. Only one thread

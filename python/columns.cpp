@@ -47,7 +47,7 @@ void refuse(std::string_view name, const py::array& given, std::size_t robots, s
 
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots) {
   if (!where) return {};
-  const py::array given = py::module_::import("numpy").attr("asarray")(*where);
+  const py::array given(*where);
   if (given.dtype().kind() != 'b' || given.ndim() != 1 || static_cast<std::size_t>(given.size()) != robots)
     refuse(fmt::format("where, an array of {},", std::string(py::str(given.dtype()))), given, robots,
            "one bool per robot");

@@ -130,6 +130,11 @@ py::object call(py::handle function, py::handle argument) {
   return py::reinterpret_steal<py::object>(result);
 }
 
+double number_of(const py::object& function, const py::object& result) {
+  if (py::isinstance<py::float_>(result)) return result.cast<double>();  // without a call into Python
+  return py::module_::import("troupe._script").attr("number_of")(function, result).cast<double>();
+}
+
 void bind_exit() {
   // After fork() the child has only the thread that called it, which holds the lock: no thread is at work.
   pthread_atfork(nullptr, nullptr, [] { at_work = 0; });

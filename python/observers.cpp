@@ -53,7 +53,7 @@ struct HeldMeasures {
  private:
   double value_of(const py::object& function) const {
     const py::object result = call(function, py::cast(HeldSwarm{held, held->use().swarm()}));
-    return py::module_::import("troupe._script").attr("number_of")(function, result).cast<double>();
+    return number_of(function, result);
   }
 };
 

@@ -162,8 +162,7 @@ class MeasureInPython : public engine::Measure {
     call_script(measure_.file, [&] {
       const ArgumentOfMeasure swarm(Swarm::of(world, robots_));
       const py::object result = call(measure_.function, swarm.object());
-      value =
-          py::module_::import("troupe._script").attr("number_of")(measure_.function, result).cast<double>();
+      value = number_of(measure_.function, result);
     });
     return value;
   }

@@ -19,16 +19,10 @@ bool are_of_world(const Simulation& simulation, const std::vector<std::string>& 
   return wanted.empty() && !simulation.world().spec().measures.empty();
 }
 
-/// Returns the name of the column of a measure without the unit.
-std::string name_of(const engine::MeasureSpec& spec) {
-  if (!spec.name.empty()) return spec.name;
-  return spec.of.empty() ? spec.kind : spec.kind + ":" + spec.of;
-}
-
 /// Returns the measure that the world file lists under this name; null if there is none.
 const engine::MeasureSpec* listed(const Simulation& simulation, const std::string& name) {
   const std::vector<engine::MeasureSpec>& specs = simulation.world().spec().measures;
-  const auto found = std::ranges::find(specs, name, name_of);
+  const auto found = std::ranges::find(specs, name, [](const auto& spec) { return engine::measure_name(spec); });
   return found == specs.end() ? nullptr : &*found;
 }
 
@@ -72,7 +66,7 @@ Measures::Measures(Simulation& simulation, const std::vector<std::string>& wante
   diagnostics.throw_if_errors();
   for (std::size_t i = 0; i < specs.size(); ++i) {
     if (std::ranges::find(too_large, i) != too_large.end()) continue;
-    impl_->names.push_back(name_of(specs[i]));
+    impl_->names.push_back(engine::measure_name(specs[i]));
   }
 }
 

@@ -12,12 +12,6 @@
 namespace troupe::engine {
 namespace {
 
-std::string column_name(const MeasureSpec& spec, const MeasureKind& kind) {
-  const std::string_view unit = unit_suffixes(kind.unit).front().suffix;
-  if (!spec.name.empty()) return fmt::format("{}{}", spec.name, unit);
-  return fmt::format("{}{}{}{}", kind.name, unit, spec.of.empty() ? "" : ":", spec.of);
-}
-
 /// Calls `call`, which runs a function of a measure, and returns its result. Replaces an exception of `call`
 /// by a std::runtime_error whose text names the tick and the measure, because the exception of a plug-in does
 /// not name its origin. Exceptions of another language (MeasureKind::is_foreign) propagate unchanged: they
@@ -43,6 +37,11 @@ void see_all(World& world, const Parts& parts, const std::vector<std::string>& c
 
 }  // namespace
 
+std::string measure_name(const MeasureSpec& spec, std::string_view unit) {
+  if (!spec.name.empty()) return fmt::format("{}{}", spec.name, unit);
+  return fmt::format("{}{}{}{}", spec.kind, unit, spec.of.empty() ? "" : ":", spec.of);
+}
+
 MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const MeasureSpec> specs,
                        Diagnostics& diagnostics, std::span<const std::string> paths,
                        std::vector<std::size_t>* too_large)
@@ -66,7 +65,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
       error(unknown_robots(world, spec.of));
       continue;
     }
-    std::string column = column_name(spec, *kind);
+    std::string column = measure_name(spec, unit_suffixes(kind->unit).front().suffix);
     if (column == "tick" || column == "time_s") {  // the first columns of every table of measures
       error(
           fmt::format("a measure cannot have the column \"{}\", which contains the time in tables of "

@@ -16,6 +16,11 @@
 
 namespace troupe::engine {
 
+/// Returns the name of a measure in results: the name that its spec gives it, or the name of its kind and,
+/// after a colon, of its robots. `unit`, such as "_m", follows the name of the spec or of the kind. With the
+/// unit, this is the name of the measure's column (MeasureSet::columns()).
+std::string measure_name(const MeasureSpec& spec, std::string_view unit = {});
+
 /// The measures of one run. A measure is a number that is computed from the state of the world after a tick
 /// (time step), such as the mean displacement of robots. Each measure has one column in the tables of
 /// results. A measure may have a memory: data from earlier ticks on which its value depends. Not thread-safe.
