@@ -64,13 +64,12 @@ CLI::Option* add_values(CLI::App& app, const char* name, const char* value, cons
 void add_argument(CLI::App& app, const char* name, const char* help, std::filesystem::path& file);
 
 /// Options of the commands that load a world: the world file, the settings of its simulation, and the end of
-/// the run. Ranks are processes, or groups of threads, that compute the world together. World time is
-/// simulated time.
+/// the run. Ranks are processes, or groups of threads, that compute the world together.
 struct WorldOptions {
   std::filesystem::path world;  ///< world file, or checkpoint (saved state of a run)
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
-  std::optional<double> for_s;  ///< --for: end in world time, s
+  std::optional<double> for_s;  ///< --for: end in simulated time, s
   bool gives_ranks = false;     ///< whether --ranks is given, which is an error under mpirun
   double rank_limit_s = 600;    ///< --rank-limit: longest wait for another rank, wall time, s
   // For checkpoints:
@@ -96,7 +95,7 @@ void add_across_options(CLI::App& app, WorldOptions& options);
 /// them.
 void refuse_across_options(const WorldOptions& options);
 
-/// Returns the end of the run in world time (simulated time), s: the value of --for, or else the quit time
+/// Returns the end of the run in simulated time, s: the value of --for, or else the quit time
 /// that the world file gives. Throws InputError if neither is given.
 double end_of(const WorldOptions& options, const Simulation& simulation);
 /// Adds --simd, which names a SIMD instruction set. Parsing selects this set for range finding (the

@@ -49,7 +49,7 @@ class RunClock {
   double rate_;
   Clock::time_point due_;
   Clock::time_point measured_;  // when the speed was last measured
-  double measured_s_ = 0;       // world time at measured_
+  double measured_s_ = 0;       // simulated time at measured_
   double reached_ = 0;          // the measured speed
 };
 

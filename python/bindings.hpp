@@ -60,8 +60,8 @@ bool is_interrupted();
 /// Unlocked explains.
 py::object call(py::handle function, py::handle argument);
 
-/// Returns `result`, which the measure `function` returned, as a number. Throws py::error_already_set if it is
-/// not a number (ResultError of troupe/_script.py). The caller must hold the interpreter's lock.
+/// Returns `result`, which the measure `function` returned, as a number. Throws py::error_already_set if it
+/// is not a number (ResultError of troupe/_script.py). The caller must hold the interpreter's lock.
 double number_of(const py::object& function, const py::object& result);
 
 /// A simulation owned by Python. Arrays and handles that refer to it keep it alive.

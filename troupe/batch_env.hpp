@@ -143,9 +143,9 @@ struct BatchSpec {
   /// use. The results are the same with any number of threads.
   unsigned threads = 0;
   std::size_t ticks = 1;  ///< number of ticks (time steps of the simulation) per step, 1 or more
-  /// World time after which an episode is truncated, s: above 0 and at most 1e12, rounded up to whole ticks.
-  /// The time is tested after each step. It is counted from the end of the first tick of the episode; in this
-  /// tick, the policies give no commands.
+  /// Simulated time after which an episode is truncated, s: above 0 and at most 1e12, rounded up to whole
+  /// ticks. The time is tested after each step. It is counted from the end of the first tick of the episode;
+  /// in this tick, the policies give no commands.
   double seconds = 60;
   std::vector<BatchTeam> teams;  ///< one or more teams; no robot may be in two teams
   /// Measures to compute for each copy. A measure is a number computed from the state of the world. Each text

@@ -22,7 +22,8 @@ bool are_of_world(const Simulation& simulation, const std::vector<std::string>& 
 /// Returns the measure that the world file lists under this name; null if there is none.
 const engine::MeasureSpec* listed(const Simulation& simulation, const std::string& name) {
   const std::vector<engine::MeasureSpec>& specs = simulation.world().spec().measures;
-  const auto found = std::ranges::find(specs, name, [](const auto& spec) { return engine::measure_name(spec); });
+  const auto found =
+      std::ranges::find(specs, name, [](const auto& spec) { return engine::measure_name(spec); });
   return found == specs.end() ? nullptr : &*found;
 }
 

@@ -62,7 +62,7 @@ class PictureSource {
   virtual Result<> check(const FrameWishes& wishes) const = 0;
 
   // The state to draw.
-  virtual double time_s() const = 0;             ///< world time, s
+  virtual double time_s() const = 0;             ///< simulated time, s
   virtual std::uint64_t state_hash() const = 0;  ///< hash of the whole state (docs/determinism.md)
   /// Returns the poses of the mobile bodies (those that are in the world and not static), and the members of
   /// engine::Frame that `wishes` request. Some of these members, such as Frame::charges, have one number per

@@ -38,10 +38,10 @@ class RecordedRun : public PictureSource {
   RecordedRun& operator=(RecordedRun&&) noexcept;
   ///@}
 
-  /// Makes the last frame at or before this world time the current frame; time in s. Throws InputError if the
-  /// time is before the first frame or after the last frame.
+  /// Makes the last frame at or before this simulated time the current frame; time in s. Throws InputError if
+  /// the time is before the first frame or after the last frame.
   void go_to(double time_s);
-  /// World times of all frames, s, in ascending order; never empty.
+  /// Simulated times of all frames, s, in ascending order; never empty.
   std::span<const double> times_s() const;
   /// Index of the current frame in times_s(). After construction, the last frame is the current one.
   std::size_t frame_index() const;

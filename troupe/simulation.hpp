@@ -171,7 +171,7 @@ using engine::phase_name;
 struct Statistics {
   std::size_t robots = 0;          ///< number of robots that are in the world now
   std::uint64_t ticks = 0;         ///< completed ticks (time steps)
-  double time_s = 0;               ///< world time, s
+  double time_s = 0;               ///< simulated time, s
   std::uint64_t beams = 0;         ///< rays that sensors have cast
   std::size_t stalled = 0;         ///< robots whose last motion was blocked or would have left the bounds
   std::size_t held_at_bounds = 0;  ///< robots whose last motion would have left the bounds of the world
@@ -552,16 +552,16 @@ class Simulation {
   /// an exception the state is incomplete. Until reset(), all functions that read or advance the state then
   /// throw std::logic_error, also those of models, swarms and observers of this simulation.
   void step();
-  /// Steps until `seconds` more of world time have passed, or until a stop condition ends the run
+  /// Steps until `seconds` more of simulated time have passed, or until a stop condition ends the run
   /// (stopped()). The time is rounded up to whole ticks, but with a tolerance for rounding errors: 0.07 s are
   /// 7 ticks of 0.01 s, although 0.07 / 0.01 is slightly above 7 in floating point. The tolerance is 1e-9 of
   /// `seconds` or of a tick, whichever is longer. Makes no step if a stop condition already holds. Throws
   /// std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
   void run_for(double seconds);
   /// Makes steps, and calls `done` after each step. Returns true as soon as `done` returns true. Returns
-  /// false if `at_most_s` seconds of world time (rounded as in run_for()) pass first, or if a stop condition
-  /// ends the run first (stopped()). If a stop condition already holds, makes no step and returns false.
-  /// Throws std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
+  /// false if `at_most_s` seconds of simulated time (rounded as in run_for()) pass first, or if a stop
+  /// condition ends the run first (stopped()). If a stop condition already holds, makes no step and returns
+  /// false. Throws std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
   /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Before the
   /// callbacks are called, the stop conditions have been evaluated, and the recording of record() has
@@ -633,7 +633,7 @@ class Simulation {
   /// The tick of the checkpoint that the run was resumed from; std::nullopt if the run was not resumed.
   std::optional<std::uint64_t> resumed_at_tick() const;
 
-  double time_s() const;       ///< world time, s
+  double time_s() const;       ///< simulated time, s
   std::uint64_t tick() const;  ///< number of completed ticks
   double tick_s() const;       ///< length of a tick, s
   /// Number of robots that are in the world now.

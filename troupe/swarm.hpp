@@ -57,7 +57,7 @@ class Swarm {
   std::span<const BodyId> ids() const { return ids_; }  ///< ids of the robots, in ascending order
   std::vector<std::string> names() const;               ///< names of the robots, in the order of ids()
   std::uint64_t tick() const;                           ///< number of completed ticks (time steps)
-  double time_s() const;                                ///< world time, s
+  double time_s() const;                                ///< simulated time, s
   /// Names of the types of the robots, each name once, in the order of the world file. A type states the
   /// shape, drive and devices of its robots.
   std::vector<std::string> types() const;

@@ -28,7 +28,7 @@ constexpr Switch k_switches[] = {
      "sensor data are drawn: those that `show_ranger_ranges`, `show_fiducial`, `show_gripper_data` and "
      "`blobfinder_vis` switch on"},
     {"show_blocks", true},
-    {"show_clock", true, "the world time is drawn"},
+    {"show_clock", true, "the simulated time is drawn"},
     {"show_flags", true},
     {"show_grid", true, "the grid of the floor is drawn"},
     {"show_follow", false},

@@ -206,7 +206,7 @@ std::vector<std::string> compare_errors(std::vector<Variant>& variants) {
   return lines;
 }
 
-/// Steps the variants to world time `end_s`, s, or to the first tick at which they differ. Returns the
+/// Steps the variants to simulated time `end_s`, s, or to the first tick at which they differ. Returns the
 /// differences as lines of text; empty: none. decisions: null unless --controllers is given.
 std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* decisions, double end_s) {
   Simulation& first = variants.front().simulation;

@@ -80,7 +80,7 @@ std::vector<std::string_view> first_cells(std::string_view line, std::size_t cou
   return cells;
 }
 
-/// The first two cells of a line of a table: tick and world time, s.
+/// The first two cells of a line of a table: tick and simulated time, s.
 struct Span {
   std::uint64_t tick = 0;
   double time_s = 0;

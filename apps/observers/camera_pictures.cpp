@@ -70,8 +70,8 @@ std::string file_stem(std::string name, std::set<std::string>& taken) {
   return stem;
 }
 
-/// Returns the world time as text, such as "000012.300s", with enough digits to distinguish ticks, and with
-/// leading zeros so that file names sort by time.
+/// Returns the simulated time as text, such as "000012.300s", with enough digits to distinguish ticks, and
+/// with leading zeros so that file names sort by time.
 std::string time_of(const Simulation& simulation) {
   const double tick_ms = simulation.tick_s() * 1000;
   const int digits = std::abs(tick_ms - std::round(tick_ms)) < 1e-9 ? 3 : 6;

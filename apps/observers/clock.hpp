@@ -9,7 +9,7 @@ namespace troupe::apps {
 
 /// Prints the progress of a run on standard error, one line for every tick (simulation step) that is a
 /// multiple of `every_ticks`. An example is `arena: 60 s, 812.4 x real time`: the title of the world, the
-/// world time (simulated time), and the mean speed since the run began. The line for the tick at which the
+/// simulated time, and the mean speed since the run began. The line for the tick at which the
 /// run begins has no speed.
 class ClockLines : public Observer {
  public:
@@ -23,7 +23,7 @@ class ClockLines : public Observer {
  private:
   using WallClock = std::chrono::steady_clock;
   std::uint64_t every_ticks_;
-  double first_s_;  // world time at which the run began
+  double first_s_;  // simulated time at which the run began
   WallClock::time_point start_ = WallClock::now();
 };
 

@@ -11,8 +11,8 @@
 
 namespace troupe::apps {
 
-/// Results of a run, from which summary_text() and summary_json() make the summary. World time is simulated
-/// time. A tick is a simulation step; a phase is a part of a tick, such as sense or move. Observers are
+/// Results of a run, from which summary_text() and summary_json() make the summary.
+/// A tick is a simulation step; a phase is a part of a tick, such as sense or move. Observers are
 /// objects that read the state after each tick, for example to write a file.
 ///
 /// Several ranks can compute a world together; a rank is a process or a group of threads. The own bodies of a
@@ -24,7 +24,7 @@ struct Report {
   Simulation::Hashes hashes;     ///< hashes of the state at the end of the run
   std::uint64_t first_tick = 0;  ///< tick at which the run began or was resumed
   double tick_s = 0;             ///< length of a tick, s
-  double end_s = 0;              ///< requested end, world time, s
+  double end_s = 0;              ///< requested end, simulated time, s
   bool stopped = false;          ///< stopped before end_s by a signal or --wall-limit
   std::string stopped_by;        ///< the condition of the world's `stop_when` that ended the run; empty: none
   unsigned threads = 0;          ///< worker threads per rank

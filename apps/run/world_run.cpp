@@ -55,8 +55,8 @@ Simulation load(const RunOptions& options) {
   return Simulation(options.world, given);
 }
 
-/// Returns the world time at which the run ends, s: without --for, the end of the repeated session, if there
-/// is a session and its file states the end; else the result of end_of().
+/// Returns the simulated time at which the run ends, s: without --for, the end of the repeated session, if
+/// there is a session and its file states the end; else the result of end_of().
 double end_of_run(const RunOptions& options, const Simulation& simulation, const SessionReplay* session) {
   if (!options.for_s && session && session->end_tick())
     return static_cast<double>(*session->end_tick()) * simulation.tick_s();

@@ -550,7 +550,7 @@ class Readings {
 /// The inputs of one robot's controller in a tick.
 struct Percept {
   std::uint64_t tick = 0;  ///< number of the present tick; the first tick is 1
-  double time_s = 0;       ///< world time at the end of the tick, s
+  double time_s = 0;       ///< simulated time at the end of the tick, s
   double tick_s = 0;       ///< length of a tick, s
   double period_s = 0;     ///< time from one call of the controller for this robot to the next, s
   std::uint32_t body = 0;  ///< id of the robot
@@ -627,7 +627,7 @@ struct Actions {
 /// `switches`, and the argument `sensor` of the functions.
 struct DecideBatch {
   std::uint64_t tick = 0;                ///< number of the present tick; the first tick is 1
-  double time_s = 0;                     ///< world time at the end of the tick, s
+  double time_s = 0;                     ///< simulated time at the end of the tick, s
   double tick_s = 0;                     ///< length of a tick, s
   double period_s = 0;                   ///< time from one decision of a robot to the next, s
   std::uint64_t seed = 0;                ///< seed of the world

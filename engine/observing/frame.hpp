@@ -147,7 +147,7 @@ struct FrameTrail {
 /// The data that change from tick to tick: the bodies that are not static, and further data that the viewer
 /// requests.
 struct Frame {
-  double time_s = 0;              ///< world time, s
+  double time_s = 0;              ///< simulated time, s
   std::uint64_t tick = 0;         ///< number of completed ticks
   std::vector<FrameBody> mobile;  ///< bodies that are in the world and not static, in order of ids
   /// Shapes of bodies that now look different from their type, because a joint is not at rest or a device has

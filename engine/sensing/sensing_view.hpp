@@ -152,8 +152,8 @@ class SensingView {
   /// first tick is 1. Between two steps, and in the phase `intervene`: number of completed ticks.
   std::uint64_t tick() const { return columns_.now->tick; }
   double tick_s() const { return columns_.spec->tick_s; }  ///< length of a tick, s
-  /// World time, s: tick() * tick_s(). While devices run, it is the time at the end of the tick that is being
-  /// computed.
+  /// Simulated time, s: tick() * tick_s(). While devices run, it is the time at the end of the tick that is
+  /// being computed.
   double time_s() const { return static_cast<double>(tick()) * tick_s(); }
   /// Number of ticks that were completed when the row's body was born; 0 if the body was present at tick 0
   /// (the initial state) or is unborn. The periods of the devices, the drive and the controllers of the body

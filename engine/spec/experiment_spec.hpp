@@ -114,9 +114,10 @@ struct InterventionSpec {
     move,
     set,  ///< changes parameters of a type, for all its bodies
   };
-  /// World time, s. The intervention is applied after the first tick that ends at this time or later, before
-  /// the next tick begins. Example: with ticks of 0.1 s and the time 0.25 s, it is applied between tick 3,
-  /// which ends at 0.3 s, and tick 4. If the time is 0 or less, the intervention is applied before tick 1.
+  /// Simulated time, s. The intervention is applied after the first tick that ends at this time or later,
+  /// before the next tick begins. Example: with ticks of 0.1 s and the time 0.25 s, it is applied between
+  /// tick 3, which ends at 0.3 s, and tick 4. If the time is 0 or less, the intervention is applied before
+  /// tick 1.
   double time_s = 0;
   Action action = Action::remove;  ///< kind of intervention
   GroupSpec whom;  ///< affected bodies; for `move`, one body; for `add`, a population with a reserve
@@ -139,7 +140,7 @@ inline constexpr std::array<std::string_view, 6> k_actions{"remove", "add",  "di
 /// can fail.
 struct FaultSpec {
   GroupSpec whom;     ///< bodies that may fail; selected when the world is built or restarted
-  double from_s = 0;  ///< world time from which on faults may occur, s
+  double from_s = 0;  ///< simulated time from which on faults may occur, s
   /// One possible fault of the bodies.
   struct Impairment {
     std::string kind;  ///< name of a kind of fault (FaultKind::name)

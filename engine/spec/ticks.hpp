@@ -17,7 +17,7 @@ inline constexpr double k_longest_run_s = 1e12;
 /// 1e15.
 std::uint64_t period_ticks(double period_s, double tick_s);
 
-/// Returns the number of the first tick that ends at the world time `end_s`, s, or later. Ticks are time
+/// Returns the number of the first tick that ends at the simulated time `end_s`, s, or later. Ticks are time
 /// steps of the length `tick_s`, s, counted from 1: tick n ends at n * tick_s. `tick_s` must be above 0.
 ///
 /// A tick that ends slightly before `end_s` counts as well. The tolerance is 1e-9 times the larger of

@@ -10,10 +10,10 @@ inline constexpr double k_most_rate = 1e9;                      ///< largest all
 inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< largest allowed WatchSpec::clock_ticks
 
 /// Settings of a world file for watching a run: a limit of the speed of the run, and whether and how often
-/// the program prints the world time (the simulated time). No setting affects a result. A tick is a time
+/// the program prints the simulated time. No setting affects a result. A tick is a time
 /// step.
 struct WatchSpec {
-  bool clock = false;               ///< whether the program prints the world time during the run
+  bool clock = false;               ///< whether the program prints the simulated time during the run
   std::uint64_t clock_ticks = 100;  ///< ticks from one printed time to the next, if `clock` is true
   /// Highest speed of a run with the command-line option `--rate world`, as a multiple of real time; 0: no
   /// limit.
@@ -23,7 +23,7 @@ struct WatchSpec {
 
   static constexpr void describe(Description<WatchSpec>& d) {
     using namespace facts;
-    d.member<&WatchSpec::clock>("clock", "true: the run prints the world time");
+    d.member<&WatchSpec::clock>("clock", "true: the run prints the simulated time");
     d.member<&WatchSpec::clock_ticks>("clock_ticks", within(1, k_most_clock_ticks),
                                       "number of ticks from one printed time to the next");
     d.member<&WatchSpec::rate>(

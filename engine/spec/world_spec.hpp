@@ -28,9 +28,9 @@ namespace troupe::engine {
 // same rigid parts, joints, drive, devices (sensors and actuators) and controllers. The shape of a part
 // consists of solids: polygons that are extruded over an interval of heights (struct Solid). A kind is the
 // implementation of a sort of device, drive, controller or measure; the registry (struct Registry) is the
-// list of all kinds. Time advances in ticks, steps of equal length; tick 0 is the initial state. World time
-// is simulated time. A population is the set of bodies NAME0, NAME1, ... . Stage is another simulator, whose
-// world files Troupe reads and writes.
+// list of all kinds. Time advances in ticks, steps of equal length; tick 0 is the initial state. Simulated
+// time is simulated time. A population is the set of bodies NAME0, NAME1, ... . Stage is another simulator,
+// whose world files Troupe reads and writes.
 
 /// Largest total number of corners of the shapes of bodies. The readers of world files apply this limit to
 /// all types of a world together. World applies it to all bodies of the static scene together: the bodies
@@ -236,7 +236,7 @@ struct RecordSpec {
   /// names a file.
   std::string file;
   std::vector<std::string> fields;  ///< fields to record; empty: the default fields (docs/recordings.md)
-  std::optional<double> every_s;    ///< world time from one recorded tick to the next, s; not set: 0.1 s
+  std::optional<double> every_s;    ///< simulated time from one recorded tick to the next, s; not set: 0.1 s
   Where where;                      ///< position in the file, for messages
   Where where_fields;               ///< position of `fields`, for messages
 };
@@ -248,7 +248,7 @@ struct WorldSpec {
   std::shared_ptr<SourceFiles> files;  ///< input files, to which the `Where` values refer; may be null
   std::uint64_t seed = 1;              ///< seed of all random numbers, and of priorities in motion conflicts
   double tick_s = 0.1;                 ///< length of a tick, s; above 0
-  std::optional<double> quit_time_s;   ///< world time at which a run ends by default, s; not set: no end
+  std::optional<double> quit_time_s;   ///< simulated time at which a run ends by default, s; not set: no end
   std::optional<RecordSpec> record;    ///< the recording that the world asks for; not set: none
   RangingEngine ranging = RangingEngine::exact;  ///< how ranges are computed: docs/sensing.md
   double resolution_m = k_resolution_m;          ///< edge of the cells of RangingEngine::grid, m
@@ -279,8 +279,8 @@ struct WorldSpec {
   /// Measures (numbers computed from the state) that a run computes, unless the user chooses others for the
   /// run.
   std::vector<MeasureSpec> measures;
-  double measure_every_s = 1;  ///< world time from one measurement to the next, s; 0: every tick
-  WatchSpec watch;             ///< speed of a run, and how often the world time is printed
+  double measure_every_s = 1;  ///< simulated time from one measurement to the next, s; 0: every tick
+  WatchSpec watch;             ///< speed of a run, and how often the simulated time is printed
   /// Settings of the view that the command-line option `--camera window` draws: one value per field of the
   /// table in worldio/window_fields.hpp. Not set: the world file gives no such settings.
   std::optional<Record> window;

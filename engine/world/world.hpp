@@ -235,7 +235,7 @@ class World {
   /// the step computes.
   std::uint64_t tick() const { return state_.now.tick; }
   double tick_s() const { return state_.spec.tick_s; }  ///< length of a tick, s
-  /// World time, which is the simulated time, s: tick() * tick_s().
+  /// Simulated time, s: tick() * tick_s().
   double time_s() const { return static_cast<double>(state_.now.tick) * state_.spec.tick_s; }
   /// Replaces the callback that step() calls at the beginning of each phase and at the end of the tick. The
   /// argument is the phase that begins, or std::nullopt at the end of the tick. An empty callback is not

@@ -33,8 +33,9 @@ struct Step {
   static constexpr void describe(engine::Description<Step>& d) {
     using namespace engine::facts;
     using enum engine::Unit;
-    d.member<&Step::at_s>("at", seconds, required, at_least(0),
-                          "world time from which the order holds, until the next order for the same device");
+    d.member<&Step::at_s>(
+        "at", seconds, required, at_least(0),
+        "simulated time from which the order holds, until the next order for the same device");
     d.member<&Step::device>("device", required, "name of the device");
     d.member<&Step::order>(
         "order", required,
@@ -109,7 +110,7 @@ struct Operate {
       d.member<&Params::plan>("plan",
                               "orders as one word, for .world files: DEVICE:ORDER@SECONDS or "
                               "DEVICE:ORDER:VALUE@SECONDS, separated by commas");
-      d.member<&Params::orders>("orders", "orders to grippers and actuators, each with its world time");
+      d.member<&Params::orders>("orders", "orders to grippers and actuators, each with its simulated time");
     }
   };
 

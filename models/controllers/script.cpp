@@ -26,7 +26,7 @@ struct Leg {
     using namespace engine::facts;
     using enum engine::Unit;
     d.member<&Leg::until_s>("until", seconds, required, at_least(0),
-                            "world time at which this leg ends and the next one begins");
+                            "simulated time at which this leg ends and the next one begins");
     d.member<&Leg::forward>("forward", meters_per_second, "forward speed");
     d.member<&Leg::left>("left", meters_per_second, "speed to the left; only omni drives obey it");
     d.member<&Leg::turn>("turn", radians_per_second, "turn rate; for a car drive, the steering angle in rad");

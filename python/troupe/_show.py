@@ -25,10 +25,10 @@ def film(
     self: Simulation, file: _File, seconds: float, width: int = 1280, height: int = 720, *,
     speed: float = 1.0, fps: float = 30.0, **look: Any,
 ) -> None:
-    """Steps the simulation by `seconds` of world time, rounded to the nearest tick, and writes a film of the run (.mp4;
-    needs ffmpeg).
+    """Steps the simulation by `seconds` of simulated time, rounded to the nearest tick, and writes a film of the run
+    (.mp4; needs ffmpeg).
 
-    width, height: size of the film, pixels. A second of the film shows `speed` seconds of world time in `fps` pictures.
+    width, height: size of the film, pixels. A second of the film shows `speed` simulated seconds in `fps` pictures.
     look: the keyword arguments of picture(), such as camera. Poses between two ticks are interpolated. An existing file
     is replaced when the film is complete. If a stop condition ends the run, the film ends at that time. Raises
     ValueError if `file` does not end in .mp4, or if `seconds`, `speed` or `fps` is not a finite number above 0.
@@ -47,9 +47,9 @@ def film(
 def replay(
     self: Simulation, file: _File, seconds: float, *, every_s: float = 0.0, fields: Sequence[str] = (), replace: bool = False
 ) -> None:
-    """Steps the simulation by `seconds` of world time and writes a page (.html) that plays this run in a browser.
+    """Steps the simulation by `seconds` of simulated time and writes a page (.html) that plays this run in a browser.
 
-    every_s: world time between two frames of the page, s. fields: names of components of the state ("pose") or of
+    every_s: simulated time between two frames of the page, s. fields: names of components of the state ("pose") or of
     fields of sensors ("ranges") that the page can show, as in record(). If either is not given, the value that the
     world file sets under "record" is used. replace: whether an existing file is replaced. If `replace` is False and the
     file exists, raises FileExistsError before the first step. The run ends earlier if a stop condition holds. Raises

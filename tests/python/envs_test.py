@@ -306,6 +306,21 @@ class Vector(unittest.TestCase):
             with self.assertRaisesRegex(error, text):
                 env.reset(options={"reset_mask": wrong})
 
+    def test_members_of_a_team_are_lists(self):
+        for member, wrong, text in (
+            ("observation", "ranges", "Team.observation: must be a list of dicts, found 'ranges'"),
+            ("observation", {"near": ["ranges"]}, "Team.observation['near']: must be a list of dicts, found ['ranges']"),
+            ("arrays", [], "Team.arrays: must be a dict from names to lists of parts, found []"),
+            ("rewards", {"of": "goal"}, "Team.rewards: must be a list of dicts, found {'of': 'goal'}"),
+            ("choices", 3, "Team.choices: must be a list of lists of numbers, found 3"),
+            ("levels", [1, 2], "Team.levels: must be a list of lists of numbers, found [1, 2]"),
+        ):
+            task = Short(2)
+            task.teams = [dataclasses.replace(task.teams[0], **{member: wrong})]
+            with self.subTest(member=member), self.assertRaises(TypeError) as raised:
+                troupe.envs.VectorEnv(task, 1)
+            self.assertEqual(str(raised.exception), text)
+
     def test_the_seeds_of_copies_begin_again_at_0(self):
         env = troupe.envs.VectorEnv(Short(2), 6)
         env.reset(seed=2**64 - 1)

@@ -1073,7 +1073,7 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
                                    "fields of the state that it contains");
   d.other<&WorldDocument::watch>(
        Form::block, "watch",
-       "the speed of a run, whether it prints the world time, and whether Stage's window starts paused")
+       "the speed of a run, whether it prints the simulated time, and whether Stage's window starts paused")
       .or_default("the defaults of its keys")
       .block = &engine::watch_fields();
   d.other<&WorldDocument::window>(Form::block, "window", "the view of `--camera window`").block =

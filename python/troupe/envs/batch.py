@@ -12,7 +12,7 @@ import numpy.typing as npt
 from gymnasium import spaces
 
 from .._core import BatchEnv, Simulation
-from .task import Task, Team, action_space, commands_of
+from .task import Task, Team, action_space, commands_of, require_lists
 
 Flags = npt.NDArray[np.bool_]
 _ONLY = "observation"  # name of the array of a team whose observation is a single Box
@@ -58,6 +58,7 @@ class Batch:
                 )
             self.teams[0].robots = robot
         for index, team in enumerate(self.teams):
+            require_lists(team)
             team.name = team.name or f"team{index}"
         simulation = Simulation(copy.deepcopy(task.world), threads=1, **options)
         spec = {

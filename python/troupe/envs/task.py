@@ -69,7 +69,7 @@ class Task:
     world: World = {}
     teams: List[Team] = []
     ticks = 1  #: ticks of the world per step
-    seconds = 60.0  #: world time after which an episode is truncated, s
+    seconds = 60.0  #: simulated time after which an episode is truncated, s
     measures: List[str] = []  #: names of measures that are computed for each copy, and that rewards and ends may use
     max_return: Optional[float] = None  #: the largest possible sum of rewards of an episode, if known
 
@@ -103,6 +103,33 @@ class Task:
         """Returns the actions of a hand-written policy, with which learned policies can be compared: one row of actions
         per row of the observations. Raises NotImplementedError if the task defines no such policy."""
         raise NotImplementedError(f"{type(self).__name__} has no baseline: define the method baseline()")
+
+
+_LISTS = (list, tuple, np.ndarray)
+
+
+def require_lists(team: Team) -> None:
+    """Raises TypeError if a member of a team is not made of lists as Team describes."""
+    for member in ("observation", "arrays"):
+        value = getattr(team, member)
+        if isinstance(value, dict):
+            for name, parts in value.items():
+                _require_parts(f"{member}[{name!r}]", parts)
+        elif member == "observation":
+            _require_parts(member, value)
+        else:
+            raise TypeError(f"Team.arrays: must be a dict from names to lists of parts, found {value!r}")
+    for member in ("actions", "rewards", "ends"):
+        _require_parts(member, getattr(team, member))
+    for member in ("choices", "levels"):
+        rows = getattr(team, member)
+        if rows is not None and not (isinstance(rows, _LISTS) and all(isinstance(row, _LISTS) for row in rows)):
+            raise TypeError(f"Team.{member}: must be a list of lists of numbers, found {rows!r}")
+
+
+def _require_parts(member: str, parts: Any) -> None:
+    if not isinstance(parts, _LISTS) or not all(isinstance(part, dict) for part in parts):
+        raise TypeError(f"Team.{member}: must be a list of dicts, found {parts!r}")
 
 
 def action_space(team: Team) -> "spaces.Space[Any]":
