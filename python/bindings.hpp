@@ -64,6 +64,10 @@ py::object call(py::handle function, py::handle argument);
 /// is not a number (ResultError of troupe/_script.py). The caller must hold the interpreter's lock.
 double number_of(const py::object& function, const py::object& result);
 
+/// Returns the unit that a measure in Python declares; Unit::none for an empty text. troupe/_script.py has
+/// checked that other texts are known.
+engine::Unit unit_of(const std::string& symbol);
+
 /// A simulation owned by Python. Arrays and handles that refer to it keep it alive.
 ///
 /// It steps without the interpreter's lock, so that other Python threads can run meanwhile. Only one thread

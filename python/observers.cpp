@@ -21,12 +21,27 @@ namespace {
 
 using Wanted = std::variant<std::string, py::dict, py::function>;
 
+/// Returns the name of a function that is a measure: the name that the decorator troupe.measure has declared,
+/// or that of the function.
+std::string name_of(const py::object& function) {
+  const py::object declared = py::getattr(function, "_troupe_measure", py::none());
+  const py::object name = declared.is_none() ? py::object(function.attr("__name__")) : declared["name"];
+  return py::str(name);
+}
+
+/// Returns the name of the column of such a measure: its name with the suffix of the unit that it declares.
+std::string column_of(const py::object& function) {
+  const py::object declared = py::getattr(function, "_troupe_measure", py::none());
+  const engine::Unit unit = declared.is_none() ? engine::Unit::none : unit_of(py::str(declared["unit"]));
+  return name_of(function) + std::string(engine::unit_suffixes(unit).front().suffix);
+}
+
 /// Measures of a simulation. A column is one of `measures` or a function in Python.
 struct HeldMeasures {
   Holder held;
   std::optional<Measures> measures;     ///< not set: all columns are functions
   std::vector<py::object> functions;    ///< per column: the function; null: the next column of `measures`
-  std::vector<std::string> names = {};  ///< per column: the name of the measure or function
+  std::vector<std::string> names = {};  ///< per column: its name, with the unit
 
   void see() {
     static_cast<void>(held->use());
@@ -44,7 +59,7 @@ struct HeldMeasures {
   double value(const std::string& name) {
     static_cast<void>(held->use());
     for (std::size_t i = 0; i < functions.size(); ++i)
-      if (functions[i] && names[i] == name) return value_of(functions[i]);
+      if (functions[i] && (names[i] == name || name_of(functions[i]) == name)) return value_of(functions[i]);
     if (measures) return measures->value(name);
     throw std::out_of_range(
         unknown_name("measure", name, std::vector<std::string_view>(names.begin(), names.end())));
@@ -80,7 +95,7 @@ HeldMeasures measures_of(const Holder& held, const std::vector<Wanted>& wanted) 
   }
   std::size_t next = 0;
   for (const py::object& function : made.functions)
-    made.names.push_back(function ? py::str(function.attr("__name__")).cast<std::string>() : columns[next++]);
+    made.names.push_back(function ? column_of(function) : columns[next++]);
   return made;
 }
 

@@ -213,13 +213,6 @@ std::vector<engine::Unit> units() {
   return all;
 }
 
-/// Returns Unit::none for an empty text. _script.py has checked that other texts are known.
-engine::Unit unit_of(const std::string& symbol) {
-  for (const engine::Unit unit : units())
-    if (symbol_of(unit) == symbol) return unit;
-  return engine::Unit::none;
-}
-
 /// Returns the field of a parameter, whose type follows from its default value (_script.py). The characters
 /// of `name` must live as long as the field.
 engine::Field parameter_of(std::string_view name, const py::handle& usual) {
@@ -302,6 +295,12 @@ std::shared_ptr<const Script> script_of(const py::dict& described) {
 }
 
 }  // namespace
+
+engine::Unit unit_of(const std::string& symbol) {
+  for (const engine::Unit unit : units())
+    if (symbol_of(unit) == symbol) return unit;
+  return engine::Unit::none;
+}
 
 std::vector<std::shared_ptr<const Script>> scripts_of(const py::object& sources) {
   std::vector<std::shared_ptr<const Script>> scripts;

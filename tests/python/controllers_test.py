@@ -169,6 +169,22 @@ class Controllers(InAFolder):
         self.assertEqual(measures.values()[1:], [np.abs(world.swarm().poses()[:, :2]).max(), 30])
         self.assertEqual(measures["<lambda>"], 30)
 
+    def test_a_function_that_declares_a_unit_has_a_column_with_the_unit(self):
+        @troupe.measure(unit="m", name="edge")
+        def reach(robots):
+            return np.abs(robots.poses()[:, :2]).max()
+
+        @troupe.measure
+        def count(robots):
+            return len(robots)
+
+        self.write("w.json", WORLD)
+        measures = troupe.Measures(troupe.Simulation("w.json"), [reach, count])
+        self.assertEqual(measures.columns, ["edge_m", "count"])
+        self.assertEqual([measures["edge"], measures["edge_m"], measures["count"]], [measures.values()[0]] * 2 + [30])
+        with self.assertRaisesRegex(LookupError, 'no measure "reach"'):
+            measures["reach"]
+
     def test_the_argument_of_a_measure_can_be_used_only_during_the_call(self):
         self.write("my.py", "import troupe\nkept = []\n\n\n@troupe.measure\ndef keep(robots):\n    kept.append(robots)\n    return len(robots)\n")
         world = troupe.Simulation("w.json", controllers=["my.py"])
