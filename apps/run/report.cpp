@@ -98,7 +98,8 @@ std::string summary_text(const Report& report) {
   if (report.rate > 0)
     line("waited",
          fmt::format("{} s, to keep {:.10g} x real time", four_digits(report.waited_s), report.rate));
-  line("cost", fmt::format("{} ns per robot and tick", four_digits(report.ns_per_robot_tick())));
+  if (s.robots > 0)
+    line("cost", fmt::format("{} ns per robot and tick", four_digits(report.ns_per_robot_tick())));
   line("beams", fmt::format("{} per tick", four_digits(report.beams_per_tick())));
   std::string shares;
   for (std::size_t i = 0; i < k_phases; ++i)

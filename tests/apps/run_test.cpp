@@ -60,6 +60,14 @@ TEST_F(Run, SummaryNamesEverythingInAlignedLines) {
     EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  " + std::string(line))));
 }
 
+TEST_F(Run, SummaryOfAWorldWithoutRobotsHasNoCostPerRobot) {
+  write("empty.json", R"({"troupe": 1, "arena": {"size_m": [4, 4]}})");
+  const Outcome outcome = troupe({"run", "empty.json", "--for", "1"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  robots +0")));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("per robot")));
+}
+
 TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
   const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--json", "--seed", "9"});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
