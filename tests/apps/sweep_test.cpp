@@ -216,12 +216,15 @@ TEST_F(Sweep, AnErrorOfSeveralRunsIsPrintedOnce) {
   std::string world(k_world);
   world.replace(world.find("[[-4, -4], [4, 4]]"), 18, "[[0, 0], [0.1, 0.1]]");  // there is room for one robot
   write("w.json", world);
+  std::string study(k_study);
+  study.replace(study.find("[2, 5]"), 6, "[2, 1, 5]");
+  write("study.json", study);
   const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
   EXPECT_EQ(outcome.code, 1);
   const std::vector<std::string> lines = lines_of(outcome.err);
   ASSERT_THAT(lines, SizeIs(2)) << outcome.err;
   EXPECT_THAT(lines[0], AllOf(StartsWith("runs 0 to 2: "), HasSubstr("placed 1 of 2 bodies")));
-  EXPECT_THAT(lines[1], AllOf(StartsWith("runs 3 to 5: "), HasSubstr("placed 1 of 5 bodies")));
+  EXPECT_THAT(lines[1], AllOf(StartsWith("runs 6 to 8: "), HasSubstr("placed 1 of 5 bodies")));
 }
 
 TEST_F(Sweep, FailedRunsOfAllPartsAreInTheTable) {

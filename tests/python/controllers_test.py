@@ -182,7 +182,7 @@ class Controllers(InAFolder):
         measures = troupe.Measures(troupe.Simulation("w.json"), [reach, count])
         self.assertEqual(measures.columns, ["edge_m", "count"])
         self.assertEqual([measures["edge"], measures["edge_m"], measures["count"]], [measures.values()[0]] * 2 + [30])
-        with self.assertRaisesRegex(LookupError, 'no measure "reach"'):
+        with self.assertRaisesRegex(LookupError, 'unknown measure "reach"; known: count, edge_m'):
             measures["reach"]
 
     def test_the_argument_of_a_measure_can_be_used_only_during_the_call(self):
