@@ -36,7 +36,8 @@ std::pair<std::string, std::size_t> population_size(const std::string& text) {
 std::pair<std::string, std::string> assignment(const std::string& text) {
   const auto equals = text.find('=');
   if (!text.starts_with('/') || equals == text.npos)
-    refuse("--set", text, "a JSON pointer and a value, as in --set /populations/0/count=500");
+    refuse("--set", text,
+           "a JSON pointer, which begins with \"/\", and a value, as in --set /populations/0/count=500");
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <system_error>
+
 namespace troupe::worldio {
 namespace {
 
@@ -27,8 +29,11 @@ Result<> check_world_ending(const std::filesystem::path& file) {
 
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics) {
-  if (const Result<> ending = check_world_ending(file); !ending)
-    return fail(file, diagnostics, ending.error());
+  if (const Result<> ending = check_world_ending(file); !ending) {
+    std::error_code ignored;
+    const bool is_folder = std::filesystem::is_directory(file, ignored);
+    return fail(file, diagnostics, is_folder ? check_readable(file).error() : ending.error());
+  }
   const auto found = find_stage_file(file, options.search_path);
   if (!found) return fail(file, diagnostics, check_readable(file).error());
   if (const Result<> readable = check_readable(*found, k_most_input_bytes); !readable)

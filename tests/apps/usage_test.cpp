@@ -173,11 +173,11 @@ INSTANTIATE_TEST_SUITE_P(
             in_run("--robots: \"minibots=\" is not a number of robots, as in --robots 500, or --robots "
                    "NAME=500 for one population")},
         WrongUsage{room({"--set", "count=5"}),
-                   in_run("--set: \"count=5\" is not a JSON pointer and a value, as in --set "
-                          "/populations/0/count=500")},
+                   in_run("--set: \"count=5\" is not a JSON pointer, which begins with \"/\", and a value, "
+                          "as in --set /populations/0/count=500")},
         WrongUsage{room({"--set", "/count"}),
-                   in_run("--set: \"/count\" is not a JSON pointer and a value, as in --set "
-                          "/populations/0/count=500")},
+                   in_run("--set: \"/count\" is not a JSON pointer, which begins with \"/\", and a value, "
+                          "as in --set /populations/0/count=500")},
         WrongUsage{room({"--simd", "avx9"}), in_run("--simd: \"avx9\" is not an instruction set that this "
                                                     "program is compiled for; this processor can use " +
                                                     usable_targets())},

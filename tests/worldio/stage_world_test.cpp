@@ -1387,6 +1387,8 @@ TEST_F(StageTest, WorldsAreReadByTheirEnding) {
       ElementsAre("deep.world: error: there is no such file",
                   "a.txt: error: the name of a world file must end in .world (Stage's syntax) or .json, "
                   "found \"a.txt\""));
+  load_file(folder() / "deep");
+  EXPECT_THAT(messages(), ElementsAre("deep: error: this is a folder, not a file"));
 }
 
 }  // namespace
