@@ -131,8 +131,8 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
           py::arg("for_s") = py::none(),
           "Waits until the first user with full control connects, and then steps the simulation as users "
           "command, until `for_s`\nseconds of simulated time have passed (None: no limit) or a stop "
-          "condition "
-          "of the world holds. Calls the callbacks of\nSimulation.on_tick() after each step. Ctrl-C ends "
+          "condition of the world holds. Calls the callbacks of\nSimulation.on_tick() after each step. "
+          "Ctrl-C ends "
           "the run with KeyboardInterrupt. Raises ValueError if `for_s` is negative,\nNaN or more than "
           "1e12, and RuntimeError in a callback of on_tick().")
       .def("close", &HeldView::close,

@@ -163,14 +163,13 @@ void bind_run(SimulationClass& simulation) {
            "StepError if a tick fails, and RuntimeError in a\ncallback of on_tick().")
       .def("run_for", &run_for, py::arg("seconds"), py::arg("on_tick") = py::none(),
            "Steps until `seconds` more of simulated time have passed, or until a condition of `stop_when` in "
-           "the "
-           "world file ends the\nrun. If the callback on_tick is given, it is called as on_tick(simulation) "
+           "the world file ends the\nrun. If the callback on_tick is given, it is called as "
+           "on_tick(simulation) "
            "after each tick. Raises ValueError if\n`seconds` is negative, NaN or above 1e12.")
       .def("run_until", &run_until, py::arg("done"), py::arg("at_most_s"),
            "Steps until the callback done(simulation), which is called after each step, returns a true "
            "value. Returns True in this\ncase, and False if `at_most_s` seconds of simulated time pass first "
-           "or "
-           "a condition of `stop_when` in the world file ends the\nrun first. Raises ValueError if "
+           "or a condition of `stop_when` in the world file ends the\nrun first. Raises ValueError if "
            "`at_most_s` is negative, NaN or above 1e12.")
       .def("on_tick", &on_tick, py::arg("callback").none(true),
            "Adds a callback: callback(simulation) is called at the end of every step, after the recording of "

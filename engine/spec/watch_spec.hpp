@@ -10,8 +10,7 @@ inline constexpr double k_most_rate = 1e9;                      ///< largest all
 inline constexpr std::int64_t k_most_clock_ticks = 1000000000;  ///< largest allowed WatchSpec::clock_ticks
 
 /// Settings of a world file for watching a run: a limit of the speed of the run, and whether and how often
-/// the program prints the simulated time. No setting affects a result. A tick is a time
-/// step.
+/// the program prints the simulated time. No setting affects a result. A tick is a time step.
 struct WatchSpec {
   bool clock = false;               ///< whether the program prints the simulated time during the run
   std::uint64_t clock_ticks = 100;  ///< ticks from one printed time to the next, if `clock` is true

@@ -28,9 +28,9 @@ namespace troupe::engine {
 // same rigid parts, joints, drive, devices (sensors and actuators) and controllers. The shape of a part
 // consists of solids: polygons that are extruded over an interval of heights (struct Solid). A kind is the
 // implementation of a sort of device, drive, controller or measure; the registry (struct Registry) is the
-// list of all kinds. Time advances in ticks, steps of equal length; tick 0 is the initial state. Simulated
-// time is simulated time. A population is the set of bodies NAME0, NAME1, ... . Stage is another simulator,
-// whose world files Troupe reads and writes.
+// list of all kinds. Time advances in ticks, steps of equal length; tick 0 is the initial state. A
+// population is the set of bodies NAME0, NAME1, ... . Stage is another simulator, whose world files Troupe
+// reads and writes.
 
 /// Largest total number of corners of the shapes of bodies. The readers of world files apply this limit to
 /// all types of a world together. World applies it to all bodies of the static scene together: the bodies

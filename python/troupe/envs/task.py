@@ -110,26 +110,21 @@ _LISTS = (list, tuple, np.ndarray)
 
 def require_lists(team: Team) -> None:
     """Raises TypeError if a member of a team is not made of lists as Team describes."""
-    for member in ("observation", "arrays"):
-        value = getattr(team, member)
-        if isinstance(value, dict):
-            for name, parts in value.items():
-                _require_parts(f"{member}[{name!r}]", parts)
-        elif member == "observation":
-            _require_parts(member, value)
-        else:
-            raise TypeError(f"Team.arrays: must be a dict from names to lists of parts, found {value!r}")
-    for member in ("actions", "rewards", "ends"):
-        _require_parts(member, getattr(team, member))
-    for member in ("choices", "levels"):
-        rows = getattr(team, member)
+    if not isinstance(team.arrays, dict):
+        raise TypeError(f"Team.arrays: must be a dict from names to lists of parts, found {team.arrays!r}")
+    observation = team.observation
+    lists: Dict[str, Any] = {"actions": team.actions, "rewards": team.rewards, "ends": team.ends}
+    if isinstance(observation, dict):
+        lists.update({f"observation[{name!r}]": parts for name, parts in observation.items()})
+    else:
+        lists["observation"] = observation
+    lists.update({f"arrays[{name!r}]": parts for name, parts in team.arrays.items()})
+    for member, parts in lists.items():
+        if not isinstance(parts, _LISTS) or not all(isinstance(part, dict) for part in parts):
+            raise TypeError(f"Team.{member}: must be a list of dicts, found {parts!r}")
+    for member, rows in (("choices", team.choices), ("levels", team.levels)):
         if rows is not None and not (isinstance(rows, _LISTS) and all(isinstance(row, _LISTS) for row in rows)):
             raise TypeError(f"Team.{member}: must be a list of lists of numbers, found {rows!r}")
-
-
-def _require_parts(member: str, parts: Any) -> None:
-    if not isinstance(parts, _LISTS) or not all(isinstance(part, dict) for part in parts):
-        raise TypeError(f"Team.{member}: must be a list of dicts, found {parts!r}")
 
 
 def action_space(team: Team) -> "spaces.Space[Any]":
