@@ -213,6 +213,18 @@ class Checkers(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, "uses one thread: omit threads, or use VectorEnv"):
                 make(Short(2), threads=2)
 
+    def test_the_task_is_an_object(self):
+        for task in ("Navigation", troupe.envs.Navigation):
+            for make in (
+                troupe.envs.Env,
+                troupe.envs.ParallelEnv,
+                lambda task, **options: troupe.envs.VectorEnv(task, 8, **options),
+                lambda task, **options: troupe.envs.Batch(task, 1),
+            ):
+                with self.assertRaises(TypeError) as raised:
+                    make(task, render_mode="ansi")  # an error that the wrong task comes before
+                self.assertEqual(str(raised.exception), f"task: must be a troupe.envs.Task, found {task!r}")
+
     def test_a_step_needs_a_reset(self):
         for env in (troupe.envs.Env(Short(2)), troupe.envs.ParallelEnv(Short(2))):
             with self.assertRaisesRegex(RuntimeError, r"call reset\(\) before the first step"):
@@ -320,6 +332,68 @@ class Vector(unittest.TestCase):
             with self.subTest(member=member), self.assertRaises(TypeError) as raised:
                 troupe.envs.VectorEnv(task, 1)
             self.assertEqual(str(raised.exception), text)
+
+    def test_choices_and_levels_fit_the_actions(self):
+        for members, error, text in (
+            ({"choices": [[1]]}, ValueError, "Team.choices[0] has 1 number: give 2, one per entry of actions"),
+            ({"choices": [[1, 0], [1, 0, 1]]}, ValueError, "Team.choices[1] has 3 numbers: give 2, one per entry of actions"),
+            ({"choices": np.zeros((3, 1))}, ValueError, "Team.choices[0] has 1 number: give 2, one per entry of actions"),
+            ({"choices": []}, ValueError, "Team.choices is empty: give one row or more"),
+            ({"choices": [[1, 1.5]]}, ValueError, "Team.choices[0][1] is 1.5: give a number from -1 to 1"),
+            ({"choices": [[1, 0], ["0", 1]]}, TypeError, "Team.choices[1][0]: must be a number from -1 to 1, found '0'"),
+            ({"levels": [[-1, 1]]}, ValueError, "Team.levels has 1 list: give 2, one per entry of actions"),
+            ({"levels": [[0], [0], [0]]}, ValueError, "Team.levels has 3 lists: give 2, one per entry of actions"),
+            ({"levels": [[0], []]}, ValueError, "Team.levels[1] is empty: give one number or more"),
+            ({"levels": [[0], [float("nan")]]}, ValueError, "Team.levels[1][0] is nan: give a number from -1 to 1"),
+            ({"choices": [[0, 0]], "levels": [[0], [0]]}, ValueError,
+             "Team.choices and Team.levels are both given: give one of them, because each defines the action space"),
+        ):
+            task = Short(2)
+            task.teams = [dataclasses.replace(task.teams[0], **members)]
+            with self.subTest(members), self.assertRaises(error) as raised:
+                troupe.envs.VectorEnv(task, 2)
+            self.assertEqual(str(raised.exception), text)
+        task = Short(2)
+        task.teams = [dataclasses.replace(task.teams[0], choices=np.eye(2, dtype=np.float32))]
+        self.assertEqual(troupe.envs.VectorEnv(task, 2).single_action_space, gymnasium.spaces.Discrete(2))
+
+    def test_actions_and_commands_are_not_broadcast(self):
+        class Acting(Short):
+            commands = None
+
+            def act(self, batch, team, actions):
+                return actions if self.commands is None else self.commands
+
+        batch = troupe.envs.Batch(Acting(2), 3, threads=1)
+        batch.reset()
+        batch.step([np.zeros((3, 2, 2))])
+        for wrong, text in (
+            ([np.zeros((3, 2, 1))], 'actions of team "team0": must have the shape (3, 2, 2), found (3, 2, 1)'),
+            (np.zeros((1, 2, 2)), 'actions of team "team0": must have the shape (3, 2, 2), found (2, 2)'),
+            ([np.zeros((3, 2, 2))] * 2, "actions: found 2: give 1, one array per team"),
+        ):
+            with self.assertRaises(ValueError) as raised:
+                batch.step(wrong)
+            self.assertEqual(str(raised.exception), text)
+        for commands in (np.zeros((3, 2, 1)), np.zeros((2, 2)), 0.0):
+            batch.task.commands = commands
+            with self.assertRaises(ValueError) as raised:
+                batch.step([np.zeros((3, 2, 2))])
+            self.assertEqual(
+                str(raised.exception),
+                'Acting.act(), team "team0": must return an array of the shape (3, 2, 2) (copies, robots, commands), '
+                f"found {np.shape(commands)}",
+            )
+
+        task = Short(2)
+        task.teams = [dataclasses.replace(task.teams[0], levels=[[-1, 1], [0, 1]])]
+        batch = troupe.envs.Batch(task, 3, threads=1)
+        batch.reset()
+        batch.step([np.ones((3, 2, 2), np.int64)])
+        self.assertTrue((batch.core.actions() == 1).all())
+        for columns in (1, 3):
+            with self.assertRaisesRegex(ValueError, rf"must have the shape \(3, 2, 2\), found \(3, 2, {columns}\)"):
+                batch.step([np.ones((3, 2, columns), np.int64)])
 
     def test_the_seeds_of_copies_begin_again_at_0(self):
         env = troupe.envs.VectorEnv(Short(2), 6)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from gymnasium import spaces
 
 from .._core import BatchEnv, Simulation
-from .task import Task, Team, action_space, commands_of, require_lists
+from .task import Task, Team, action_space, check_team, commands_of, require_task
 
 Flags = npt.NDArray[np.bool_]
 _ONLY = "observation"  # name of the array of a team whose observation is a single Box
@@ -44,8 +44,7 @@ class Batch:
     """
 
     def __init__(self, task: Task, copies: int, *, threads: int = 0, robot: Optional[str] = None, **options: Any) -> None:
-        if not isinstance(task, Task):
-            raise TypeError(f"task: must be a troupe.envs.Task, found {task!r}")
+        require_task(task)
         self.task = task
         if not task.teams:
             raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
@@ -58,7 +57,7 @@ class Batch:
                 )
             self.teams[0].robots = robot
         for index, team in enumerate(self.teams):
-            require_lists(team)
+            check_team(team)
             team.name = team.name or f"team{index}"
         simulation = Simulation(copy.deepcopy(task.world), threads=1, **options)
         spec = {
@@ -95,11 +94,25 @@ class Batch:
 
     def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
         """Advances all copies by one step. actions: one array per team, copies x robots x the shape of an action.
-        begins: one bool per copy; copies with True begin their next episode instead of making a step."""
+        begins: one bool per copy; copies with True begin their next episode instead of making a step. Raises ValueError
+        for actions of another number or shape, and if Task.act() returns commands of another shape than copies x robots
+        x commands."""
+        if len(actions) != len(self.teams):
+            raise ValueError(f"actions: found {len(actions)}: give {len(self.teams)}, one array per team")
         finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
         for index, team in enumerate(self.teams):
+            # NumPy would broadcast an array of another shape, so that robots would get wrong commands.
+            target = self.core.actions(index)
+            shape, found = target.shape[:2] + (self.action_spaces[index].shape or ()), np.shape(actions[index])
+            if found != shape:
+                raise ValueError(f'actions of team "{team.name}": must have the shape {shape}, found {found}')
             commands = self.task.act(self, index, commands_of(team, actions[index]))
-            self.core.actions(index)[...] = commands
+            if np.shape(commands) != target.shape:
+                raise ValueError(
+                    f'{type(self.task).__name__}.act(), team "{team.name}": must return an array of the shape '
+                    f"{target.shape} (copies, robots, commands), found {np.shape(commands)}"
+                )
+            target[...] = commands
         self.core.step(begins)
         for index in range(len(self.teams)):
             # As with Team.rewards and Team.ends, a robot that is finished or not in the world gets no reward and no end.

@@ -12,7 +12,7 @@ from pettingzoo import ParallelEnv as _ParallelEnv
 from .batch import Batch, one_copy
 from .render import RENDER_MODES, RENDER_SIZE, Renderer
 from .single import checked, first_of
-from .task import Task
+from .task import Task, require_task
 
 _PerAgent = Dict[str, Any]
 
@@ -30,7 +30,8 @@ class ParallelEnv(_ParallelEnv):
                  episode becomes an agent at that time
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is that of the world
-    errors       ValueError if two robots have the same name; RuntimeError after close()
+    errors       TypeError if `task` is not a Task; ValueError if two robots have the same name; RuntimeError after
+                 close()
     """
 
     metadata = {"name": "troupe_v0", "render_modes": RENDER_MODES, "render_fps": 10, "is_parallelizable": True}
@@ -43,6 +44,7 @@ class ParallelEnv(_ParallelEnv):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
+        require_task(task)
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)

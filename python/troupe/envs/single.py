@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from .batch import Batch, one_copy
 from .render import RENDER_MODES, RENDER_SIZE, Renderer
-from .task import Task
+from .task import Task, require_task
 
 
 def first_of(observations: Any, *index: int) -> Any:
@@ -40,8 +40,8 @@ class Env(gymnasium.Env[Any, Any]):
     options      keyword arguments of troupe.Simulation, except threads
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is that of the world
-    errors       ValueError if the task has several teams; LookupError if no robot has the name `robot`; RuntimeError
-                 after close()
+    errors       TypeError if `task` is not a Task; ValueError if the task has several teams; LookupError if no robot has
+                 the name `robot`; RuntimeError after close()
     """
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 10}
@@ -55,6 +55,7 @@ class Env(gymnasium.Env[Any, Any]):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
+        require_task(task)
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import numbers
 import os
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 
@@ -42,11 +43,11 @@ class Team:
     #: The commands that an action sets. By default an action is a Box with one number from -1 to 1 per command. The
     #: number -1 commands the value `low`, and 1 the value `high`.
     actions: List[Part] = dataclasses.field(default_factory=lambda: list(DRIVE))
-    #: If given, the action space is Discrete: an action is the index of a row in this list, and each row has one number
-    #: from -1 to 1 per command.
+    #: If given, the action space is Discrete: an action is the index of a row in this list. The list has one row or
+    #: more, and each row has one number from -1 to 1 per command. Giving both `choices` and `levels` is an error.
     choices: Optional[Sequence[Sequence[float]]] = None
-    #: If given, and `choices` is not, the action space is MultiDiscrete: an action has one index per command, which
-    #: selects a number from -1 to 1 in the list of this command.
+    #: If given, the action space is MultiDiscrete: an action has one index per command, which selects a number in the
+    #: list of this command. There is one list per command, and each has one or more numbers from -1 to 1.
     levels: Optional[Sequence[Sequence[float]]] = None
     #: Arrays that rewards and ends use but that are not observed: a dict from names to lists of parts.
     arrays: Dict[str, Parts] = dataclasses.field(default_factory=dict)
@@ -79,7 +80,9 @@ class Task:
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
-        robots x commands. By default the actions are the commands."""
+        robots x commands; the index of a discrete action has already been replaced by the numbers of Team.choices or
+        Team.levels. By default the actions are the commands. A result of another shape makes the step raise
+        ValueError."""
         return actions
 
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
@@ -108,8 +111,15 @@ class Task:
 _LISTS = (list, tuple, np.ndarray)
 
 
-def require_lists(team: Team) -> None:
-    """Raises TypeError if a member of a team is not made of lists as Team describes."""
+def require_task(task: Any) -> None:
+    """Raises TypeError if the argument `task` of an environment is not a Task."""
+    if not isinstance(task, Task):
+        raise TypeError(f"task: must be a troupe.envs.Task, found {task!r}")
+
+
+def check_team(team: Team) -> None:
+    """Raises TypeError if a member of a team is not made of lists as Team describes, and ValueError if `choices` or
+    `levels` do not fit `actions`, have numbers outside of -1 to 1, or are both given."""
     if not isinstance(team.arrays, dict):
         raise TypeError(f"Team.arrays: must be a dict from names to lists of parts, found {team.arrays!r}")
     observation = team.observation
@@ -123,8 +133,40 @@ def require_lists(team: Team) -> None:
         if not isinstance(parts, _LISTS) or not all(isinstance(part, dict) for part in parts):
             raise TypeError(f"Team.{member}: must be a list of dicts, found {parts!r}")
     for member, rows in (("choices", team.choices), ("levels", team.levels)):
-        if rows is not None and not (isinstance(rows, _LISTS) and all(isinstance(row, _LISTS) for row in rows)):
-            raise TypeError(f"Team.{member}: must be a list of lists of numbers, found {rows!r}")
+        if rows is not None:
+            _check_numbers(member, rows)
+    commands = len(team.actions)
+    if team.choices is not None and team.levels is not None:
+        raise ValueError("Team.choices and Team.levels are both given: give one of them, because each defines the action space")
+    if team.choices is not None:
+        if len(team.choices) == 0:
+            raise ValueError("Team.choices is empty: give one row or more")
+        for index, row in enumerate(team.choices):
+            if len(row) != commands:
+                raise ValueError(f"Team.choices[{index}] has {_counted(len(row), 'number')}: give {commands}, one per entry of actions")
+    if team.levels is not None:
+        if len(team.levels) != commands:
+            raise ValueError(f"Team.levels has {_counted(len(team.levels), 'list')}: give {commands}, one per entry of actions")
+        for index, values in enumerate(team.levels):
+            if len(values) == 0:
+                raise ValueError(f"Team.levels[{index}] is empty: give one number or more")
+
+
+def _check_numbers(member: str, rows: Any) -> None:
+    """Raises TypeError if a member of a team is not a list of lists of numbers, and ValueError if a number is not from
+    -1 to 1."""
+    if not isinstance(rows, _LISTS) or not all(isinstance(row, _LISTS) for row in rows):
+        raise TypeError(f"Team.{member}: must be a list of lists of numbers, found {rows!r}")
+    for index, row in enumerate(rows):
+        for column, number in enumerate(row):
+            if not isinstance(number, numbers.Real):
+                raise TypeError(f"Team.{member}[{index}][{column}]: must be a number from -1 to 1, found {number!r}")
+            if not -1 <= number <= 1:  # true for NaN
+                raise ValueError(f"Team.{member}[{index}][{column}] is {number}: give a number from -1 to 1")
+
+
+def _counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def action_space(team: Team) -> "spaces.Space[Any]":

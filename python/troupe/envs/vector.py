@@ -13,7 +13,7 @@ from gymnasium.vector.utils import batch_space
 from .batch import Batch, Flags, checked_seed
 from .render import RENDER_MODES, RENDER_SIZE, Renderer
 from .single import checked
-from .task import Task
+from .task import Task, require_task
 
 
 class VectorEnv(_VectorEnv[Any, Any, Any]):
@@ -38,9 +38,9 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
                     with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
                     the same seed. The seeds of later episodes of the copy are derived from this seed
-    errors          ValueError if the task does not have exactly one team, or if num_envs is not a positive multiple of
-                    the number of robots that learn in each copy; RuntimeError after close(), and from step() with
-                    AutoresetMode.DISABLED if the episode of a copy has ended
+    errors          TypeError if `task` is not a Task; ValueError if the task does not have exactly one team, or if
+                    num_envs is not a positive multiple of the number of robots that learn in each copy; RuntimeError
+                    after close(), and from step() with AutoresetMode.DISABLED if the episode of a copy has ended
     """
 
     def __init__(
@@ -55,6 +55,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
+        require_task(task)
         if task.teams and len(task.teams) != 1:
             raise ValueError(
                 f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
