@@ -7,6 +7,7 @@ import json
 import math
 import os
 import threading
+import warnings
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _core
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     import pandas
 
 Rows = Tuple[Dict[str, Any], List[Dict[str, Any]]]
+
+#: The keyword arguments of Simulation() that sweep() passes on.
+_OPTIONS = ("robots", "ranging", "search_path", "plugin_path", "controllers", "tile_size_m", "ranks")
 
 
 def _statistic(name: str, values: List[float]) -> float:
@@ -65,6 +69,16 @@ def _first_world(world: Any, name: str, study: Dict[str, Any], options: Dict[str
     raise first
 
 
+def _end_time_s(world: Any, name: str, study: Dict[str, Any], simulation: _core.Simulation) -> float:
+    """Returns the end time of a run. Raises InputError if neither the study nor the world of the run has one."""
+    end_s: Optional[float] = study["for_s"] if study["for_s"] is not None else simulation.quit_time_s
+    if end_s is None:
+        file = name if isinstance(world, Mapping) else world
+        raise _core.InputError(
+            f'{file}: error: no end time: give "for_s" in the study, or set quit_time_s in the world (quit_time in a .world)')
+    return end_s
+
+
 def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any],
           has_ended: threading.Event) -> Rows:
     """Makes the run with this index. Raises CancelledError if `has_ended` is set: the caller no longer needs the run."""
@@ -72,10 +86,7 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
     seed = simulation.seed
     values = [json.loads(text) for text in study["runs"][index][0]]
     measures = _core.Measures(simulation, _wanted(study["measures"]))
-    end_s = study["for_s"] if study["for_s"] is not None else simulation.quit_time_s
-    if end_s is None:
-        raise _core.InputError(
-            f'{name}: error: no end time: give "for_s" in the study, or set quit_time_s in the world (quit_time in a .world)')
+    end_s = _end_time_s(world, name, study, simulation)
     end = _core._ticks_until(end_s, simulation.tick_s)
     every = _core._period_ticks(study["measure_every_s"], simulation.tick_s)
     looks: List[List[float]] = []
@@ -104,6 +115,29 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
     return row, series
 
 
+def _ranges_of(runs: Sequence[int]) -> str:
+    """Returns ascending indices of runs as text, such as "2 to 4, 7"."""
+    ranges: List[List[int]] = []
+    for run in runs:
+        if ranges and run == ranges[-1][1] + 1:
+            ranges[-1][1] = run
+        else:
+            ranges.append([run, run])
+    return ", ".join(str(first) if first == last else f"{first} to {last}" for first, last in ranges)
+
+
+def _check_failures(failed: Dict[int, Exception], runs: int) -> None:
+    """Raises the exception of the first failed run if all runs of a series have failed, and warns if some have."""
+    if not failed:
+        return
+    first = min(failed)
+    if len(failed) == runs:
+        raise failed[first]
+    warnings.warn(
+        f"{len(failed)} of {runs} runs failed and have no rows in this series: run{'' if len(failed) == 1 else 's'} "
+        f"{_ranges_of(sorted(failed))}. Run {first}: {failed[first]}", RuntimeWarning, stacklevel=3)
+
+
 def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,
           threads: Optional[int] = None, name: str = "study.json", **options: Any) -> "pandas.DataFrame":
     """Makes all runs of a study and returns a pandas data frame. Each run uses one thread; several runs are made in
@@ -121,10 +155,16 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     returns  one row per run with the columns run, the parameters, seed, ticks, time_s, the measures, stopped_by,
              state_hash and error. With series: one row per sample, with the columns run, the parameters, seed, time_s
              and the measures
-    errors   InputError for an invalid study, or if the world of no run can be loaded: the error of the first run. If
-             only some runs fail, the column `error` of their rows states the reason; in a series, a failed run has no
-             rows. ImportError if pandas is missing
+    errors   InputError for an invalid study; if the world of no run can be loaded: the error of the first run; and if
+             neither the study nor the first world that can be loaded has an end time. If runs fail later, the column
+             `error` of their rows states the reason. In a series, a failed run has no rows: a RuntimeWarning lists the
+             failed runs and the first error, and if all runs fail, the exception of the first run is raised. TypeError
+             for an unknown keyword argument. ImportError if pandas is missing
     """
+    for option in options:
+        if option not in _OPTIONS:
+            known = ["series", "threads", "name", *_OPTIONS]
+            raise TypeError(f'sweep() has no keyword argument "{option}"; known: {", ".join(known)}')
     try:
         import pandas
     except ImportError as missing:
@@ -144,12 +184,16 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     if world is None:
         world = read["world"]
 
-    # Errors of the study or of the worlds of all runs are raised here; errors of single runs become rows.
+    # Errors of the study or of the worlds of all runs are raised here, as `troupe sweep` does before its first run;
+    # errors of single runs become rows.
     first = _first_world(world, name, read, options)
-    read["check_columns"](list(_core.Measures(first, _wanted(read["measures"])).columns))
+    columns = list(_core.Measures(first, _wanted(read["measures"])).columns)
+    _end_time_s(world, name, read, first)
+    read["check_columns"](columns)
     del first
     rows: List[Dict[str, Any]] = []
     looks: List[Dict[str, Any]] = []
+    failed: Dict[int, Exception] = {}
     with concurrent.futures.ThreadPoolExecutor(threads or len(os.sched_getaffinity(0))) as pool:
         has_ended = threading.Event()
         futures: List["concurrent.futures.Future[Rows]"] = []
@@ -162,6 +206,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
                     rows.append({**row, "error": ""})
                     looks += made
                 except Exception as error:  # a plug-in may raise anything
+                    failed[index] = error
                     texts, seed = read["runs"][index]
                     values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}
                     rows.append({"run": index, **values, "seed": seed, "error": str(error)})
@@ -170,4 +215,6 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
             for future in futures:
                 future.cancel()
             raise
+    if read["series"]:
+        _check_failures(failed, len(read["runs"]))
     return pandas.DataFrame(looks if read["series"] else rows)

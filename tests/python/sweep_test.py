@@ -11,6 +11,7 @@ import tempfile
 import time
 import unittest
 import unittest.mock
+import warnings
 
 import numpy as np
 import troupe
@@ -79,12 +80,65 @@ class Sweep(unittest.TestCase):
             troupe.sweep({"troupe_study": 1})
         with self.assertRaisesRegex(troupe.InputError, "there is no such file"):
             troupe.sweep("no-such-study.json")
+        with self.assertRaisesRegex(ValueError, "^/parameters/0/values/1 is inf: give a finite number$"):
+            troupe.sweep({**STUDY, "parameters": [{"set": "/seed", "values": [1, math.inf]}]})
         crowded = {**STUDY, "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [2, 100000]}],
                    "seeds": [1]}
         table = troupe.sweep(crowded)
         self.assertEqual(table["error"][0], "")
         self.assertNotEqual(table["error"][1], "")
         self.assertTrue(math.isnan(table["coverage"][1]))
+
+    def test_a_series_reports_failed_runs(self):
+        study = {**STUDY, "for_s": 0.5, "seeds": [1, 2], "parameters": [
+            {"set": "/populations/0/count", "name": "robots", "values": [100000, 2, 100001]}]}
+        with self.assertWarns(RuntimeWarning) as caught:
+            series = troupe.sweep(study, series=True)
+        self.assertEqual(sorted(set(series["run"])), [2, 3])
+        self.assertRegex(
+            str(caught.warning),
+            r"^4 of 6 runs failed and have no rows in this series: runs 0 to 1, 4 to 5\. Run 0: .*placed [0-9]+ of 100000 bodies")
+        self.assertEqual(caught.filename, __file__)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            troupe.sweep(study)  # a table has a column `error`
+            troupe.sweep(STUDY, series=True)
+
+        class Stop(troupe.Controller):
+            robots = "r"
+
+            def decide(self, robots):
+                raise ZeroDivisionError("out of range")
+
+        bot = {key: value for key, value in WORLD["types"]["bot"].items() if key != "controller"}
+        study = {**STUDY, "world": {**WORLD, "types": {"bot": bot}}}
+        with self.assertRaisesRegex(troupe.StepError, "ZeroDivisionError: out of range"):
+            troupe.sweep(study, series=True, controllers=Stop)
+        self.assertEqual(["out of range" in error for error in troupe.sweep(study, controllers=Stop)["error"]], [True] * 6)
+
+    def test_a_study_has_an_end_time(self):
+        study = {key: value for key, value in STUDY.items() if key != "for_s"}
+        text = '^study.json: error: no end time: give "for_s" in the study, or set quit_time_s in the world'
+        for series in (True, False):
+            with self.assertRaisesRegex(troupe.InputError, text):
+                troupe.sweep(study, series=series)
+        study["parameters"] = [{"set": "/quit_time_s", "name": "end_s", "values": [0.5, 1]}]
+        self.assertEqual(list(troupe.sweep(study)["time_s"]), [0.5] * 3 + [1] * 3)
+        with tempfile.TemporaryDirectory() as folder:  # the same error as that of `troupe sweep`
+            file = pathlib.Path(folder) / "endless.json"
+            (file.parent / "world.json").write_text(json.dumps(WORLD))
+            file.write_text(json.dumps({"troupe_study": 1, "world": "world.json"}))
+            with self.assertRaisesRegex(troupe.InputError, "world.json: error: no end time: "):
+                troupe.sweep(file)
+
+    def test_an_unknown_keyword_argument_is_named(self):
+        for wrong in ({"thread": 1}, {"seed": 1}, {"set": {}}):
+            with self.assertRaises(TypeError) as raised:
+                troupe.sweep(STUDY, **wrong)
+            self.assertEqual(
+                str(raised.exception),
+                f'sweep() has no keyword argument "{next(iter(wrong))}"; known: series, threads, name, robots, ranging, '
+                "search_path, plugin_path, controllers, tile_size_m, ranks")
 
     def test_control_c_ends_the_running_runs(self):
         code = f"""
