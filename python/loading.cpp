@@ -1,5 +1,7 @@
 #include "base/diagnostics.hpp"
+#include "worldio/load.hpp"
 #include "python/bindings.hpp"
+#include "python/whole_numbers.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -36,12 +38,13 @@ std::vector<fs::path> folders_of(Paths paths) {
   return std::get<std::vector<fs::path>>(std::move(paths));
 }
 
-/// Converts a value of the option `set` to JSON. Throws ValueError for a text with half of a surrogate pair:
-/// its JSON is invalid, and the reader of settings treats invalid JSON as a text without quotes.
-std::string setting_of(const py::object& value) {
-  std::string json = json_of(value);
-  const py::object text =
-      py::module_::import("troupe._json").attr("text_of")(value, py::arg("ensure_ascii") = false);
+/// Converts a value of the option `set` to JSON. Throws ValueError for a number that is not finite, and for a
+/// text with half of a surrogate pair: its JSON is invalid, and the reader of settings treats invalid JSON as
+/// a text without quotes.
+std::string setting_of(const std::string& pointer, const py::object& value) {
+  const py::object text_of = py::module_::import("troupe._json").attr("text_of");
+  auto json = text_of(value, py::arg("at") = pointer).cast<std::string>();
+  const py::object text = text_of(value, py::arg("ensure_ascii") = false);
   if (PyUnicode_AsUTF8(text.ptr()) != nullptr) return json;
   PyErr_Clear();
   throw py::value_error(fmt::format(
@@ -58,8 +61,9 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Settings& set
   if (!set) return settings;
   const auto add = [&settings](const py::handle& pointer, const py::handle& value) {
     try {
-      settings.emplace_back(pointer.cast<std::string>(),
-                            setting_of(py::reinterpret_borrow<py::object>(value)));
+      auto at = pointer.cast<std::string>();
+      std::string json = setting_of(at, py::reinterpret_borrow<py::object>(value));
+      settings.emplace_back(std::move(at), std::move(json));
     } catch (const py::cast_error&) {
       throw py::type_error(fmt::format("set: the key {} is not a JSON pointer: give a text such as \"/seed\"",
                                        std::string(py::repr(pointer))));
@@ -80,20 +84,24 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Settings& set
   return settings;
 }
 
-/// The option `robots`: the size of the only population, or a dict from names of populations to sizes.
-using Robots = std::variant<std::monostate, std::size_t, py::dict>;
-
-std::vector<std::pair<std::string, std::size_t>> robots_of(const Robots& robots) {
-  if (const std::size_t* count = std::get_if<std::size_t>(&robots)) return {{"", *count}};
+/// Converts the option `robots`: the size of the only population, a dict from names of populations to sizes,
+/// or None.
+std::vector<std::pair<std::string, std::size_t>> robots_of(const py::object& robots) {
+  if (robots.is_none()) return {};
+  if (!py::isinstance<py::dict>(robots)) {
+    const std::string allowed =
+        fmt::format("a whole number from 0 to {:.0f}, or a dict from names of populations to such numbers",
+                    worldio::LoadOptions{}.most_bodies);
+    return {{"", whole_number("robots", robots, allowed)}};
+  }
   std::vector<std::pair<std::string, std::size_t>> sizes;
-  if (const py::dict* named = std::get_if<py::dict>(&robots))
-    for (const auto& [name, count] : *named) try {
-        sizes.emplace_back(name.cast<std::string>(), count.cast<std::size_t>());
-      } catch (const py::cast_error&) {
-        throw py::type_error(
-            fmt::format("robots: found {}: {}; give the name of a population and a whole number from 0",
-                        std::string(py::repr(name)), std::string(py::repr(count))));
-      }
+  for (const auto& [name, count] : robots.cast<py::dict>()) try {
+      sizes.emplace_back(name.cast<std::string>(), count.cast<std::size_t>());
+    } catch (const py::cast_error&) {
+      throw py::type_error(
+          fmt::format("robots: found {}: {}; give the name of a population and a whole number from 0",
+                      std::string(py::repr(name)), std::string(py::repr(count))));
+    }
   return sizes;
 }
 
@@ -110,15 +118,14 @@ double tile_size(double metres) {
   return from_zero("tile_size_m", metres, std::numeric_limits<double>::max());
 }
 
-using Seed = std::optional<std::uint64_t>;
 using Text = std::optional<std::string>;
 
-SimulationOptions options_of(const Robots& robots, unsigned threads, const Seed& seed, const Text& ranging,
-                             const Settings& set, Paths search_path, Paths plugin_path,
+SimulationOptions options_of(const py::object& robots, unsigned threads, const py::object& seed,
+                             const Text& ranging, const Settings& set, Paths search_path, Paths plugin_path,
                              const py::object& controllers, double tile_size_m, unsigned ranks) {
   return {.threads = threads,
           .tile_size_m = tile_size(tile_size_m),
-          .seed = seed,
+          .seed = optional_seed_of(seed),
           .ranging = ranging_of(ranging),
           .robots = robots_of(robots),
           .set = settings_of(set),
@@ -136,8 +143,8 @@ Holder hold(Make&& make) {
   return std::make_shared<Held>(make());
 }
 
-Holder load(const std::variant<py::dict, fs::path>& world, const Robots& robots, unsigned threads,
-            const Seed& seed, const Text& ranging, const Settings& set, const fs::path& name,
+Holder load(const std::variant<py::dict, fs::path>& world, const py::object& robots, unsigned threads,
+            const py::object& seed, const Text& ranging, const Settings& set, const fs::path& name,
             Paths search_path, Paths plugin_path, const py::object& controllers, double tile_size_m,
             unsigned ranks) {
   const SimulationOptions options = options_of(robots, threads, seed, ranging, set, std::move(search_path),
@@ -154,8 +161,8 @@ Holder load(const std::variant<py::dict, fs::path>& world, const Robots& robots,
   return hold([&] { return Simulation::from_text(text, name, options); });
 }
 
-Holder from_text(const std::string& text, const fs::path& name, const Robots& robots, unsigned threads,
-                 const Seed& seed, const Text& ranging, const Settings& set, Paths search_path,
+Holder from_text(const std::string& text, const fs::path& name, const py::object& robots, unsigned threads,
+                 const py::object& seed, const Text& ranging, const Settings& set, Paths search_path,
                  Paths plugin_path, const py::object& controllers, double tile_size_m, unsigned ranks) {
   const SimulationOptions options = options_of(robots, threads, seed, ranging, set, std::move(search_path),
                                                std::move(plugin_path), controllers, tile_size_m, ranks);

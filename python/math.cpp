@@ -2,6 +2,10 @@
 
 #include "python/bindings.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
 #include <vector>
 
 namespace troupe::python {
@@ -36,14 +40,34 @@ py::array_t<double> ordered_sum(const Numbers& values) {
   return sums;
 }
 
+/// Whether NumPy can broadcast two arrays: in each axis, counted from the last one, their sizes are equal or
+/// one of them is 1.
+bool can_broadcast(const py::array& a, const py::array& b) {
+  for (py::ssize_t i = 1; i <= std::min(a.ndim(), b.ndim()); ++i) {
+    const py::ssize_t one = a.shape(a.ndim() - i);
+    const py::ssize_t other = b.shape(b.ndim() - i);
+    if (one != other && one != 1 && other != 1) return false;
+  }
+  return true;
+}
+
+py::object atan2_of(const py::array_t<double, py::array::forcecast>& y,
+                    const py::array_t<double, py::array::forcecast>& x) {
+  if (!can_broadcast(y, x))  // else pybind11 raises a RuntimeError that names neither shape
+    throw py::value_error(
+        fmt::format("atan2(): y has the shape {}, x has the shape {}: give arrays of one shape, or "
+                    "arrays that NumPy can broadcast",
+                    std::string(py::str(y.attr("shape"))), std::string(py::str(x.attr("shape")))));
+  return py::vectorize([](double b, double a) { return troupe::atan2(b, a); })(y, x);
+}
+
 }  // namespace
 
 void bind_math(py::module_& module) {
   module.def("sin", py::vectorize([](double x) { return troupe::sin(x); }), py::arg("radians"));
   module.def("cos", py::vectorize([](double x) { return troupe::cos(x); }), py::arg("radians"));
   module.def("sincos", &sincos_of, py::arg("radians"));
-  module.def("atan2", py::vectorize([](double y, double x) { return troupe::atan2(y, x); }), py::arg("y"),
-             py::arg("x"));
+  module.def("atan2", &atan2_of, py::arg("y"), py::arg("x"));
   module.def("exp", py::vectorize([](double x) { return troupe::exp(x); }), py::arg("x"));
   module.def("log", py::vectorize([](double x) { return troupe::log(x); }), py::arg("x"));
   module.def("sqrt", py::vectorize([](double x) { return troupe::sqrt(x); }), py::arg("x"));

@@ -1,6 +1,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/spec/ticks.hpp"
 #include "python/bindings.hpp"
+#include "python/whole_numbers.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -180,10 +181,10 @@ void bind_run(SimulationClass& simulation) {
            "decorator:\n@simulation.on_tick.")
       .def(
           "reset",
-          [](const Holder& held, const std::optional<std::uint64_t>& seed) {
+          [](const Holder& held, const py::object& seed) {
             Simulation& used = held->use_outside("reset()");
-            if (seed)
-              used.reset(*seed);
+            if (const std::optional<std::uint64_t> given = optional_seed_of(seed))
+              used.reset(*given);
             else
               used.reset();
           },
@@ -536,6 +537,7 @@ SimulationClass bind_simulation(py::module_& module) {
                              "from another thread during a step raise\nRuntimeError. After a StepError, "
                              "functions that read or change the state raise RuntimeError until reset().",
                              py::dynamic_attr());
+  module.def("_seed_of", &seed_of, py::arg("seed"));
   bind_loading(simulation);
   bind_properties(simulation);
   bind_run(simulation);

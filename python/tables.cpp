@@ -86,19 +86,28 @@ std::vector<Table> tables_of(const Holder& held) {
   return tables;
 }
 
+/// Throws std::out_of_range if the world has no type of this name.
+void require_type(const engine::World& world, const std::string& name) {
+  std::vector<std::string_view> known;
+  for (const engine::BodyType& type : world.types())
+    if (!type.name.empty()) known.push_back(type.name);
+  if (std::ranges::find(known, name) == known.end())
+    throw std::out_of_range(unknown_name("type", name, std::move(known)));
+}
+
 /// The table of one component. component: the name that the world gives to the component, or its name in the
 /// state.
 Table table_of(const Holder& held, const std::string& component, const std::string& type) {
   std::vector<Table> found;
   std::vector<std::string> names;
   std::vector<Table> all = tables_of(held);
+  if (!type.empty()) require_type(held->use().world(), type);
   const bool is_whole =
       std::ranges::any_of(all, [&](const Table& table) { return table.table->component() == component; });
   for (Table& table : all) {
+    if (!type.empty() && table.type != type) continue;
     names.push_back(table.given());
-    if ((is_whole ? table.table->component() : names.back()) == component &&
-        (type.empty() || table.type == type))
-      found.push_back(std::move(table));
+    if ((is_whole ? table.table->component() : names.back()) == component) found.push_back(std::move(table));
   }
   if (found.size() == 1) return found.front();
   if (found.empty()) {
@@ -190,8 +199,8 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
            "The table of one component: component is its name in the state, such as \"pose\" or "
            "\"ranger/ir\", or the name that the\nworld gives it, such as \"ir\" for a device of this name. "
            "If several types of robots have this component, `type` must name\none of them. Raises "
-           "LookupError, whose text lists the known names, for an unknown component, and ValueError if "
-           "several\ntables fit.");
+           "LookupError, whose text lists the known names, for an unknown component or type, and ValueError "
+           "if several\ntables fit.");
 }
 
 }  // namespace troupe::python

@@ -192,9 +192,12 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
     if (const std::optional<Measures>& known = copies.front()->measures)
       if (const std::optional<std::size_t> m = known->find(column.measure))
         return {.column = *m, .of_measure = true};
+    const std::vector<std::string_view> listed(measure_columns.begin(), measure_columns.end());
     throw std::out_of_range(fmt::format(
-        "{} of team \"{}\": {}", what, team.spec->name,
-        unknown_name("measure", column.measure, {measure_columns.begin(), measure_columns.end()})));
+        "{} of team \"{}\": the measure \"{}\" is not in the list `measures` of the task, which {}{}: add it "
+        "there",
+        what, team.spec->name, column.measure, listed.empty() ? "is empty" : "contains " + comma_list(listed),
+        did_you_mean(column.measure, listed)));
   }
   const std::size_t index = array_index(team, column.array);
   const ArrayData& array = team.arrays[index];

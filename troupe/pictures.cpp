@@ -250,9 +250,9 @@ struct Pictures::Impl {
         trails(tick_s),
         scene(source.scene()) {
     check_picture_numbers(options);
-    require(check_camera(options.camera));
-    require(check_layers(options.layers));
-    require(check_background(options.background));
+    require_option("camera", check_camera(options.camera));
+    require_option("layers", check_layers(options.layers));
+    require_option("background", check_background(options.background));
     view.background = static_cast<render::Background>(std::ranges::find(k_backgrounds, options.background) -
                                                       k_backgrounds.begin());
     set_camera(source);
@@ -274,6 +274,12 @@ struct Pictures::Impl {
       wishes.value = *std::move(value);
     }
     require(source.check(wishes));
+  }
+
+  /// Throws InputError for an option whose value is wrong in every world. The error names the option, because
+  /// the file of the source has no part in it.
+  static void require_option(std::string_view option, const Result<>& result) {
+    if (!result) throw InputError(fmt::format("{}: error: {}", option, result.error().text));
   }
 
   template <class T>

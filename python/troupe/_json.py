@@ -1,7 +1,8 @@
 """JSON texts of worlds, studies and settings that a program gives as Python values."""
 
 import json
-from typing import Any
+import math
+from typing import Any, Optional, Tuple
 
 import numpy as np
 
@@ -13,7 +14,32 @@ def _plain(value: Any) -> Any:
                     f"None or a NumPy array; found {value!r}")
 
 
-def text_of(value: Any, **options: Any) -> str:
-    """Returns the JSON text of a value, which may contain NumPy numbers and arrays. options: those of json.dumps().
-    Raises TypeError if the value has no counterpart in JSON, and ValueError for a number that is not finite."""
-    return json.dumps(value, allow_nan=False, default=_plain, **options)
+def _not_finite(value: Any, pointer: str) -> Optional[Tuple[str, float]]:
+    """Returns the JSON pointer of the first number in a value that is not finite, and the number; None if there is no
+    such number. pointer: that of the value itself."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        value = value.tolist()
+    if isinstance(value, float):
+        return None if math.isfinite(value) else (pointer, value)
+    items: Any = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, (list, tuple)) else ()
+    for key, element in items:
+        found = _not_finite(element, f"{pointer}/{str(key).replace('~', '~0').replace('/', '~1')}")
+        if found:
+            return found
+    return None
+
+
+def text_of(value: Any, at: str = "", **options: Any) -> str:
+    """Returns the JSON text of a value, which may contain NumPy numbers and arrays. at: the JSON pointer of the value in
+    the document that it belongs to. options: those of json.dumps(). Raises TypeError if the value has no counterpart in
+    JSON, and ValueError for a number that is not finite, whose text names the JSON pointer of the number."""
+    try:
+        return json.dumps(value, allow_nan=False, default=_plain, **options)
+    except ValueError as error:
+        try:
+            found = _not_finite(value, at)
+        except RecursionError:  # a list that contains itself, as the error of json.dumps() says
+            found = None
+        if found is None:
+            raise
+        raise ValueError(f"{found[0] or 'the value'} is {found[1]}: give a finite number") from error

@@ -85,6 +85,8 @@ def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", na
     `my:reach`. Troupe does not guarantee that measures in Python have the same bits on every machine.
     """
 
+    if function is not None and not callable(function):
+        raise TypeError(f'measure() found {function!r} in place of a function: write @troupe.measure(unit="m") to give a unit')
     if unit and unit not in _units():
         raise ValueError(f'unknown unit "{unit}"; known: {", ".join(_units())}; for other units leave `unit` out, and name '
                          "the unit in the name of the measure")

@@ -205,6 +205,12 @@ class Controllers(InAFolder):
         with self.assertRaisesRegex(troupe.InputError, rf'my\.py:{line}: error: ValueError: unknown unit "m2"; known: {re.escape(known)}; '):
             troupe.Simulation("w.json", controllers=["my.py"])
 
+    def test_the_unit_of_a_measure_is_a_keyword_argument(self):
+        with self.assertRaises(TypeError) as raised:
+            troupe.measure("m")
+        self.assertEqual(str(raised.exception),
+                         "measure() found 'm' in place of a function: write @troupe.measure(unit=\"m\") to give a unit")
+
     def test_the_error_for_a_measure_of_a_missing_script_names_the_option(self):
         made = self.troupe("run", "w.json", "--measures", "m.csv", "--measure", "my:reach", code=2)
         self.assertIn('unknown measure "my"; known: ', made.stderr)

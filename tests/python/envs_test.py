@@ -454,6 +454,15 @@ class Vector(unittest.TestCase):
         ):
             with self.assertRaisesRegex(ValueError, text):
                 wrong()
+        for env in (troupe.envs.Env(Short(2)), troupe.envs.VectorEnv(Short(2), 2), troupe.envs.ParallelEnv(Short(2))):
+            for seed, error in ((-1, ValueError), (1.5, TypeError)):
+                with self.assertRaises(error) as raised:
+                    env.reset(seed=seed)
+                text = str(raised.exception)
+                if seed == -1 or not isinstance(env, troupe.envs.VectorEnv):
+                    self.assertEqual(text, f"seed: found {seed}: give a whole number from 0 to {2**64 - 1}")
+                else:
+                    self.assertEqual(text, "seed: found 1.5: give a whole number, or a list with one seed per copy")
         env = troupe.envs.VectorEnv(Short(2), 4)
         env.reset(seed=1)
         with self.assertRaisesRegex(ValueError, r"actions: must have the shape \(4, 2\), found \(2, 2\)"):
@@ -466,6 +475,19 @@ class Vector(unittest.TestCase):
             task = Short(2)
             task.teams[0].observation = [{"device": "lidr", "field": "ranges"}]
             troupe.envs.Env(task)
+        for listed, text in (
+            ([], "which is empty: add it there"),
+            (["displacement"], "which contains displacement_m: add it there"),
+        ):
+            for member in ("rewards", "ends"):
+                task = Short(2)
+                task.measures = listed
+                entry = {"measure": "stalls"} if member == "rewards" else {"measure": "stalls", "above": 1}
+                task.teams[0] = dataclasses.replace(task.teams[0], **{member: [entry]})
+                with self.assertRaises(LookupError) as raised:
+                    troupe.envs.Env(task)
+                text_ = f'{member[:-1]} of team "team0": the measure "stalls" is not in the list `measures` of the task, {text}'
+                self.assertEqual(raised.exception.args[0], text_)
         with self.assertRaisesRegex(ValueError, "batch/teams/0/rewards/0: unknown member \"wieght\""):
             task = Short(2)
             task.teams[0].rewards = [{"array": "goal", "wieght": 1}]

@@ -39,6 +39,12 @@ class Functions(unittest.TestCase):
         self.assertIsInstance(tm.sin(1), float)
         self.assertEqual(tm.sin(np.float32(0.5)), tm.sin(0.5))
         self.assertEqual(tm.atan2(np.ones((3, 1)), np.ones(4)).shape, (3, 4))
+        for y, x in ((np.ones(2), np.ones(3)), (np.ones((2, 3)), np.ones((2, 1, 2))), (np.ones(0), np.ones(2))):
+            with self.assertRaises(ValueError) as raised:
+                tm.atan2(y, x)
+            self.assertEqual(str(raised.exception), f"atan2(): y has the shape {y.shape}, x has the shape {x.shape}: "
+                                                    "give arrays of one shape, or arrays that NumPy can broadcast")
+        self.assertEqual(tm.atan2(np.ones((2, 1, 0)), np.ones((3, 1))).shape, (2, 3, 0))
         self.assertEqual(tm.cos([]).shape, (0,))
         strided = ANGLES[::3]
         self.assertEqual(bits(tm.sin(strided)), bits([tm.sin(a) for a in strided]))

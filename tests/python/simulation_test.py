@@ -8,6 +8,7 @@ import math
 import os
 import pathlib
 import pickle
+import re
 import signal
 import subprocess
 import sys
@@ -57,8 +58,25 @@ class Loading(InAFolder):
         for wrong in (1j, {1}, object(), np.array([1j])):
             with self.assertRaisesRegex(TypeError, "^a [a-z]+ has no counterpart in JSON: give a dict, "):
                 troupe.Simulation({**ROOM, "seed": wrong})
-        with self.assertRaisesRegex(ValueError, "not JSON compliant"):
-            troupe.Simulation({**ROOM, "tick_s": np.float64("nan")})
+
+    def test_the_error_for_a_number_that_is_not_finite_names_its_place(self):
+        world = troupe.Simulation(ROOM)
+        for make, place in (
+            (lambda nan: troupe.Simulation({**ROOM, "tick_s": nan}), "/tick_s"),
+            (lambda nan: troupe.Simulation({**ROOM, "bounds_m": np.array([[-6, -6], [6, nan]])}), "/bounds_m/1/1"),
+            (lambda nan: troupe.Simulation({**ROOM, "types": {**ROOM["types"], "a/b~c": {"size_m": (nan, 1)}}}), "/types/a~1b~0c/size_m/0"),
+            (lambda nan: troupe.Simulation(ROOM, set={"/types/bot/drive/velocity_max_x_mps": nan}), "/types/bot/drive/velocity_max_x_mps"),
+            (lambda nan: troupe.Simulation(ROOM, set=[("/bounds_m", [[0, 0], [nan, 1]])]), "/bounds_m/1/0"),
+            (lambda nan: world.set("bot", {"drive": {"velocity_max_x_mps": nan}}), "/drive/velocity_max_x_mps"),
+        ):
+            for value in (math.nan, np.float32("nan"), -math.inf):
+                with self.subTest(place=place, value=value), self.assertRaises(ValueError) as raised:
+                    make(value)
+                self.assertEqual(str(raised.exception), f"{place} is {value}: give a finite number")
+        endless = []
+        endless.append(endless)
+        with self.assertRaisesRegex(ValueError, "Circular reference"):
+            troupe.Simulation({**ROOM, "bounds_m": endless})
 
     def test_the_text_of_a_world_is_no_file_name(self):
         for text in (json.dumps(ROOM), "include\n"):
@@ -90,12 +108,31 @@ class Loading(InAFolder):
             troupe.Simulation("none.world")
         with self.assertRaisesRegex(ValueError, 'unknown ranging "gird"; known: exact, grid'):
             troupe.Simulation(ROOM, ranging="gird")
-        with self.assertRaises(ValueError):  # JSON has no such number
-            troupe.Simulation({**ROOM, "tick_s": float("nan")})
         with self.assertRaises(TypeError):
             troupe.Simulation(7)
-        with self.assertRaises(TypeError):
-            troupe.Simulation(ROOM, seed=-1)
+        most = 2**64 - 1
+        count = "give a whole number from 0 to 10000000, or a dict from names of populations to such numbers"
+        for options, error, text in (
+            ({"seed": -1}, ValueError, f"seed: found -1: give a whole number from 0 to {most}"),
+            ({"seed": 2**64}, ValueError, f"seed: found {2**64}: give a whole number from 0 to {most}"),
+            ({"seed": 1.5}, TypeError, f"seed: found 1.5: give a whole number from 0 to {most}"),
+            ({"seed": "1"}, TypeError, f"seed: found '1': give a whole number from 0 to {most}"),
+            ({"robots": -5}, ValueError, f"robots: found -5: {count}"),
+            ({"robots": 2.5}, TypeError, f"robots: found 2.5: {count}"),
+            ({"robots": ["r"]}, TypeError, f"robots: found ['r']: {count}"),
+        ):
+            for load in (lambda **options: troupe.Simulation(ROOM, **options),
+                         lambda **options: troupe.Simulation.from_text(json.dumps(ROOM), **options)):
+                with self.subTest(options), self.assertRaises(error) as raised:
+                    load(**options)
+                self.assertEqual(str(raised.exception), text)
+        world = troupe.Simulation(ROOM, seed=np.uint64(3))
+        for seed, error in ((-1, ValueError), (2**64, ValueError), (1.5, TypeError)):
+            with self.assertRaises(error) as raised:
+                world.reset(seed=seed)
+            self.assertEqual(str(raised.exception), f"seed: found {seed}: give a whole number from 0 to {most}")
+        world.reset(seed=np.int64(4))
+        self.assertEqual(world.seed, 4)
         for size in (-1, math.nan, math.inf):
             with self.assertRaisesRegex(ValueError, f"tile_size_m is {size:g}: give a number from 0"):
                 troupe.Simulation(ROOM, tile_size_m=size)
@@ -890,6 +927,10 @@ class Tables(InAFolder):
         np.testing.assert_array_equal(ranges[np.argsort(eyes.ids)], bots.ranges())
         with self.assertRaisesRegex(LookupError, 'unknown component "ranger/ear"; known: '):
             world.table("ranger/ear")
+        with self.assertRaisesRegex(LookupError, 'unknown type "bott"; known: .*bot.*did you mean "bot"'):
+            world.table("pose", type="bott")
+        with self.assertRaisesRegex(LookupError, 'unknown component of type bot "eyes"; known: .*eye.*did you mean "eye"'):
+            world.table("eyes", "bot")
         self.assertIn("stall", [table.component for table in world.tables()])
 
     def test_of_a_device_have_the_name_that_the_world_gives_it(self):
@@ -1162,8 +1203,15 @@ class Looking(InAFolder):
         side = world.picture(320, 200, camera="perspective", layers="scans", across_m=4)
         self.assertEqual(side.shape, picture.shape)
         self.assertTrue((side != picture).any())
-        with self.assertRaisesRegex(troupe.InputError, "unknown layer"):
-            world.snapshot("room.png", layers="scan")
+        for option, wrong, text in (
+            ("camera", "perspektive", 'unknown camera "perspektive"; known: fit, follow:NAME, follow:all, perspective, top, '
+                                      'window (did you mean "perspective"?)'),
+            ("layers", "scan", 'unknown layer "scan"; known: beams, '),
+            ("background", "pink", 'unknown background "pink"; known: dark, paper, transparent, white'),
+        ):
+            for draw in (lambda **options: world.snapshot("wrong.png", **options), world.picture):
+                with self.subTest(option), self.assertRaisesRegex(troupe.InputError, f"^{option}: error: {re.escape(text)}"):
+                    draw(**{option: wrong})
         for size in ((0, 10), (10, -1)):
             with self.assertRaisesRegex(ValueError, "must be 1 or more"):
                 world.picture(*size)

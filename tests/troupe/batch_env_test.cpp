@@ -465,9 +465,12 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       },
       "reward is -inf: give a threshold that is a number, and a finite reward");
   is_wrong(
-      k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "stalls"; }, "unknown measure \"stalls\"");
+      k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "stalls"; },
+      "reward of team \"bots\": the measure \"stalls\" is not in the list `measures` of the task, which "
+      "contains ");
   is_wrong(  // the beginning of a name
-      k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "mean"; }, "unknown measure \"mean\"");
+      k_name, [](auto&, auto& t) { t.rewards[1].of.measure = "mean"; },
+      "the measure \"mean\" is not in the list `measures` of the task");
   is_wrong(
       k_argument, [](auto&, auto& t) { t.arrays[1].raw = true; },
       "an array with \"raw\" must have exactly one part");

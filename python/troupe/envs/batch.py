@@ -4,31 +4,18 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-import operator
 from typing import Any, Dict, List, Optional, Sequence
 
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
-from .._core import BatchEnv, Simulation
+from .._core import BatchEnv, Simulation, _seed_of
 from .task import Task, Team, action_space, check_team, commands_of, require_task
 
 Flags = npt.NDArray[np.bool_]
 _ONLY = "observation"  # name of the array of a team whose observation is a single Box
 _OF_SPACE = ("low", "high", "shape")  # members of a part that define its observation space
-
-
-def checked_seed(seed: Any) -> int:
-    """Returns a seed as an int. Raises TypeError if it is not a whole number, and ValueError if it is not from 0 to
-    2^64 - 1."""
-    try:
-        whole = operator.index(seed)
-    except TypeError:
-        raise TypeError(f"seed: found {seed!r}: give a whole number from 0 to {2**64 - 1}") from None
-    if not 0 <= whole < 2**64:
-        raise ValueError(f"seed: found {seed}: give a whole number from 0 to {2**64 - 1}")
-    return whole
 
 
 class Batch:
@@ -88,8 +75,9 @@ class Batch:
     def reset(self, which: Optional[Flags] = None, seeds: Sequence[Optional[int]] = ()) -> None:
         """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all copies.
         seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
-        derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy)."""
-        self.core.reset(which, [None if seed is None else checked_seed(seed) for seed in seeds])
+        derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy).
+        Raises TypeError for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1."""
+        self.core.reset(which, [None if seed is None else _seed_of(seed) for seed in seeds])
         self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
 
     def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:

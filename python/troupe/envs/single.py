@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
+from .._core import _seed_of
 from .batch import Batch, one_copy
 from .render import RENDER_MODES, RENDER_SIZE, Renderer
 from .task import Task, require_task
@@ -74,8 +75,9 @@ class Env(gymnasium.Env[Any, Any]):
         return self._batch
 
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
+        seeds = [] if seed is None else [_seed_of(seed)]  # first, because Gymnasium has other errors for wrong seeds
         super().reset(seed=seed)
-        self.batch.reset(seeds=[] if seed is None else [seed])
+        self.batch.reset(seeds=seeds)
         self.renderer.begin(self.batch)
         return first_of(self.batch.observations(), 0, 0), {}
 

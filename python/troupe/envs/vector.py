@@ -10,7 +10,8 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector import VectorEnv as _VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from .batch import Batch, Flags, checked_seed
+from .._core import _seed_of
+from .batch import Batch, Flags
 from .render import RENDER_MODES, RENDER_SIZE, Renderer
 from .single import checked
 from .task import Task, require_task
@@ -105,10 +106,11 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         the copies that begin an episode; without a mask, all copies begin one. Raises TypeError for a mask that is not
         a NumPy array of bool; ValueError for a mask of a wrong shape or that marks no environment or only some robots
         of a copy, and for a list of seeds of a wrong length or with different seeds for one copy."""
+        seeds = self._seeds_of(seed)  # first, because Gymnasium has other errors for wrong seeds
         if seed is None or isinstance(seed, (int, np.integer)):
             super().reset(seed=None if seed is None else int(seed))
         which = None if options is None or "reset_mask" not in options else self._copies_of(options["reset_mask"])
-        self.batch.reset(which, self._seeds_of(seed))
+        self.batch.reset(which, seeds)
         self.renderer.begin(self.batch)
         self._is_over[slice(None) if which is None else which] = False
         return self._rows(self.batch.observations()), {}
@@ -184,10 +186,10 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         if seed is None:
             return []
         if isinstance(seed, (int, np.integer)):
-            return [(checked_seed(seed) + copy) % 2**64 for copy in range(self.copies)]
+            return [(_seed_of(seed) + copy) % 2**64 for copy in range(self.copies)]
         if isinstance(seed, str) or not hasattr(seed, "__iter__"):
             raise TypeError(f"seed: found {seed!r}: give a whole number, or a list with one seed per copy")
-        seeds = [None if each is None else checked_seed(each) for each in seed]
+        seeds = [None if each is None else _seed_of(each) for each in seed]
         if len(seeds) == self.copies:
             return seeds
         if len(seeds) != self.num_envs:
