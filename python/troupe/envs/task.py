@@ -161,7 +161,7 @@ def _check_numbers(member: str, rows: Any) -> None:
         for column, number in enumerate(row):
             if not isinstance(number, numbers.Real):
                 raise TypeError(f"Team.{member}[{index}][{column}]: must be a number from -1 to 1, found {number!r}")
-            if not -1 <= number <= 1:  # true for NaN
+            if not -1 <= float(number) <= 1:  # true for NaN
                 raise ValueError(f"Team.{member}[{index}][{column}] is {number}: give a number from -1 to 1")
 
 
