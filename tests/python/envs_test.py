@@ -486,8 +486,9 @@ class Vector(unittest.TestCase):
                 task.teams[0] = dataclasses.replace(task.teams[0], **{member: [entry]})
                 with self.assertRaises(LookupError) as raised:
                     troupe.envs.Env(task)
-                text_ = f'{member[:-1]} of team "team0": the measure "stalls" is not in the list `measures` of the task, {text}'
-                self.assertEqual(raised.exception.args[0], text_)
+                self.assertEqual(
+                    raised.exception.args[0],
+                    f'{member[:-1]} of team "team0": the measure "stalls" is not in the list `measures` of the task, {text}')
         with self.assertRaisesRegex(ValueError, "batch/teams/0/rewards/0: unknown member \"wieght\""):
             task = Short(2)
             task.teams[0].rewards = [{"array": "goal", "wieght": 1}]
