@@ -37,6 +37,7 @@ class Functions(unittest.TestCase):
 
     def test_take_numbers_and_arrays(self):
         self.assertIsInstance(tm.sin(1), float)
+        self.assertIsInstance(tm.atan2(1, np.float32(2)), float)
         self.assertEqual(tm.sin(np.float32(0.5)), tm.sin(0.5))
         self.assertEqual(tm.atan2(np.ones((3, 1)), np.ones(4)).shape, (3, 4))
         for y, x in ((np.ones(2), np.ones(3)), (np.ones((2, 3)), np.ones((2, 1, 2))), (np.ones(0), np.ones(2))):
