@@ -60,6 +60,7 @@ class HeldBatch {
     is_cancelled_ = false;
     const bool has_view = std::ranges::any_of(views, [](const auto& view) { return view != nullptr; });
     if (has_view && is_main_thread()) return work_elsewhere([&] { what(batch); });
+    const InterruptDelay delay;
     const Unlocked unlocked;
     what(batch);
   }

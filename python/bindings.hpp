@@ -54,15 +54,35 @@ bool is_main_thread();
 /// raises KeyboardInterrupt later.
 bool is_interrupted();
 
+/// While an object of this class exists on the main thread, Ctrl-C does not raise KeyboardInterrupt in Python
+/// code, such as decide() of a controller. Otherwise the exception would end the tick, and with it the run.
+/// If Ctrl-C was pressed meanwhile, it is pending after the destructor: Python raises KeyboardInterrupt
+/// later, or calls the signal handler of the program. A second Ctrl-C raises it at once, so that it ends a
+/// function that does not return. Objects on other threads have no effect, because Python handles signals on
+/// the main thread only. If a program ignores the signal, or lets it end the process, this does not change.
+class InterruptDelay {
+ public:
+  InterruptDelay();
+  ~InterruptDelay();
+  InterruptDelay(const InterruptDelay&) = delete;
+  InterruptDelay& operator=(const InterruptDelay&) = delete;
+
+ private:
+  bool delays_;
+};
+
 /// Calls the Python function `function` with one argument and returns its result. The caller must hold the
-/// interpreter's lock. Throws py::error_already_set if the function raises an exception. If the interpreter
-/// exits during the call, a daemon thread blocks in this function until the process ends, for the reason that
-/// Unlocked explains.
+/// interpreter's lock. Throws py::error_already_set if the function raises an exception, and py::type_error
+/// if it is a generator function or an async function, because the call then executes no statement of it. If
+/// the interpreter exits during the call, a daemon thread blocks in this function until the process ends, for
+/// the reason that Unlocked explains.
 py::object call(py::handle function, py::handle argument);
 
-/// Returns `result`, which the measure `function` returned, as a number. Throws py::error_already_set if it
-/// is not a number (ResultError of troupe/_script.py). The caller must hold the interpreter's lock.
-double number_of(const py::object& function, const py::object& result);
+/// Calls `function`, a measure in Python, with the robots for which it is computed, and returns its result.
+/// The function can use its argument only during the call. The caller must hold the interpreter's lock.
+/// Throws as call() does, and py::error_already_set if the result is not a number (ResultError of
+/// troupe/_script.py).
+double measured(const py::object& function, Swarm robots);
 
 /// Returns the unit that a measure in Python declares; Unit::none for an empty text. troupe/_script.py has
 /// checked that other texts are known.

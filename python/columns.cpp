@@ -13,12 +13,26 @@
 namespace troupe::python {
 namespace {
 
+/// Whether a value is a bytes object, or a bytearray or a memoryview, which are treated in the same way.
+bool is_bytes(const py::handle& value) {
+  return py::isinstance<py::bytes>(value) || py::isinstance<py::bytearray>(value) ||
+         PyMemoryView_Check(value.ptr()) != 0;
+}
+
+py::bytes bytes_copy(const py::handle& value) {
+  PyObject* const copy = PyBytes_FromObject(value.ptr());
+  if (copy == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::bytes>(copy);
+}
+
 /// Converts a `bytes`, or a list of several, to an array with one row per `bytes`, padded with zeros to the
 /// length of the field. Throws ValueError if a `bytes` is longer than the field.
 py::array padded(const engine::StateField& field, const py::handle& value) {
-  const std::vector<py::bytes> texts = py::isinstance<py::bytes>(value)
-                                           ? std::vector{py::reinterpret_borrow<py::bytes>(value)}
-                                           : value.cast<std::vector<py::bytes>>();
+  std::vector<py::bytes> texts;
+  if (is_bytes(value))
+    texts.push_back(bytes_copy(value));
+  else
+    for (const py::handle each : value) texts.push_back(bytes_copy(each));
   py::array_t<std::uint8_t> rows(
       {static_cast<py::ssize_t>(texts.size()), static_cast<py::ssize_t>(field.columns)});
   std::memset(rows.mutable_data(), 0, static_cast<std::size_t>(rows.nbytes()));
@@ -33,9 +47,9 @@ py::array padded(const engine::StateField& field, const py::handle& value) {
 }
 
 bool is_of_bytes(const py::handle& value) {
-  if (py::isinstance<py::bytes>(value)) return true;
+  if (is_bytes(value)) return true;
   return (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) && py::len(value) > 0 &&
-         py::isinstance<py::bytes>(*py::iter(value));
+         is_bytes(*py::iter(value));
 }
 
 }  // namespace
@@ -106,12 +120,16 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
   if (field == fields.end()) throw std::out_of_range(fmt::format("the device \"{}\" is not a radio", device));
   py::dict values;
   values["mode"] = 1;
-  if (py::isinstance<py::bytes>(message)) {
-    values["length"] = py::len(message);
-    values["payload"] = message;
+  if (is_bytes(message)) {
+    const py::bytes copy = bytes_copy(message);
+    values["length"] = py::len(copy);
+    values["payload"] = copy;
     return values;
   }
   const py::array rows = py::module_::import("numpy").attr("ascontiguousarray")(message);
+  if (rows.dtype().kind() == 'U')
+    throw py::value_error(fmt::format("message: found the text {}: give bytes, as in text.encode()",
+                                      std::string(py::repr(message))));
   if (rows.ndim() == 0 || rows.shape(0) != robots)
     refuse("message", rows, static_cast<std::size_t>(robots),
            "a bytes object, or an array with one row per robot");

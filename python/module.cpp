@@ -10,11 +10,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace troupe::python {
 namespace {
@@ -29,11 +32,42 @@ py::handle new_exception(py::module_& module, const char* name, PyObject* base) 
 py::handle input_error;
 py::handle step_error;
 
-void raise_input_error(const InputError& error) {
-  // The text may quote the name or the content of a file, whose bytes need not be UTF-8.
+/// Returns the text of an exception. It may quote the name or the content of a file, whose bytes need not be
+/// UTF-8.
+py::object text_of(const std::exception& error) {
   const std::string_view text = error.what();
-  const auto message = py::reinterpret_steal<py::object>(
+  return py::reinterpret_steal<py::object>(
       PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "backslashreplace"));
+}
+
+/// Returns the Python exception that caused `error`, which contains it as a std::nested_exception; null if
+/// there is none.
+py::object cause_of(const std::exception& error) {
+  try {
+    std::rethrow_if_nested(error);
+  } catch (const py::error_already_set& thrown) {
+    if (thrown.trace()) PyException_SetTraceback(thrown.value().ptr(), thrown.trace().ptr());
+    return thrown.value();
+  } catch (const std::exception& nested) {
+    return cause_of(nested);
+  } catch (...) {  // an exception of a plug-in
+  }
+  return {};
+}
+
+/// Raises a Python exception of the class `type` with the text of `error`. Its __cause__ is the Python
+/// exception that caused the error. If that one is not derived from Exception, such as KeyboardInterrupt and
+/// SystemExit, it is raised instead: it is no error, but ends the program.
+void raise_with_cause(py::handle type, const std::exception& error) {
+  py::object cause = cause_of(error);
+  const bool ends_program = cause && PyObject_IsInstance(cause.ptr(), PyExc_Exception) == 0;
+  const py::object raised = ends_program ? cause : type(text_of(error));
+  if (cause && !ends_program) PyException_SetCause(raised.ptr(), cause.release().ptr());
+  PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
+}
+
+void raise_input_error(const InputError& error) {
+  const py::object message = text_of(error);
   py::object value = py::reinterpret_borrow<py::object>(input_error)(message);
   value.attr("findings") = message.attr("splitlines")();
   PyErr_SetObject(input_error.ptr(), value.ptr());
@@ -72,6 +106,15 @@ std::atomic<int> at_work = 0;  // threads that have released the lock and not ta
 std::atomic<bool> is_ending = false;
 pthread_t ending_thread;  // the thread that ends the interpreter
 
+// State of InterruptDelay.
+bool is_delaying = false;         // an object that delays Ctrl-C exists; used only on the main thread
+struct sigaction undelayed = {};  // what a signal would have done without this object
+std::atomic<bool> is_delayed = false;
+
+extern "C" void delay_interrupt(int signal) {
+  if (is_delayed.exchange(true)) undelayed.sa_handler(signal);
+}
+
 bool must_stop() { return is_ending && pthread_equal(pthread_self(), ending_thread) == 0; }
 
 [[noreturn]] void stop_for_good() {
@@ -109,10 +152,30 @@ bool is_main_thread() { return gettid() == getpid(); }
 bool is_interrupted() {
   if (must_stop()) return true;
   if (!is_main_thread()) return false;  // Python handles signals in the main thread only
+  if (is_delayed) return true;
   const py::gil_scoped_acquire lock;
   if (PyOS_InterruptOccurred() == 0) return false;
   PyErr_SetInterrupt();
   return true;
+}
+
+InterruptDelay::InterruptDelay() : delays_(is_main_thread() && !is_delaying) {
+  if (!delays_) return;
+  sigaction(SIGINT, nullptr, &undelayed);
+  const bool has_handler = undelayed.sa_handler != SIG_DFL && undelayed.sa_handler != SIG_IGN;
+  delays_ = has_handler && (undelayed.sa_flags & SA_SIGINFO) == 0;
+  if (!delays_) return;
+  is_delaying = true;
+  struct sigaction own = undelayed;
+  own.sa_handler = &delay_interrupt;
+  sigaction(SIGINT, &own, nullptr);
+}
+
+InterruptDelay::~InterruptDelay() {
+  if (!delays_) return;
+  sigaction(SIGINT, &undelayed, nullptr);
+  is_delaying = false;
+  if (is_delayed.exchange(false)) PyErr_SetInterrupt();
 }
 
 py::object call(py::handle function, py::handle argument) {
@@ -127,10 +190,25 @@ py::object call(py::handle function, py::handle argument) {
   result = PyObject_CallFunctionObjArgs(function.ptr(), argument.ptr(), nullptr);
 #endif
   if (result == nullptr) throw py::error_already_set();
-  return py::reinterpret_steal<py::object>(result);
+  auto owned = py::reinterpret_steal<py::object>(result);
+  const bool is_generator = PyGen_Check(result) || PyAsyncGen_CheckExact(result);
+  if (is_generator || PyCoro_CheckExact(result)) {
+    if (PyCoro_CheckExact(result)) owned.attr("close")();  // else Python warns that it was never awaited
+    PyErr_Format(PyExc_TypeError,
+                 "%R is %s function, so that a call executes none of its statements: write it without `%s`",
+                 function.ptr(), is_generator ? "a generator" : "an async", is_generator ? "yield" : "async");
+    throw py::error_already_set();
+  }
+  return owned;
 }
 
-double number_of(const py::object& function, const py::object& result) {
+double measured(const py::object& function, Swarm robots) {
+  const py::object argument = py::cast(HeldSwarm{nullptr, std::move(robots)});
+  struct End {
+    const py::object& argument;
+    ~End() { argument.cast<HeldSwarm&>().is_over = true; }
+  } const end{argument};
+  const py::object result = call(function, argument);
   if (py::isinstance<py::float_>(result)) return result.cast<double>();  // without a call into Python
   return py::module_::import("troupe._script").attr("number_of")(function, result).cast<double>();
 }
@@ -182,6 +260,7 @@ void Held::work(const std::function<void(Simulation&)>& task) {
   Simulation& simulation = use();
   {
     const Stepping stepping(*this);
+    const InterruptDelay delay;
     const Unlocked unlocked;
     task(simulation);
   }
@@ -195,6 +274,7 @@ void Held::step(std::uint64_t ticks, bool to_its_end) {
   const auto is_over = [&] { return to_its_end && simulation.stopped().has_value(); };
   while (ticks > 0 && !is_over()) {
     {
+      const InterruptDelay delay;
       const Unlocked unlocked;
       const auto begin = std::chrono::steady_clock::now();
       do {
@@ -223,19 +303,25 @@ void bind_errors(py::module_& module) {
   step_error = new_exception(module, "StepError", PyExc_RuntimeError);
   step_error.attr("__doc__") =
       "Raised when a step fails: a commanded speed was not finite, or a controller or a device threw an "
-      "exception. The\ntext names the tick and the robot. The simulation cannot be used until reset().";
+      "exception. The\ntext names the tick and the robot. If an exception in Python code was the cause, "
+      "`__cause__` is that "
+      "exception.\nThe simulation cannot be used until reset().";
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));
     } catch (const InputError& error) {
       raise_input_error(error);
     } catch (const engine::StepError& error) {
-      PyErr_SetString(step_error.ptr(), error.what());
+      raise_with_cause(step_error, error);
     } catch (const std::out_of_range&
                  error) {  // for unknown names, for which IndexError, pybind11's choice, would mislead
       PyErr_SetString(PyExc_LookupError, error.what());
     } catch (const std::filesystem::filesystem_error& error) {
       PyErr_SetString(PyExc_OSError, error.what());
+    } catch (const std::nested_exception& nesting) {  // of a measure in Python
+      const auto* error = dynamic_cast<const std::runtime_error*>(&nesting);
+      if (error == nullptr) throw;
+      raise_with_cause(PyExc_RuntimeError, *error);
     }
   });
 }

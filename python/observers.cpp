@@ -7,6 +7,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -21,27 +22,29 @@ namespace {
 
 using Wanted = std::variant<std::string, py::dict, py::function>;
 
-/// Returns the name of a function that is a measure: the name that the decorator troupe.measure has declared,
-/// or that of the function.
-std::string name_of(const py::object& function) {
-  const py::object declared = py::getattr(function, "_troupe_measure", py::none());
-  const py::object name = declared.is_none() ? py::object(function.attr("__name__")) : declared["name"];
-  return py::str(name);
-}
+/// A column of HeldMeasures: a measure of the engine or a function in Python.
+struct Column {
+  py::object function = {};  ///< null: the next column of HeldMeasures::measures
+  std::string name = {};     ///< with the suffix of the unit
+  std::string bare = {};     ///< of a function: the name without the suffix
+};
 
-/// Returns the name of the column of such a measure: its name with the suffix of the unit that it declares.
-std::string column_of(const py::object& function) {
+/// Returns the column of a function. The decorator troupe.measure declares its name and unit; without the
+/// decorator, the name is that of the function, and there is no unit.
+Column column_of(const py::object& function) {
   const py::object declared = py::getattr(function, "_troupe_measure", py::none());
+  const py::object bare =
+      declared.is_none() ? py::getattr(function, "__name__", py::none()) : py::object(declared["name"]);
   const engine::Unit unit = declared.is_none() ? engine::Unit::none : unit_of(py::str(declared["unit"]));
-  return name_of(function) + std::string(engine::unit_suffixes(unit).front().suffix);
+  const std::string name = py::str(bare);
+  return {function, name + std::string(engine::unit_suffixes(unit).front().suffix), name};
 }
 
-/// Measures of a simulation. A column is one of `measures` or a function in Python.
+/// Measures of a simulation.
 struct HeldMeasures {
   Holder held;
-  std::optional<Measures> measures;     ///< not set: all columns are functions
-  std::vector<py::object> functions;    ///< per column: the function; null: the next column of `measures`
-  std::vector<std::string> names = {};  ///< per column: its name, with the unit
+  std::optional<Measures> measures = {};  ///< not set: all columns are functions
+  std::vector<Column> columns = {};
 
   void see() {
     static_cast<void>(held->use());
@@ -52,23 +55,30 @@ struct HeldMeasures {
     static_cast<void>(held->use());
     if (measures) rest = measures->values();
     std::vector<double> values;
-    for (std::size_t i = 0, next = 0; i < functions.size(); ++i)
-      values.push_back(functions[i] ? value_of(functions[i]) : rest[next++]);
+    std::size_t next = 0;
+    for (const Column& column : columns)
+      values.push_back(column.function ? value_of(column.function) : rest[next++]);
     return values;
   }
   double value(const std::string& name) {
     static_cast<void>(held->use());
-    for (std::size_t i = 0; i < functions.size(); ++i)
-      if (functions[i] && (names[i] == name || name_of(functions[i]) == name)) return value_of(functions[i]);
+    for (const Column& column : columns)
+      if (column.function && (column.name == name || column.bare == name)) return value_of(column.function);
     if (measures) return measures->value(name);
-    throw std::out_of_range(
-        unknown_name("measure", name, std::vector<std::string_view>(names.begin(), names.end())));
+    const std::vector<std::string> known = names();
+    throw std::out_of_range(unknown_name("measure", name, {known.begin(), known.end()}));
+  }
+  std::vector<std::string> names() const {
+    std::vector<std::string> names;
+    for (const Column& column : columns) names.push_back(column.name);
+    return names;
   }
 
  private:
   double value_of(const py::object& function) const {
-    const py::object result = call(function, py::cast(HeldSwarm{held, held->use().swarm()}));
-    return number_of(function, result);
+    Simulation& simulation = held->use();
+    const engine::World::Frozen frozen(simulation.world());
+    return measured(function, simulation.swarm());
   }
 };
 
@@ -84,18 +94,22 @@ std::vector<std::string> texts_of(const std::vector<Wanted>& wanted) {
 }
 
 HeldMeasures measures_of(const Holder& held, const std::vector<Wanted>& wanted) {
-  HeldMeasures made{held, std::nullopt, {}};
+  HeldMeasures made{held};
   const std::vector<std::string> texts = texts_of(wanted);
   if (wanted.empty() || !texts.empty()) made.measures.emplace(held->use(), texts);
-  const auto columns = made.measures ? made.measures->columns() : std::span<const std::string>();
-  if (wanted.empty()) made.functions.resize(columns.size());
+  const auto names = made.measures ? made.measures->columns() : std::span<const std::string>();
+  if (wanted.empty())
+    for (const std::string& name : names) made.columns.push_back({.name = name});
+  std::size_t next = 0;
   for (const Wanted& one : wanted) {
     const auto* function = std::get_if<py::function>(&one);
-    made.functions.push_back(function ? py::object(*function) : py::object());
+    Column column = function ? column_of(*function) : Column{.name = names[next++]};
+    if (std::ranges::find(made.columns, column.name, &Column::name) != made.columns.end())
+      throw InputError(
+          "two measures have the column \"" + column.name +
+          "\": give one of them another name; a function gets one with @troupe.measure(name=...)");
+    made.columns.push_back(std::move(column));
   }
-  std::size_t next = 0;
-  for (const py::object& function : made.functions)
-    made.names.push_back(function ? column_of(function) : columns[next++]);
   return made;
 }
 
@@ -137,15 +151,18 @@ void bind_observers(py::module_& module) {
       "(docs/measures.md). wanted: a list of\nnames of measures (\"stalls\"), names with the type, "
       "population or robot that they are computed for (\"stalls:leaders\"), or\ndicts with a kind and "
       "parameters ({\"kind\": \"coverage\", \"cell_m\": 0.5}), or functions that take the Swarm of all "
-      "robots\nand return a number. An empty list means the measures of the world file, or, if it has none, "
-      "all measures that need no\nparameters. Raises InputError for an unknown measure, robot or parameter.")
+      "robots\nand return a number. Such a function must not change the world, and can use the swarm only "
+      "during "
+      "the call. An empty list means the measures of the world file, or, if it has none, "
+      "all measures that need no\nparameters. Raises InputError for an unknown measure, robot or parameter, "
+      "and for two measures "
+      "with the\nsame column.")
       .def(py::init(&measures_of), py::arg("simulation").none(false), py::arg("wanted") = py::tuple())
       .def("see", &HeldMeasures::see,
            "Updates measures that depend on earlier ticks, such as the covered area. Call it after every "
            "step.")
-      .def_property_readonly(
-          "columns", [](const HeldMeasures& m) { return m.names; },
-          "Names of the values, with their units, in the order of `wanted`.")
+      .def_property_readonly("columns", &HeldMeasures::names,
+                             "Names of the values, with their units, in the order of `wanted`.")
       .def("values", &HeldMeasures::values,
            "One number per column for the current state; NaN if a measure has no value.")
       .def("__getitem__", &HeldMeasures::value, py::arg("name"),

@@ -13,6 +13,7 @@
 #include <any>
 #include <array>
 #include <cstring>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -60,14 +61,15 @@ struct Slots {
   }
 };
 
-/// Calls a function of a script. Its exceptions become std::runtime_error, whose text names the line.
+/// Calls a function of a script. An exception of the function becomes a std::runtime_error, whose text names
+/// the line, with the exception nested in it (std::nested_exception).
 template <class Call>
 void call_script(const std::string& file, Call&& function) {
   const py::gil_scoped_acquire lock;
   try {
     function();
   } catch (const py::error_already_set& error) {
-    throw std::runtime_error(error_text(error, file));
+    std::throw_with_nested(std::runtime_error(error_text(error, file)));
   } catch (const py::cast_error& error) {
     throw std::runtime_error(fmt::format("{}: {}", file, error.what()));
   }
@@ -138,20 +140,6 @@ Result<ControllerKind::Prepared> prepare_slot(const engine::Record& params,
   return prepare(*Slots<PythonController>::all[k_slot], params, devices);
 }
 
-/// Makes the swarm that is the argument of a measure unusable when the measure returns.
-class ArgumentOfMeasure {
- public:
-  explicit ArgumentOfMeasure(Swarm swarm) : object_(py::cast(HeldSwarm{nullptr, std::move(swarm)})) {}
-  ~ArgumentOfMeasure() { object_.cast<HeldSwarm&>().is_over = true; }
-  ArgumentOfMeasure(const ArgumentOfMeasure&) = delete;
-  ArgumentOfMeasure& operator=(const ArgumentOfMeasure&) = delete;
-
-  const py::object& object() const { return object_; }
-
- private:
-  py::object object_;
-};
-
 class MeasureInPython : public engine::Measure {
  public:
   MeasureInPython(const PythonMeasure& measure, std::vector<BodyId> robots)
@@ -159,11 +147,7 @@ class MeasureInPython : public engine::Measure {
 
   double value(engine::World& world) override {
     double value = 0;
-    call_script(measure_.file, [&] {
-      const ArgumentOfMeasure swarm(Swarm::of(world, robots_));
-      const py::object result = call(measure_.function, swarm.object());
-      value = number_of(measure_.function, result);
-    });
+    call_script(measure_.file, [&] { value = measured(measure_.function, Swarm::of(world, robots_)); });
     return value;
   }
 

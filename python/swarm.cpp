@@ -218,15 +218,18 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       .def("command", &command_device, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
            "Sets fields of the commands of a device by name: swarm.command(\"lamp\", shows=1, "
            "red=brightness). A value is one number\nfor all robots or one per robot. For a field of several "
-           "columns it is one row for all robots, one row per robot, or,\nfor a field of bytes, a bytes "
-           "object or a list of one bytes object per robot, padded with zeros. Other fields keep\ntheir "
+           "columns it is one row for all robots, one row per robot, or,\nfor a field of bytes, a bytes, "
+           "bytearray or memoryview object or a list of one such object per robot, padded with zeros. Other "
+           "fields keep\ntheir "
            "values. The commands apply from the next step on. Raises LookupError for an unknown device or "
            "field, and\nValueError for values that do not fit.")
       .def("say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
            py::arg("where") = py::none(),
            "Sets the messages that the radios named `device` send in each tick from the next one on, until "
-           "another command\nreplaces them. message: a bytes object, which is the message of all robots, or "
-           "an array with one row per robot, whose\nbytes are the message of the robot. command(device, "
+           "another command\nreplaces them. message: a bytes, bytearray or memoryview object, which is the "
+           "message "
+           "of all robots, or an array with one\nrow per robot, whose bytes are the message of the robot. "
+           "command(device, "
            "mode=2) makes radios silent. Raises ValueError for a message of\nmore bytes than the parameter "
            "`payload` of the radios allows.")
       .def("heard", &heard, py::arg("dtype"), py::arg("device") = "radio",

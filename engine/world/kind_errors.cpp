@@ -25,10 +25,10 @@ namespace {
     try {
       std::rethrow_exception(decision.thrown);
     } catch (...) {
-      throw error(decision.row, 0);
+      std::throw_with_nested(error(decision.row, 0));
     }
   } catch (...) {
-    throw error(rows.empty() ? Row() : rows.front(), rows.empty() ? 0 : rows.size() - 1);
+    std::throw_with_nested(error(rows.empty() ? Row() : rows.front(), rows.empty() ? 0 : rows.size() - 1));
   }
 }
 

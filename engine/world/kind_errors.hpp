@@ -16,9 +16,10 @@ class World;
 std::string thrown_text();
 
 /// Converts the exception that the calling catch block handles into a StepError, and throws it. A StepError
-/// is the exception with which a step of the world fails. The exception must come from a function of a
-/// *kind*: a table of functions that implements one sort of controller, device or drive. Outside a catch
-/// block the call ends the program (std::terminate()).
+/// is the exception with which a step of the world fails. The handled exception is nested in it
+/// (std::nested_exception), so that a language binding can find the exception of its own. It must come from a
+/// function of a *kind*: a table of functions that implements one sort of controller, device or drive.
+/// Outside a catch block the call ends the program (std::terminate()).
 ///
 /// The text of the StepError names the tick (time step), the controller, device or drive, a robot, and the
 /// exception. The robot depends on the exception:

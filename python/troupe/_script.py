@@ -183,27 +183,67 @@ def _params(cls: Any, file: str, line: int) -> List[Tuple[str, Any]]:
     return params
 
 
+def _require_fit(name: str, field: "np.dtype[Any]", given: Any) -> None:
+    """Raises TypeError if values have a type that a field of a memory cannot store without loss, such as floats in a
+    field of integers, and ValueError if the field has integers and a value is out of their range."""
+    values = np.asarray(given)
+    if np.can_cast(values.dtype, field, "safe"):
+        return
+    are_whole = field.kind in "iu" and values.dtype.kind in "iu"
+    if not are_whole and not np.can_cast(values.dtype, field, "same_kind"):
+        raise TypeError(f"memory[{name!r}] has the type {field}, which cannot store values of the type {values.dtype} "
+                        f"without loss: convert them, as in x.astype({field.name!r})")
+    if are_whole and values.size:
+        bounds = np.iinfo(field)
+        for value in (int(values.min()), int(values.max())):
+            if not bounds.min <= value <= bounds.max:
+                raise ValueError(f"memory[{name!r}] has the type {field}, which cannot store {value}: give whole numbers "
+                                 f"from {bounds.min} to {bounds.max}")
+
+
 class Memory(np.ndarray):  # type: ignore[type-arg]
-    """The memories of robots: a structured array. The assignment `memory[field] = values` raises TypeError for floats
-    in an integer field. It converts integers and floats of other sizes as NumPy does, even if they lose digits."""
+    """The memories of robots: a structured array. Assignments to a field, and to a part of a field, raise TypeError for
+    floats in a field of integers, and ValueError for integers that are out of range. They convert floats of other sizes
+    as NumPy does, even if they lose digits."""
 
     def __getitem__(self, key: Any) -> Any:
         value = super().__getitem__(key)
-        return value.view(np.ndarray) if isinstance(value, Memory) and value.dtype.names is None else value
+        if not isinstance(value, Memory) or value.dtype.names is not None:
+            return value
+        field = value.view(_Field)
+        field.name = key
+        return field
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if isinstance(key, str) and key in (self.dtype.names or ()):
-            field, given = self.dtype[key].base, np.asarray(value).dtype
-            both_whole = field.kind in "iu" and given.kind in "iu"
-            if not both_whole and not np.can_cast(given, field, "same_kind"):
-                raise TypeError(f"memory[{key!r}] has the type {field}, which cannot store values of the type {given} "
-                                f"without loss: convert them, as in x.astype({field.name!r})")
+            _require_fit(key, self.dtype[key].base, value)
+        super().__setitem__(key, value)  # type: ignore[no-untyped-call]
+
+
+class _Field(np.ndarray):  # type: ignore[type-arg]
+    """A field of a Memory, or a part of it. Results of computations with it are usual NumPy arrays."""
+
+    name = ""
+
+    def __array_finalize__(self, source: Any) -> None:
+        self.name = getattr(source, "name", "")
+
+    def __array_wrap__(self, array: Any, *_: Any) -> Any:
+        return array if array is self else array.view(np.ndarray)[()]
+
+    def __setitem__(self, key: Any, value: Any) -> None:
+        _require_fit(self.name, self.dtype, value)
         super().__setitem__(key, value)  # type: ignore[no-untyped-call]
 
 
 def _check_decide(cls: Any, instance: Any, file: str, line: int) -> None:
     if cls.decide is Controller.decide:
         _fail(file, line, f"{cls.__name__} has no function decide(self, robots): define it, to command the robots")
+    for is_other, word in ((inspect.isgeneratorfunction, "yield"), (inspect.isasyncgenfunction, "async"),
+                           (inspect.iscoroutinefunction, "async")):
+        if is_other(cls.decide):
+            _fail(file, inspect.getsourcelines(cls.decide)[1],
+                  f"{cls.__name__}.decide: a call would execute none of its statements: write it without `{word}`")
     try:
         inspect.signature(instance.decide).bind(None)
     except TypeError:

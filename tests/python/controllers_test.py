@@ -5,8 +5,11 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import time
+import traceback
 import unittest
 
 import numpy as np
@@ -184,6 +187,36 @@ class Controllers(InAFolder):
         self.assertEqual([measures["edge"], measures["edge_m"], measures["count"]], [measures.values()[0]] * 2 + [30])
         with self.assertRaisesRegex(LookupError, 'unknown measure "reach"; known: count, edge_m'):
             measures["reach"]
+
+    def test_two_functions_cannot_have_the_same_column(self):
+        world = troupe.Simulation("w.json")
+        for wanted in ([lambda robots: 1.0, lambda robots: 2.0], ["stalls", troupe.measure(name="stalls")(lambda robots: 1.0)]):
+            with self.assertRaisesRegex(troupe.InputError, r'^two measures have the column "(<lambda>|stalls)": give one of them another'):
+                troupe.Measures(world, wanted)
+
+    def test_a_function_given_to_measures_must_not_change_the_world(self):
+        world = troupe.Simulation("w.json")
+        before = world.state_hash()
+        kept = []
+
+        def act(robots):
+            kept.append(robots)
+            acts[-1](robots)
+            return 1.0
+
+        measures = troupe.Measures(world, [act])
+        for change in (lambda robots: world.step(), lambda robots: world.reset(), lambda robots: robots.set_speeds(1, 0),
+                       lambda robots: robots.set_poses(robots.poses()), lambda robots: world.swarm().set_speeds(1, 0)):
+            acts = [change]
+            for read in (measures.values, lambda: measures["act"]):
+                with self.assertRaisesRegex(RuntimeError, "^a measure must not change the world"):
+                    read()
+            with self.assertRaisesRegex(RuntimeError, "^the argument of a measure can be used only during the call"):
+                kept[-1].poses()
+        self.assertEqual((world.tick, world.state_hash()), (0, before))
+        acts = [lambda robots: robots.poses()]
+        self.assertEqual(measures.values(), [1.0])
+        world.step()
 
     def test_the_argument_of_a_measure_can_be_used_only_during_the_call(self):
         self.write("my.py", "import troupe\nkept = []\n\n\n@troupe.measure\ndef keep(robots):\n    kept.append(robots)\n    return len(robots)\n")
@@ -417,6 +450,138 @@ class Controllers(InAFolder):
         tuned.decide = lambda self, robots: robots.params.update(speed=1)
         with self.assertRaisesRegex(troupe.StepError, "AttributeError"):
             troupe.Simulation("w.json", controllers=type("other", (tuned,), {})).step()
+
+    def test_values_that_do_not_fit_a_field_of_the_memory_are_errors(self):
+        acts = []
+
+        class keeper(troupe.Controller):
+            robots = "r"
+            memory = {"left": "u4", "small": "u1", "cut": np.zeros(3, "i4"), "real": "f4"}
+
+            def decide(self, robots):
+                acts[-1](robots.memory)
+
+        def field(memory):
+            part = memory["cut"][2:5]
+            part[:, 1] = 0.5
+
+        def assign(name, value):
+            return lambda memory: memory.__setitem__(name, value)
+
+        too_small, too_large = "cannot store -1: give whole numbers from 0 to 4294967295", "cannot store 300: give whole"
+        for act, error, text in (
+            (assign("left", -1), "ValueError", too_small),
+            (assign("left", np.arange(30) - 1), "ValueError", too_small),
+            (assign("small", np.full(30, 300)), "ValueError", too_large),
+            (lambda memory: memory["small"].__setitem__(3, 300), "ValueError", too_large),
+            (assign("cut", 0.5), "TypeError", "cannot store values of the type float64"),
+            (lambda memory: memory["cut"].__setitem__(slice(None), 0.9), "TypeError", "cannot store values of the type float64"),
+            (field, "TypeError", r"memory\['cut'\] has the type int32, which cannot store values of the type float64"),
+        ):
+            acts.append(act)
+            with self.subTest(text=text), self.assertRaisesRegex(troupe.StepError, f"{error}: memory.*{text}"):
+                troupe.Simulation("w.json", controllers=keeper).step()
+
+        def fits(memory):
+            memory["left"] = np.arange(30)
+            memory["left"][:3] += 2**32 - 4
+            memory["small"] = np.arange(30) > 3
+            memory["cut"][1:3, 0] = [-5, 7]
+            memory["real"] = memory["left"] / 2.0
+            self.assertIs(type(memory["left"] + 1), np.ndarray)
+            self.assertEqual(memory["small"].sum(), 26)
+            self.assertNotIsInstance(memory["small"].sum(), np.ndarray)
+
+        acts.append(fits)
+        world = troupe.Simulation("w.json", controllers=keeper)
+        world.step()
+        table = next(each for each in world.tables() if each.component.endswith("keeper/0"))
+        self.assertEqual(table["left"].tolist(), [2**32 - 4, 2**32 - 3, 2**32 - 2, *range(3, 30)])
+        self.assertEqual(table["cut"][:4, 0].tolist(), [0, -5, 7, 0])
+        self.assertEqual(table["real"][4], 2)
+
+    def test_a_decide_whose_statements_would_not_run_is_an_error(self):
+        for change, word in (("            yield\n", "yield"), ("", "async")):
+            text = ROAM.replace("class roam", "class my").replace("        memory = robots.memory\n", "        memory = robots.memory\n" + change)
+            if word == "async":
+                text = text.replace("def decide", "async def decide")
+            line = next(n for n, each in enumerate(text.splitlines(), 1) if "def decide" in each)
+            with self.subTest(word=word):
+                self.write("my.py", text.replace("            yield", "        yield"))
+                made = self.troupe("run", "w.json", "--controller", "my.py", code=2)
+                self.assertEqual(made.stderr, f"my.py:{line}: error: my.decide: a call would execute none of its statements: write it without `{word}`\n")
+
+    def test_the_cause_of_a_failed_step_is_the_exception_of_decide(self):
+        class broken(troupe.Controller):
+            robots = "r"
+
+            def decide(self, robots):
+                raise KeyError("lost")
+
+        with self.assertRaises(troupe.StepError) as raised:
+            troupe.Simulation("w.json", controllers=broken).step()
+        cause = raised.exception.__cause__
+        self.assertIsInstance(cause, KeyError)
+        self.assertEqual(traceback.extract_tb(cause.__traceback__)[-1].name, "decide")
+
+    def test_a_program_can_exit_in_decide(self):
+        class last(troupe.Controller):
+            robots = "r"
+
+            def decide(self, robots):
+                sys.exit(3)
+
+        with self.assertRaises(SystemExit) as raised:
+            troupe.Simulation("w.json", controllers=last).step()
+        self.assertEqual(raised.exception.code, 3)
+
+    def test_control_c_waits_for_the_end_of_a_tick(self):
+        self.write("slow.py", """
+import troupe
+
+class slow(troupe.Controller):
+    robots = "r"
+    memory = {"turns": "u4"}
+
+    def decide(self, robots):
+        print("decides", flush=True)
+        for _ in range(200):
+            robots.estimates()
+        while robots.tick == hangs:
+            pass
+        robots.memory["turns"] += 1
+
+hangs = -1
+world = troupe.Simulation("w.json", threads=1, controllers=slow)
+try:
+    world.run_for(1e9)
+except KeyboardInterrupt:
+    ticks = world.tick
+print("ended", all(world.table("slow:slow/0")["turns"] == ticks), flush=True)
+world.step(2)
+print("goes on", world.tick - ticks, flush=True)
+hangs = world.tick + 1
+try:
+    world.step()
+except KeyboardInterrupt:
+    world.reset()
+    print("reset", world.tick, flush=True)
+""")
+        with subprocess.Popen([sys.executable, "slow.py"], stdout=subprocess.PIPE, text=True) as process:
+            try:
+                self.assertEqual(process.stdout.readline(), "decides\n")
+                process.send_signal(signal.SIGINT)
+                lines = iter(process.stdout.readline, "")
+                self.assertEqual(next(line for line in lines if line != "decides\n"), "ended True\n")
+                self.assertEqual(next(line for line in lines if line != "decides\n"), "goes on 2\n")
+                self.assertEqual(next(lines), "decides\n")
+                process.send_signal(signal.SIGINT)
+                time.sleep(0.3)  # two signals at once would be one
+                process.send_signal(signal.SIGINT)
+                self.assertEqual(next(lines), "reset 0\n")
+                process.wait(timeout=60)
+            finally:
+                process.kill()
 
     def error_of(self, change, code, *more, text=ROAM):
         self.write("my.py", text.replace(*change))

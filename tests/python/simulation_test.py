@@ -497,6 +497,22 @@ class Callbacks(InAFolder):
             world.step()
         self.assertEqual(world.tick, 6)
 
+    def test_that_would_execute_no_statement_are_errors(self):
+        def generator(simulation):
+            yield simulation.tick
+
+        async def asynchronous(simulation):
+            return True
+
+        for callback, word in ((generator, "yield"), (asynchronous, "async"), (lambda simulation: generator(simulation), "yield")):
+            world = troupe.Simulation(ROOM)
+            text = f"that a call executes none of its statements: write it without `{word}`$"
+            for run in (lambda: world.run_until(callback, 1), lambda: world.run_for(1, callback), lambda: world.on_tick(callback) and world.step()):
+                with self.subTest(word=word), self.assertRaisesRegex(TypeError, text):
+                    run()
+            with self.assertRaisesRegex(TypeError, text):
+                troupe.Measures(troupe.Simulation(ROOM), [callback]).values()
+
     def test_that_know_their_simulation_go_with_it(self):
         class Watcher:
             def __init__(self, world):

@@ -64,11 +64,12 @@ class Devices(unittest.TestCase):
         for i in range(6):
             self.assertEqual(sorted(heard[i][there[i]]), [n / 2 for n in (i - 1, i + 1) if 0 <= n < 6])
         self.assertFalse(self.swarm.heard("u1")[1].any())  # because the messages have another length
-        self.swarm.say(b"hello")
-        self.world.step(2)
-        heard, there = self.swarm.heard("S5")
-        self.assertEqual(set(heard[there].tolist()), {b"hello"})
-        self.swarm.command("radio", mode=1, length=np.arange(6), payload=[b"ab"[: i % 3] for i in range(6)])
+        for message in (b"hello", bytearray(b"adieu"), memoryview(b"again")):
+            self.swarm.say(message)
+            self.world.step(2)
+            heard, there = self.swarm.heard("S5")
+            self.assertEqual(set(heard[there].tolist()), {bytes(message)})
+        self.swarm.command("radio", mode=1, length=np.arange(6), payload=[bytearray(b"ab"[: i % 3]) for i in range(6)])
         self.world.step(2)
         self.assertEqual(self.swarm.readings("length")[0, 0], 1)
         np.testing.assert_array_equal(self.swarm.readings("payload")[1][:3], [0, 0, 0])
@@ -95,6 +96,8 @@ class Devices(unittest.TestCase):
             (ValueError, "a message of 16 bytes is longer than the payload",
              lambda: self.swarm.say(np.zeros((6, 2)))),
             (ValueError, "message has shape .5,.", lambda: self.swarm.say(np.zeros(5))),
+            (ValueError, "^message: found the text 'hello': give bytes, as in text.encode", lambda: self.swarm.say("hello")),
+            (ValueError, "^message: found the text array", lambda: self.swarm.say(np.array(["a"] * 6))),
             (ValueError, "message: the elements of the array are Python objects",
              lambda: self.swarm.say(np.array([object()] * 6))),
             (ValueError, "message: the elements of the array are Python objects",
