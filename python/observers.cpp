@@ -23,7 +23,7 @@ namespace {
 using Wanted = std::variant<std::string, py::dict, py::function>;
 
 /// A column of HeldMeasures: a measure of the engine or a function in Python.
-struct Column {
+struct MeasureColumn {
   py::object function = {};  ///< null: the next column of HeldMeasures::measures
   std::string name = {};     ///< with the suffix of the unit
   std::string bare = {};     ///< of a function: the name without the suffix
@@ -31,7 +31,7 @@ struct Column {
 
 /// Returns the column of a function. The decorator troupe.measure declares its name and unit; without the
 /// decorator, the name is that of the function, and there is no unit.
-Column column_of(const py::object& function) {
+MeasureColumn column_of(const py::object& function) {
   const py::object declared = py::getattr(function, "_troupe_measure", py::none());
   const py::object bare =
       declared.is_none() ? py::getattr(function, "__name__", py::none()) : py::object(declared["name"]);
@@ -44,7 +44,7 @@ Column column_of(const py::object& function) {
 struct HeldMeasures {
   Holder held;
   std::optional<Measures> measures = {};  ///< not set: all columns are functions
-  std::vector<Column> columns = {};
+  std::vector<MeasureColumn> columns = {};
 
   void see() {
     static_cast<void>(held->use());
@@ -56,13 +56,13 @@ struct HeldMeasures {
     if (measures) rest = measures->values();
     std::vector<double> values;
     std::size_t next = 0;
-    for (const Column& column : columns)
+    for (const MeasureColumn& column : columns)
       values.push_back(column.function ? value_of(column.function) : rest[next++]);
     return values;
   }
   double value(const std::string& name) {
     static_cast<void>(held->use());
-    for (const Column& column : columns)
+    for (const MeasureColumn& column : columns)
       if (column.function && (column.name == name || column.bare == name)) return value_of(column.function);
     if (measures) return measures->value(name);
     const std::vector<std::string> known = names();
@@ -70,7 +70,7 @@ struct HeldMeasures {
   }
   std::vector<std::string> names() const {
     std::vector<std::string> names;
-    for (const Column& column : columns) names.push_back(column.name);
+    for (const MeasureColumn& column : columns) names.push_back(column.name);
     return names;
   }
 
@@ -103,8 +103,8 @@ HeldMeasures measures_of(const Holder& held, const std::vector<Wanted>& wanted) 
   std::size_t next = 0;
   for (const Wanted& one : wanted) {
     const auto* function = std::get_if<py::function>(&one);
-    Column column = function ? column_of(*function) : Column{.name = names[next++]};
-    if (std::ranges::find(made.columns, column.name, &Column::name) != made.columns.end())
+    MeasureColumn column = function ? column_of(*function) : MeasureColumn{.name = names[next++]};
+    if (std::ranges::find(made.columns, column.name, &MeasureColumn::name) != made.columns.end())
       throw InputError(
           "two measures have the column \"" + column.name +
           "\": give one of them another name; a function gets one with @troupe.measure(name=...)");
