@@ -239,11 +239,11 @@ class _Field(np.ndarray):  # type: ignore[type-arg]
 def _check_decide(cls: Any, instance: Any, file: str, line: int) -> None:
     if cls.decide is Controller.decide:
         _fail(file, line, f"{cls.__name__} has no function decide(self, robots): define it, to command the robots")
-    for is_other, word in ((inspect.isgeneratorfunction, "yield"), (inspect.isasyncgenfunction, "async"),
-                           (inspect.iscoroutinefunction, "async")):
-        if is_other(cls.decide):
-            _fail(file, inspect.getsourcelines(cls.decide)[1],
-                  f"{cls.__name__}.decide: a call would execute none of its statements: write it without `{word}`")
+    is_async = inspect.iscoroutinefunction(cls.decide) or inspect.isasyncgenfunction(cls.decide)
+    if is_async or inspect.isgeneratorfunction(cls.decide):
+        _fail(file, inspect.getsourcelines(cls.decide)[1],
+              f"{cls.__name__}.decide: a call would execute none of its statements: write it without "
+              f"`{'async' if is_async else 'yield'}`")
     try:
         inspect.signature(instance.decide).bind(None)
     except TypeError:
