@@ -112,7 +112,9 @@ struct sigaction undelayed = {};  // what a signal would have done without this 
 std::atomic<bool> is_delayed = false;
 
 extern "C" void delay_interrupt(int signal) {
-  if (is_delayed.exchange(true)) undelayed.sa_handler(signal);
+  if (!is_delayed.exchange(true)) return;
+  is_delayed = false;  // the second signal stands for both
+  undelayed.sa_handler(signal);
 }
 
 bool must_stop() { return is_ending && pthread_equal(pthread_self(), ending_thread) == 0; }
