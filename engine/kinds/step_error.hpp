@@ -12,10 +12,11 @@ namespace troupe::engine {
 /// are known. The causes:
 /// - A number is not finite: in a command to a drive, in the velocity that a drive computes, or in a pose to
 ///   which a device moves a joint.
-/// - The code of a sensor, other device, drive or controller threw an exception.
+/// - The code of a sensor, other device, drive or controller threw an exception. It is nested in the StepError
+///   (std::rethrow_if_nested()).
 /// - A device emitted an effect that it must not emit, or two effects with the same number
 ///   (Effect::sequence).
-/// - The callback that a program gave to World::on_decide() threw an exception.
+/// - The callback that a program gave to World::on_decide() threw an exception. It is nested likewise.
 /// - In the test mode World::hide_beyond_reach(), a device acted on a body beyond the reach of the device
 ///   (DeviceKind::Prepared::reach_m), or changed a body that its kind must not change (DeviceKind::scope).
 ///
