@@ -1,4 +1,5 @@
 #include "base/diagnostics.hpp"
+#include "partition/parallel.hpp"
 #include "worldio/load.hpp"
 #include "python/bindings.hpp"
 #include "python/whole_numbers.hpp"
@@ -8,11 +9,13 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <variant>
@@ -118,12 +121,19 @@ double tile_size(double metres) {
   return from_zero("tile_size_m", metres, std::numeric_limits<double>::max());
 }
 
+/// Converts the option `threads` or `ranks`. Simulation rejects numbers above `most`, and 0 ranks.
+unsigned count_of(std::string_view name, const py::object& count, unsigned least, unsigned most) {
+  const std::string allowed = fmt::format("a whole number from {} to {}", least, most);
+  constexpr std::uint64_t k_most = std::numeric_limits<unsigned>::max();
+  return static_cast<unsigned>(std::min(whole_number(name, count, allowed), k_most));
+}
+
 using Text = std::optional<std::string>;
 
-SimulationOptions options_of(const py::object& robots, unsigned threads, const py::object& seed,
+SimulationOptions options_of(const py::object& robots, const py::object& threads, const py::object& seed,
                              const Text& ranging, const Settings& set, Paths search_path, Paths plugin_path,
-                             const py::object& controllers, double tile_size_m, unsigned ranks) {
-  return {.threads = threads,
+                             const py::object& controllers, double tile_size_m, const py::object& ranks) {
+  return {.threads = count_of("threads", threads, 0, partition::Parallel::k_most_threads),
           .tile_size_m = tile_size(tile_size_m),
           .seed = optional_seed_of(seed),
           .ranging = ranging_of(ranging),
@@ -132,7 +142,7 @@ SimulationOptions options_of(const py::object& robots, unsigned threads, const p
           .search_path = folders_of(std::move(search_path)),
           .plugin_path = folders_of(std::move(plugin_path)),
           .scripts = scripts_of(controllers),
-          .ranks = ranks};
+          .ranks = count_of("ranks", ranks, 1, k_most_ranks)};
 }
 
 /// Returns the simulation that make() makes. make() runs without the interpreter's lock, because worlds may
@@ -143,10 +153,10 @@ Holder hold(Make&& make) {
   return std::make_shared<Held>(make());
 }
 
-Holder load(const std::variant<py::dict, fs::path>& world, const py::object& robots, unsigned threads,
-            const py::object& seed, const Text& ranging, const Settings& set, const fs::path& name,
-            Paths search_path, Paths plugin_path, const py::object& controllers, double tile_size_m,
-            unsigned ranks) {
+Holder load(const std::variant<py::dict, fs::path>& world, const py::object& robots,
+            const py::object& threads, const py::object& seed, const Text& ranging, const Settings& set,
+            const fs::path& name, Paths search_path, Paths plugin_path, const py::object& controllers,
+            double tile_size_m, const py::object& ranks) {
   const SimulationOptions options = options_of(robots, threads, seed, ranging, set, std::move(search_path),
                                                std::move(plugin_path), controllers, tile_size_m, ranks);
   std::error_code ignored;
@@ -161,25 +171,26 @@ Holder load(const std::variant<py::dict, fs::path>& world, const py::object& rob
   return hold([&] { return Simulation::from_text(text, name, options); });
 }
 
-Holder from_text(const std::string& text, const fs::path& name, const py::object& robots, unsigned threads,
-                 const py::object& seed, const Text& ranging, const Settings& set, Paths search_path,
-                 Paths plugin_path, const py::object& controllers, double tile_size_m, unsigned ranks) {
+Holder from_text(const std::string& text, const fs::path& name, const py::object& robots,
+                 const py::object& threads, const py::object& seed, const Text& ranging, const Settings& set,
+                 Paths search_path, Paths plugin_path, const py::object& controllers, double tile_size_m,
+                 const py::object& ranks) {
   const SimulationOptions options = options_of(robots, threads, seed, ranging, set, std::move(search_path),
                                                std::move(plugin_path), controllers, tile_size_m, ranks);
   return hold([&] { return Simulation::from_text(text, name, options); });
 }
 
-Holder resume(const fs::path& checkpoint, unsigned threads, const Settings& set, bool across_versions,
-              Paths plugin_path, const py::object& controllers, bool across_plugins, double tile_size_m,
-              unsigned ranks) {
-  const ResumeOptions options{.threads = threads,
+Holder resume(const fs::path& checkpoint, const py::object& threads, const Settings& set,
+              bool across_versions, Paths plugin_path, const py::object& controllers, bool across_plugins,
+              double tile_size_m, const py::object& ranks) {
+  const ResumeOptions options{.threads = count_of("threads", threads, 0, partition::Parallel::k_most_threads),
                               .tile_size_m = tile_size(tile_size_m),
                               .set = settings_of(set),
                               .across_versions = across_versions,
                               .plugin_path = folders_of(std::move(plugin_path)),
                               .scripts = scripts_of(controllers),
                               .across_plugins = across_plugins,
-                              .ranks = ranks};
+                              .ranks = count_of("ranks", ranks, 1, k_most_ranks)};
   return hold([&] { return Simulation::resume(checkpoint, options); });
 }
 

@@ -12,7 +12,8 @@ namespace troupe::engine {
 /// are known. The causes:
 /// - A number is not finite: in a command to a drive, in the velocity that a drive computes, or in a pose to
 ///   which a device moves a joint.
-/// - The code of a sensor, other device, drive or controller threw an exception. It is nested in the StepError
+/// - The code of a sensor, other device, drive or controller threw an exception. It is nested in the
+/// StepError
 ///   (std::rethrow_if_nested()).
 /// - A device emitted an effect that it must not emit, or two effects with the same number
 ///   (Effect::sequence).

@@ -235,7 +235,7 @@ class Running(InAFolder):
                 troupe.Simulation(ROOM, ranks=ranks)
             with self.assertRaisesRegex(ValueError, f"^{ranks} ranks: must be 1 to 1024$"):
                 troupe.Simulation.from_text(HOSPITAL.read_text(), HOSPITAL, ranks=ranks)
-        with self.assertRaises(TypeError):
+        with self.assertRaisesRegex(ValueError, "^ranks: found -1: give a whole number from 1 to 1024$"):
             troupe.Simulation(ROOM, ranks=-1)
 
     def test_ranks_are_refused_if_a_launcher_started_several_processes(self):
@@ -375,6 +375,15 @@ print(eight.threads)
         for threads in (1025, 100_000, 2**32 - 1):
             with self.assertRaisesRegex(ValueError, f"^{threads} threads: must be 1 to 1024, or 0 for one per "):
                 troupe.Simulation(ROOM, threads=threads)
+        with self.assertRaisesRegex(ValueError, "^threads: found -1: give a whole number from 0 to 1024$"):
+            troupe.Simulation(ROOM, threads=-1)
+        with self.assertRaisesRegex(TypeError, "^threads: found 1.5: give a whole number from 0 to 1024$"):
+            troupe.Simulation(ROOM, threads=1.5)
+        world = troupe.Simulation(ROOM, threads=1)
+        with self.assertRaisesRegex(ValueError, "^ticks: found -1: give a whole number from 0$"):
+            world.step(-1)
+        world.step(np.int64(2))
+        self.assertEqual(world.tick, 2)
 
     def test_a_speed_that_is_no_number_is_told_with_its_robot(self):
         world = troupe.Simulation(ROOM)
