@@ -2,6 +2,7 @@
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/options.hpp"
+#include "apps/pictures/picture_options.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/effective_options.hpp"
 #include "troupe/input_files.hpp"
@@ -9,8 +10,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <system_error>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
@@ -27,6 +31,65 @@ void check_output(const fs::path& file) {
   if (fs::status(file, error).type() == fs::file_type::none) refuse_output(file, error.message());
   const fs::path& written = fs::exists(file, ignored) ? file : folder;
   if (access(written.c_str(), W_OK) != 0) refuse_output(file, std::strerror(errno));
+}
+
+/// Whether `file` is a picture of a film that is written as one file per frame, such as frames/000012.png of
+/// the film frames/%06d.png.
+bool is_frame_of(const fs::path& film, const fs::path& file) {
+  if (!is_frames(film)) return false;
+  const std::string name = resolved_path(file).filename().string();
+  const std::size_t first = film.filename().string().find(k_number_mark);
+  std::size_t number = 0;
+  return first < name.size() &&
+         std::from_chars(name.data() + first, name.data() + name.size(), number).ec == std::errc() &&
+         same_file(frame_file(film, number), file);
+}
+
+/// Returns the files of which `file` may be a partial file (worldio::PartialFile), or a partial file of a
+/// partial file. Empty if `file` does not have the name of a partial file.
+std::vector<fs::path> files_with_partial_file(const fs::path& file) {
+  constexpr std::string_view k_mark = ".partial";
+  constexpr int k_most_numbers = 2;  // NAME.<process>.<number>.partial
+  const fs::path resolved = resolved_path(file);
+  const std::string name = resolved.filename().string();
+  std::vector<fs::path> files;
+  for (std::size_t at = name.find(k_mark); at != name.npos; at = name.find(k_mark, at + 1)) {
+    const std::size_t end = at + k_mark.size();
+    if (end < name.size() && name[end] != '.') continue;
+    std::string written = name.substr(0, at);
+    for (int numbers = 0; !written.empty(); ++numbers) {
+      files.push_back(resolved.parent_path() / written);
+      const std::size_t digits = written.find_last_not_of("0123456789") + 1;
+      if (numbers == k_most_numbers || digits == 0 || digits == written.size() || written[digits - 1] != '.')
+        break;
+      written.resize(digits - 1);
+    }
+  }
+  return files;
+}
+
+/// Whether writing the output replaces `file`: they are the same file, or `file` is a frame of a film.
+bool replaces(const fs::path& output, const fs::path& file) {
+  return same_file(output, file) || is_frame_of(output, file);
+}
+
+/// Whether `file` may be a temporary file with which the output is written.
+bool is_partial_file_of(const fs::path& output, const fs::path& file) {
+  return std::ranges::any_of(files_with_partial_file(file),
+                             [&](const fs::path& written) { return replaces(output, written); });
+}
+
+/// Throws OutputError if the two outputs write the same file.
+void check_two(const fs::path& output, const fs::path& other) {
+  if (replaces(output, other) || replaces(other, output))
+    refuse_output(output, "another output has the same name: choose another file name");
+  const auto refuse_partial = [](const fs::path& file, const fs::path& partial) {
+    refuse_output(partial, fmt::format("another output, {}, uses this name for a temporary file: choose "
+                                       "another file name",
+                                       file.string()));
+  };
+  if (is_partial_file_of(output, other)) refuse_partial(output, other);
+  if (is_partial_file_of(other, output)) refuse_partial(other, output);
 }
 
 /// Returns the number of bytes in the first `lines` lines of a file, with their line breaks.
@@ -89,13 +152,21 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     if (output->empty()) continue;
     check_output(*output);
-    for (const auto& [file, what] : inputs)
-      if (same_file(*output, file))
+    for (const auto& [file, what] : inputs) {
+      if (replaces(*output, file))
         refuse_output(*output,
                       fmt::format("it is {}, which this command reads: choose another file name", what));
+      if (is_partial_file_of(*output, file))
+        refuse_output(*output, fmt::format("{}, {}, has the name of its temporary file: choose another file "
+                                           "name",
+                                           what, file.string()));
+      if (is_partial_file_of(file, *output))
+        refuse_output(*output, fmt::format("a temporary file of {}, {}, may have this name: choose another "
+                                           "file name",
+                                           what, file.string()));
+    }
     for (auto other = outputs.begin(); other != output; ++other)
-      if (!other->empty() && same_file(*output, *other))
-        refuse_output(*output, "another output has the same name: choose another file name");
+      if (!other->empty()) check_two(*output, *other);
   }
 }
 

@@ -38,7 +38,9 @@ struct Input {
 ///
 /// - Its folder exists.
 /// - If the file exists, it is writable and not a folder. If the file does not exist, its folder is writable.
-/// - The file is not one of `inputs`, and no two of `outputs` are the same file.
+/// - The file is not one of `inputs`, and no two of `outputs` are the same file. Each frame of a film such as
+///   frames/%06d.png is a file of its own.
+/// - No input and no other output has the name of a temporary file of the output (worldio::PartialFile).
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
 /// Appends the files of the world to `inputs`: all files that were read to load the simulation. Appends
 /// nothing for a simulation that was resumed from a checkpoint (saved state of a run).

@@ -9,6 +9,11 @@
 
 namespace troupe {
 namespace fs = std::filesystem;
+namespace {
+
+constexpr int k_most_links = 40;  // as on Linux: more symbolic links in a row are an error
+
+}  // namespace
 
 std::vector<fs::path> input_files(const engine::WorldSpec& world) {
   std::vector<fs::path> files;
@@ -28,14 +33,23 @@ std::vector<fs::path> input_files(const engine::WorldSpec& world) {
   return files;
 }
 
+fs::path resolved_path(const fs::path& file) {
+  std::error_code ignored;
+  fs::path path = fs::absolute(file, ignored);
+  // weakly_canonical() does not resolve a symbolic link to a file that does not exist.
+  for (int links = 0; links < k_most_links && fs::is_symlink(path, ignored); ++links) {
+    const fs::path target = fs::read_symlink(path, ignored);
+    path = path.parent_path() / target;  // the target alone, if it is absolute
+  }
+  // The path is absolute, because weakly_canonical() does not change a relative name that does not exist yet.
+  return fs::weakly_canonical(path, ignored);
+}
+
 bool same_file(const fs::path& a, const fs::path& b) {
   if (a.empty() || b.empty()) return false;
   std::error_code ignored;
   if (fs::equivalent(a, b, ignored)) return true;
-  // The paths are made absolute first, because weakly_canonical() does not change a relative name that does
-  // not exist yet.
-  return fs::weakly_canonical(fs::absolute(a, ignored), ignored) ==
-         fs::weakly_canonical(fs::absolute(b, ignored), ignored);
+  return resolved_path(a) == resolved_path(b);
 }
 
 }  // namespace troupe

@@ -23,7 +23,6 @@ constexpr double k_least_fps = 0.001;  // ffmpeg accepts no frame rate below 1e-
 constexpr double k_most_fps = 1000;
 constexpr double k_least_speed = 0.001;  // at lower speeds films become days long
 constexpr double k_most_speed = 1e6;
-constexpr const char* k_number_mark = "%06d";
 
 void set_picture_size(PictureOptions& look, const std::string& text) {
   const auto cross = text.find('x');

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
@@ -29,6 +30,8 @@ inline constexpr std::string_view k_time_mark = "{time}";
 /// time in place of k_time_mark. If `snapshot_at_s` is empty, returns only the name `snapshot`. If `snapshot`
 /// is empty, returns no names.
 std::vector<std::filesystem::path> snapshot_files(const PictureFiles& pictures);
+/// The part of the name of a film in place of which each frame has its number.
+inline constexpr std::string_view k_number_mark = "%06d";
 /// Whether a film with this name is written as one PNG file per frame: the file name contains `%06d` and ends
 /// in `.png`.
 bool is_frames(const std::filesystem::path& film);

@@ -556,6 +556,51 @@ TEST_F(Run, OutputsThatCannotBeWrittenAreRefusedBeforeTheRun) {
   EXPECT_EQ(read("room.world"), k_room);
 }
 
+TEST_F(Run, OutputsThatBecomeOneFileAreRefusedBeforeTheRun) {
+  write("room.json", R"({"troupe": 1, "record": {"file": "kept.h5"}})");
+  std::filesystem::create_directory(path("fr"));
+  std::filesystem::create_symlink("t1.csv", path("t2.csv"));  // the file t1.csv does not exist
+  std::filesystem::create_symlink("t2.csv", path("t3.csv"));
+  std::filesystem::create_symlink("k.h5", path("link.h5"));
+  const std::vector<std::string> before = files();
+  const std::string k_same =
+      ": error: cannot be written: another output has the same name: choose another "
+      "file name";
+  const auto partial = [](const std::string& name, const std::string& of) {
+    return name + ": error: cannot be written: another output, " + of +
+           ", uses this name for a temporary file: choose another file name";
+  };
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"room.world", "--measures", "t1.csv", "--events", "t2.csv"}, "t2.csv" + k_same},
+      {{"room.world", "--measures", "t3.csv", "--events", "t1.csv"}, "t1.csv" + k_same},
+      {{"room.world", "--record", "link.h5", "--checkpoint", "k.h5"}, "link.h5" + k_same},
+      {{"room.world", "--record", "k.h5.partial", "--checkpoint", "k.h5"}, partial("k.h5.partial", "k.h5")},
+      {{"room.world", "--record", "k.h5.2.partial", "--checkpoint", "link.h5"},
+       partial("k.h5.2.partial", "link.h5")},
+      {{"room.world", "--measures", "k.h5.partial.rehearsal", "--checkpoint", "k.h5"},
+       partial("k.h5.partial.rehearsal", "k.h5")},
+      {{"room.world", "--hash-log", "k.h5.partial.rehearsal.partial", "--checkpoint", "k.h5"},
+       partial("k.h5.partial.rehearsal.partial", "k.h5")},
+      {{"room.json", "--checkpoint", "kept.h5"}, "kept.h5" + k_same},
+      {{"room.json", "--hash-log", "kept.h5.partial"}, partial("kept.h5.partial", "kept.h5")},
+      {{"room.world", "--film", "fr/%06d.png", "--snapshot", "fr/000001.png"}, "fr/%06d.png" + k_same},
+      {{"room.world", "--film", "fr/%06d.png", "--hash-log", "fr/000001.png.partial"},
+       partial("fr/000001.png.partial", "fr/%06d.png")},
+  };
+  for (const auto& [options, message] : cases) {
+    std::vector<std::string> arguments{"run", "--for", "1"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, 2) << message;
+    EXPECT_THAT(lines_of(outcome.err), ElementsAre(message));
+    EXPECT_EQ(files(), before);
+  }
+  EXPECT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--film", "fr/%06d.png", "--snapshot",
+                    "fr/00001.png"})
+                .code,
+            0);
+}
+
 TEST_F(Run, AFullDiskIsAFailureAndNotASuccess) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "there is no /dev/full here";
   const Outcome outcome = troupe({"run", "room.world", "--for", "1", "--hash-log", "/dev/full"});
