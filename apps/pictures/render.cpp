@@ -136,6 +136,8 @@ void draw_recording(const RenderOptions& options, RecordedRun& run) {
   const double last_s = run.times_s().back();
   Pictures pictures(run, options.pictures.look);
   pictures.rehearse(snapshot_files(options.pictures).front());
+  for (const double time : options.pictures.snapshot_at_s)
+    run.go_to(time);  // throws for a time that is not recorded, before the first picture is written
   draw_each(options, pictures, [&](double time) {
     run.go_to(std::isnan(time) ? last_s : time);
     see_history(run, pictures);

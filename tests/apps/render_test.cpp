@@ -303,6 +303,10 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
             "the recording)\n");
   EXPECT_EQ(refusal({"run.h5", "--at", "2"}),
             "run.h5: error: 2 s is not recorded: the recording contains 0 s to 1 s\n");
+  const std::vector<std::string> before = files();
+  EXPECT_EQ(troupe({"render", "run.h5", "-o", "at-{time}.png", "--at", "0.5,2"}).err,
+            "run.h5: error: 2 s is not recorded: the recording contains 0 s to 1 s\n");
+  EXPECT_EQ(files(), before);
   ASSERT_EQ(troupe({"run", "room.world", "--for", "1", "--quiet", "--record", "v.h5", "--record-fields",
                     "velocity"})
                 .code,
