@@ -22,7 +22,9 @@ namespace troupe::worldio {
 namespace {
 
 using engine::WorldSpec;
+using testing::Contains;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 const std::string k_world = R"({
@@ -803,6 +805,20 @@ TEST(JsonWorld, SetAndSeed) {
           "\"many\"",
           "--set /populations/0/pitch_m: error: /populations/0: unknown key \"pitch_m\"; known: color, "
           "count, name, place, reserve, type"));
+}
+
+TEST(JsonWorld, TextsWithANulCharacterAreRefused) {
+  EXPECT_THAT(Loaded("{\"troupe\": 1,\n\"types\": {\"b\": {\"size_m\": [1, 1, 1]}},\n\"models\": [\n"
+                     "{\"type\": \"b\", \"name\": \"a\\u0000b\"},\n{\"type\": \"b\", \"name\": \"a_b\"}]}")
+                  .found,
+              ElementsAre(HasSubstr(
+                  "4: error: /models/0/name: the text contains the character U+0000 (\\u0000): remove it")));
+  EXPECT_THAT(Loaded("{\"troupe\": 1,\n\"types\": {\"b\\u0000\": {\"size_m\": [1, 1, 1]}}}").found,
+              Contains(HasSubstr("2: error: a key contains the character U+0000 (\\u0000): remove it")));
+  LoadOptions options;
+  options.set = {{"/populations/0/name", "\"a\\u0000b\""}};
+  EXPECT_THAT(Loaded(k_world, options).found,
+              Contains(HasSubstr("error: /populations/0/name: the text contains the character U+0000")));
 }
 
 TEST(JsonWorld, ThreadsChangeNeitherAWorldNorItsFindings) {

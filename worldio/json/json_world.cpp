@@ -70,6 +70,23 @@ void set_robots(JsonNode& document, const std::string& name, std::size_t count, 
   node->where = where;
 }
 
+/// Reports each text of a document that contains U+0000: names of robots become parts of file names, which
+/// end at this character.
+void report_nul(const JsonCursor& at) {
+  const JsonNode& node = at.node();
+  if (const std::string* text = node.text(); text && text->find('\0') != text->npos)
+    at.error("the text contains the character U+0000 (\\u0000): remove it");
+  if (const JsonNode::List* list = node.list())
+    for (std::size_t i = 0; i < list->size(); ++i) report_nul({at, i, (*list)[i]});
+  if (const JsonNode::Object* members = node.object())
+    for (const JsonMember& member : *members) {
+      if (member.key.find('\0') != member.key.npos)
+        at.diagnostics().error(member.where, "a key contains the character U+0000 (\\u0000): remove it");
+      else
+        report_nul({at, member.key, member.node});
+    }
+}
+
 }  // namespace
 
 void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
@@ -77,6 +94,7 @@ void change_json_world(JsonNode& document, const std::filesystem::path& file, co
   resolve_includes(document, file, diagnostics);
   for (const auto& [pointer, value] : options.set) set_json_value(document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(document, name, count, diagnostics);
+  report_nul({document, diagnostics});
   resolve_extends(document, diagnostics, options.base_types);
 }
 
