@@ -153,12 +153,27 @@ TEST_F(BitmapFile, AMissingFileIsAnError) {
 TEST_F(BitmapFile, ABrokenFileIsAnError) {
   std::ofstream(folder_ / "b.png") << "not an image";
   EXPECT_FALSE(read(folder_ / "b.png"));
-  EXPECT_THAT(error(), testing::StartsWith("w.world:7: error: " + (folder_ / "b.png").string() +
-                                           " is not a readable PNG, JPEG, BMP or PNM image ("));
+  EXPECT_THAT(error(),
+              testing::StartsWith("w.world:7: error: " + (folder_ / "b.png").string() +
+                                  " is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image ("));
   write_png(folder_ / "c.png",
             Image{.width = 64, .height = 64, .rgba = std::vector<std::uint8_t>(64 * 64 * 4, 9)});
   fs::resize_file(folder_ / "c.png", 60);
   EXPECT_FALSE(read(folder_ / "c.png"));
+}
+
+TEST_F(BitmapFile, AnAsciiPnmOrABitmapOfBitsIsAnErrorThatNamesTheFormat) {
+  for (const auto& [text, format] :
+       std::vector<std::pair<std::string, std::string>>{{"P1\n2 1\n0 1\n", "PBM in ASCII (P1)"},
+                                                        {"P2 # plan\n2 1\n255\n0 255\n", "PGM in ASCII (P2)"},
+                                                        {"P3\n1 1\n255\n0 0 255\n", "PPM in ASCII (P3)"},
+                                                        {"P4\n8 1\n\xaa", "binary PBM (P4)"}}) {
+    std::ofstream(folder_ / "m.pgm", std::ios::binary) << text;
+    EXPECT_FALSE(read(folder_ / "m.pgm"));
+    EXPECT_EQ(error(), "w.world:7: error: the image " + (folder_ / "m.pgm").string() + " is a " + format +
+                           "; of the PNM formats, binary PGM (P5) and binary PPM (P6) are read: convert the "
+                           "image to one of these or to PNG");
+  }
 }
 
 TEST_F(BitmapFile, APngWithOneWrongByteIsAnError) {

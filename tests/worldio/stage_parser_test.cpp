@@ -157,7 +157,8 @@ TEST_F(Conformance14, MissingOrUnreadableBitmap) {
   load("model( bitmap \"text.png\" )");
   EXPECT_THAT(
       messages(),
-      ElementsAre(HasSubstr("w.world:1: error: text.png is not a readable PNG, JPEG, BMP or PNM image")));
+      ElementsAre(HasSubstr(
+          "w.world:1: error: text.png is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image")));
 }
 
 TEST_F(Conformance14, ColoursNeedNoFile) {  // Stage reads rgb.txt, and ends where there is none

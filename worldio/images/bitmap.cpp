@@ -16,6 +16,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace troupe::worldio {
 namespace {
@@ -143,6 +144,19 @@ bool jpeg_is_damaged(std::string_view bytes) {
              (marker == 0 || (marker >= k_first_restart && marker <= k_last_restart)));
   }
   return false;
+}
+
+/// The formats of the family PNM that Troupe does not read.
+constexpr std::pair<std::string_view, std::string_view> k_unread_pnm[] = {
+    {"P1", "PBM in ASCII"}, {"P2", "PGM in ASCII"}, {"P3", "PPM in ASCII"}, {"P4", "binary PBM"}};
+
+/// Returns the format of a PNM that Troupe does not read, such as "PGM in ASCII (P2)". Empty for other files.
+std::string unread_pnm(std::string_view bytes) {
+  constexpr std::string_view k_after_number = " \t\n\v\f\r#";
+  if (bytes.size() < 3 || k_after_number.find(bytes[2]) == k_after_number.npos) return {};
+  for (const auto& [number, what] : k_unread_pnm)
+    if (bytes.starts_with(number)) return fmt::format("{} ({})", what, number);
+  return {};
 }
 
 bool is_pnm(std::string_view bytes) { return bytes.starts_with("P5") || bytes.starts_with("P6"); }
@@ -317,6 +331,14 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
         where, fmt::format("the image {} has {} bytes; at most 2^31 - 1 are allowed", name, bytes.size()));
     return {};
   }
+  if (const std::string format = unread_pnm(bytes); !format.empty()) {
+    diagnostics.error(
+        where,
+        fmt::format("the image {} is a {}; of the PNM formats, binary PGM (P5) and binary PPM (P6) are "
+                    "read: convert the image to one of these or to PNG",
+                    name, format));
+    return {};
+  }
   struct Format {
     bool (*is_damaged)(std::string_view bytes);
     std::string_view what;
@@ -349,8 +371,9 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(data(), size(), &bitmap.width, &bitmap.height, &channels, 0), stbi_image_free);
   if (!pixels) {
-    diagnostics.error(where, fmt::format("{} is not a readable PNG, JPEG, BMP or PNM image ({})", name,
-                                         stbi_failure_reason()));
+    diagnostics.error(
+        where, fmt::format("{} is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image ({})", name,
+                           stbi_failure_reason()));
     return {};
   }
   const std::size_t count = static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);

@@ -786,9 +786,8 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
       .require("the floor plan's name");
   describe_image<FloorplanDocument, &FloorplanDocument::image>(
       d,
-      "path, relative to the world file, of an image (PNG, JPEG, BMP or PNM; pixels whose first channel is "
-      "at "
-      "most 127 are solid) or of the YAML file of a ROS map; required without `walls_m`",
+      "path, relative to the world file, of an image (PNG, JPEG, BMP, binary PGM or binary PPM; pixels whose "
+      "first channel is at most 127 are solid) or of the YAML file of a ROS map; required without `walls_m`",
       true);
   d.other<&FloorplanDocument::walls>(
        Form::points, "walls_m",
