@@ -6,6 +6,7 @@
 #include "engine/world/world.hpp"
 #include "troupe/effective_options.hpp"
 #include "troupe/input_files.hpp"
+#include "worldio/files.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -37,7 +38,7 @@ void check_output(const fs::path& file) {
 /// the film frames/%06d.png.
 bool is_frame_of(const fs::path& film, const fs::path& file) {
   if (!is_frames(film)) return false;
-  const std::string name = resolved_path(file).filename().string();
+  const std::string name = worldio::resolved_path(file).filename().string();
   const std::size_t first = film.filename().string().find(k_number_mark);
   std::size_t number = 0;
   return first < name.size() &&
@@ -50,7 +51,7 @@ bool is_frame_of(const fs::path& film, const fs::path& file) {
 std::vector<fs::path> files_with_partial_file(const fs::path& file) {
   constexpr std::string_view k_mark = ".partial";
   constexpr int k_most_numbers = 2;  // NAME.<process>.<number>.partial
-  const fs::path resolved = resolved_path(file);
+  const fs::path resolved = worldio::resolved_path(file);
   const std::string name = resolved.filename().string();
   std::vector<fs::path> files;
   for (std::size_t at = name.find(k_mark); at != name.npos; at = name.find(k_mark, at + 1)) {

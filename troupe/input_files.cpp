@@ -1,6 +1,7 @@
 #include "troupe/input_files.hpp"
 
 #include "base/diagnostics.hpp"
+#include "worldio/files.hpp"
 #include "worldio/images/ros_map.hpp"
 
 #include <optional>
@@ -9,11 +10,6 @@
 
 namespace troupe {
 namespace fs = std::filesystem;
-namespace {
-
-constexpr int k_most_links = 40;  // as on Linux: more symbolic links in a row are an error
-
-}  // namespace
 
 std::vector<fs::path> input_files(const engine::WorldSpec& world) {
   std::vector<fs::path> files;
@@ -33,23 +29,11 @@ std::vector<fs::path> input_files(const engine::WorldSpec& world) {
   return files;
 }
 
-fs::path resolved_path(const fs::path& file) {
-  std::error_code ignored;
-  fs::path path = fs::absolute(file, ignored);
-  // weakly_canonical() does not resolve a symbolic link to a file that does not exist.
-  for (int links = 0; links < k_most_links && fs::is_symlink(path, ignored); ++links) {
-    const fs::path target = fs::read_symlink(path, ignored);
-    path = path.parent_path() / target;  // the target alone, if it is absolute
-  }
-  // The path is absolute, because weakly_canonical() does not change a relative name that does not exist yet.
-  return fs::weakly_canonical(path, ignored);
-}
-
 bool same_file(const fs::path& a, const fs::path& b) {
   if (a.empty() || b.empty()) return false;
   std::error_code ignored;
   if (fs::equivalent(a, b, ignored)) return true;
-  return resolved_path(a) == resolved_path(b);
+  return worldio::resolved_path(a) == worldio::resolved_path(b);
 }
 
 }  // namespace troupe

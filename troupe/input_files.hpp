@@ -13,10 +13,6 @@ namespace troupe {
 /// WorldBuilder::name() exists, the list contains this file.
 std::vector<std::filesystem::path> input_files(const engine::WorldSpec& world);
 
-/// Returns the absolute path of a file without symbolic links, also if the file or the file to which a link
-/// points does not exist.
-std::filesystem::path resolved_path(const std::filesystem::path& file);
-
 /// Whether two paths refer to the same file, directly or through hard or symbolic links. The file need not
 /// exist. False if one of the paths is empty.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);

@@ -38,6 +38,19 @@ std::string error_about(std::string_view message, const std::filesystem::path& f
   return to.string().append(message.substr(from.string().size()));
 }
 
+std::filesystem::path resolved_path(const std::filesystem::path& file) {
+  constexpr int k_most_links = 40;  // as on Linux: more symbolic links in a row are an error
+  std::error_code ignored;
+  std::filesystem::path path = std::filesystem::absolute(file, ignored);
+  // weakly_canonical() does not resolve a symbolic link to a file that does not exist.
+  for (int links = 0; links < k_most_links && std::filesystem::is_symlink(path, ignored); ++links) {
+    const std::filesystem::path target = std::filesystem::read_symlink(path, ignored);
+    path = path.parent_path() / target;  // the target alone, if it is absolute
+  }
+  // The path is absolute, because weakly_canonical() does not change a relative name that does not exist yet.
+  return std::filesystem::weakly_canonical(path, ignored);
+}
+
 bool has_ending_of_other_format(const std::filesystem::path& file) {
   constexpr std::array<std::string_view, 7> k_endings{".csv", ".html", ".json", ".mp4",
                                                       ".pdf", ".png",  ".svg"};

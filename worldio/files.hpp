@@ -27,6 +27,10 @@ Result<> check_readable(const std::filesystem::path& file,
 std::string error_about(std::string_view message, const std::filesystem::path& from,
                         const std::filesystem::path& to);
 
+/// Returns the absolute path of a file without symbolic links, also if the file or the file to which a link
+/// points does not exist.
+std::filesystem::path resolved_path(const std::filesystem::path& file);
+
 /// Whether the ending of a file name is that of another format of results than HDF5: `.csv`, `.html`,
 /// `.json`, `.mp4`, `.pdf`, `.png` or `.svg`, in small or capital letters. HDF5 files, such as recordings and
 /// checkpoints, must not have such a name, which would mislead people and programs.

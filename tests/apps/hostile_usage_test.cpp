@@ -109,6 +109,28 @@ TEST_F(HostileUsage, WorldsRecordBelowTheWorkingFolder) {
         outcome.err,
         HasSubstr("world.json:1: error: /record/file: must be a file in or below the working folder"));
   }
+  const fs::path outside = fs::canonical(path(".")).concat("_outside");
+  fs::create_directory(outside);
+  fs::create_directory_symlink(outside, path("out"));
+  fs::create_symlink(outside / "new.h5", path("link.h5"));  // the file new.h5 does not exist
+  fs::create_symlink("inside/kept.h5", path("within.h5"));
+  for (const auto& [file, resolved] : {std::pair{"out/run.h5", "run.h5"}, std::pair{"link.h5", "new.h5"}}) {
+    write("world.json", world(file));
+    for (const Outcome& outcome :
+         {troupe({"run", "world.json", "--force"}), troupe({"lint", "world.json"})}) {
+      EXPECT_EQ(outcome.code, 2);
+      EXPECT_THAT(
+          outcome.err,
+          HasSubstr("world.json:1: error: /record/file: must be a file in or below the working folder, "
+                    "but \"" +
+                    std::string(file) + "\" is " + (outside / resolved).string() +
+                    ", because of a symbolic link; --record may name any file"));
+    }
+  }
+  EXPECT_TRUE(fs::is_empty(outside));
+  fs::remove_all(outside);
+  write("world.json", world("within.h5"));
+  EXPECT_EQ(troupe({"run", "world.json"}).code, 0);
   EXPECT_TRUE(fs::is_empty(elsewhere));
   EXPECT_FALSE(fs::exists(path("").parent_path().parent_path() / "run.h5"));
   write("world.json", world("inside/run.h5"));

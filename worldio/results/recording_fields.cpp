@@ -289,11 +289,22 @@ void check_recording_file(const engine::RecordSpec& record, Diagnostics& diagnos
     diagnostics.error(record.where, fmt::format("/record/file: must be the name of an HDF5 file, such as "
                                                 "\"run.h5\", found \"{}\"",
                                                 record.file));
-  if (file.is_relative() && std::ranges::find(file, "..") == file.end()) return;
-  diagnostics.error(record.where,
-                    fmt::format("/record/file: must be a file in or below the working folder (no leading "
-                                "\"/\", no \"..\"), found \"{}\"; --record may name any file",
-                                record.file));
+  if (file.is_absolute() || std::ranges::find(file, "..") != file.end()) {
+    diagnostics.error(record.where,
+                      fmt::format("/record/file: must be a file in or below the working folder (no leading "
+                                  "\"/\", no \"..\"), found \"{}\"; --record may name any file",
+                                  record.file));
+    return;
+  }
+  if (file.empty()) return;  // the world names no file
+  const std::filesystem::path resolved = resolved_path(file);
+  const std::filesystem::path folder = resolved_path(".");
+  if (std::ranges::mismatch(folder, resolved).in1 == folder.end()) return;
+  diagnostics.error(
+      record.where,
+      fmt::format("/record/file: must be a file in or below the working folder, but \"{}\" is {}, "
+                  "because of a symbolic link; --record may name any file",
+                  record.file, resolved.string()));
 }
 
 std::string join_field_names(std::span<const std::string> names) {

@@ -104,9 +104,9 @@ std::string wrong_spelling(std::string_view what, std::string_view name, std::st
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
 
-/// Reports an error if a world file names a recording outside the working folder, or with the ending of
-/// another format (has_ending_of_other_format()). A world file from an unknown source must not create files
-/// elsewhere, nor replace them with --force.
+/// Reports an error if a world file names a recording outside the working folder, also through a symbolic
+/// link, or with the ending of another format (has_ending_of_other_format()). A world file from an unknown
+/// source must not create files elsewhere, nor replace them with --force.
 void check_recording_file(const engine::RecordSpec& record, Diagnostics& diagnostics);
 
 /// Joins names of fields with commas. Recordings store the result in the attribute `record_fields`. A comma
