@@ -93,9 +93,15 @@ std::string contents_of(const fs::path& page, double mb, double max_mb, const wo
   return text;
 }
 
-/// Throws OutputError if the page cannot be written, or exists and --force is not given.
+/// Throws OutputError if the page cannot be written, has another ending than .html, or exists and --force is
+/// not given.
 void check(const ReplayOptions& options, const fs::path& page) {
   check_outputs({Input{options.recording, "the recording"}}, {page});
+  if (page.extension() != ".html")
+    throw OutputError(
+        fmt::format("{}: error: the page would be in the format HTML: choose a name that ends in "
+                    ".html, such as swarm.html",
+                    page.string()));
   std::error_code ignored;
   if (!options.force && fs::exists(page, ignored))
     throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", page.string()));

@@ -53,8 +53,8 @@ def replay(
     fields of sensors ("ranges") that the page can show, as in record(). If either is not given, the value that the
     world file sets under "record" is used. replace: whether an existing file is replaced. If `replace` is False and the
     file exists, raises FileExistsError before the first step. The run ends earlier if a stop condition holds. Raises
-    ValueError if `seconds` is not a finite number above 0 or `every_s` is not a finite number of 0 or more, and
-    TypeError if `fields` is a string.
+    ValueError if `seconds` is not a finite number above 0, `every_s` is not a finite number of 0 or more or `file` does
+    not end in .html, and TypeError if `fields` is a string.
     """
     _check_finite("replay()", seconds=seconds)
     if not 0 <= every_s < math.inf:
@@ -64,6 +64,8 @@ def replay(
     if not replace and os.path.exists(file):
         raise FileExistsError(f"{os.fspath(file)}: the file exists; replace=True replaces it")
     _check_output(self, file)
+    if os.path.splitext(file)[1] != ".html":
+        raise ValueError(f"replay(): the name of the page must end in .html, found {os.fspath(file)}")
     with tempfile.TemporaryDirectory() as folder:
         recording = os.path.join(folder, "run.h5")
         self.record(recording, every_s=every_s, fields=list(fields))

@@ -118,6 +118,11 @@ TEST_F(ReplayPage, WrongInputIsRefusedBeforeAnythingIsWritten) {
               HasSubstr("run.h5: error: cannot be written: it is the recording, which this command reads: "
                         "choose another file name"));
   EXPECT_THAT(error_of({"run.h5", "-o", "."}), HasSubstr("it is a folder"));
+  for (const char* name : {"room.json", "page"})
+    EXPECT_EQ(error_of({"run.h5", "-o", name, "--force"}),
+              std::string(name) +
+                  ": error: the page would be in the format HTML: choose a name that ends in .html, "
+                  "such as swarm.html\n");
   write("precious.html", "precious");
   EXPECT_EQ(error_of({"run.h5", "-o", "precious.html"}),
             "precious.html: error: the file exists; --force replaces it\n");

@@ -145,6 +145,8 @@ class Replay(InAFolder):
             simulation.replay("a.html", 1, every_s=-1)
         with self.assertRaisesRegex(TypeError, r"fields must be a list of names, as in \['pose'\], found 'pose'"):
             simulation.replay("a.html", 1, fields="pose")
+        with self.assertRaisesRegex(ValueError, "the name of the page must end in .html, found a.json"):
+            simulation.replay("a.json", 1, replace=True)
         with self.assertRaisesRegex(ValueError, "nonsense"):
             simulation.replay("a.html", 1, fields=["nonsense"])
         self.assertEqual((simulation.tick, os.listdir()), (0, []))
