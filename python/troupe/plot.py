@@ -97,7 +97,8 @@ class _Table:
     def varying(self, by: Optional[str], without: Optional[str] = None) -> List[str]:
         """Returns the parameters that distinguish the lines: those of `by`, or else all that vary, but `without`."""
         if by is not None:
-            names = [_known("parameter", name, self.parameters) for name in by.split(",")]
+            listed = [by] if by in self.parameters else next(csv.reader([by]), [])
+            names = [_known("parameter", name, self.parameters) for name in listed or [by]]
             if without in names:
                 raise PlotError(f'error: the parameter "{without}" is on the x axis, so it cannot distinguish lines: leave it out '
                                 "of --by (in Python: by)")
@@ -131,7 +132,8 @@ def series_by(folder: _File, measure: Optional[str] = None,
     folder   the folder of the sweep
     measure  name of the measure, with or without its unit; None: the first measure in series.csv
     by       names of parameters, separated by commas; runs with equal values of these parameters are averaged to one
-             line. None: all parameters that have several values
+             line. A name that contains a comma is in double quotes, as in CSV, unless it is the only name. None: all
+             parameters that have several values
     returns  the name of the measure, the names of the parameters that distinguish the lines, and a dict from their
              values to the points of a line: a list of (time_s, mean, sample standard deviation, number of runs) in the
              order of time. The deviation has the divisor n - 1; it is 0 for one run. NaN values of the measure are left

@@ -232,6 +232,17 @@ class Plot(unittest.TestCase):
         self.assertEqual(lines[("10",)], [(0.0, 4.0, 0.0, 1), (1.0, 5.0, 0.0, 1)])  # runs without values at a time are not counted
         self.assertEqual(troupe.plot.series_by(self.folder, "order", "robots")[2], lines)
 
+    def test_names_of_parameters_may_contain_commas(self):
+        (self.folder / "table.csv").write_text(
+            'run,"rule, near","a ""b""",seed,ticks,time_s,order,stopped_by,state_hash,error\n'
+            "0,1,x,1,10,1,5,,0,\n1,2,x,1,10,1,6,,0,\n2,2,y,1,10,1,7,,0,\n")
+        for by, names in (("rule, near", ["rule, near"]), ('"rule, near"', ["rule, near"]), ('a "b"', ['a "b"']),
+                          ('"rule, near","a ""b"""', ["rule, near", 'a "b"'])):
+            self.assertEqual(troupe.plot._Table(self.folder).varying(by), names)
+        for by in ("rule, near,x", "", "rule"):
+            with self.assertRaisesRegex(troupe.plot.PlotError, "unknown parameter "):
+                troupe.plot._Table(self.folder).varying(by)
+
     def test_results_are_averaged_over_a_parameter(self):
         (self.folder / "series.csv").unlink()
         (self.folder / "table.csv").write_text(
