@@ -10,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,12 +20,16 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 namespace troupe::apps {
 namespace {
+
+constexpr const char* k_color = "-color.png";  // ends of file names
+constexpr const char* k_depth = "-depth.png";
 
 using Text = std::vector<std::pair<std::string, std::string>>;
 
@@ -70,13 +75,13 @@ std::string file_stem(std::string name, std::set<std::string>& taken) {
   return stem;
 }
 
-/// Returns the simulated time as text, such as "000012.300s", with enough digits to distinguish ticks, and
+/// Returns a simulated time, s, as text, such as "000012.300s", with enough digits to distinguish ticks, and
 /// with leading zeros so that file names sort by time.
-std::string time_of(const Simulation& simulation) {
-  const double tick_ms = simulation.tick_s() * 1000;
+std::string time_text(double time_s, double tick_s) {
+  const double tick_ms = tick_s * 1000;
   const int digits = std::abs(tick_ms - std::round(tick_ms)) < 1e-9 ? 3 : 6;
   constexpr int k_before = 7;  // digits before the point, and the point
-  return fmt::format("{:0{}.{}f}s", simulation.time_s(), k_before + digits, digits);
+  return fmt::format("{:0{}.{}f}s", time_s, k_before + digits, digits);
 }
 
 /// Returns an image of depths in millimetres, the usual format of depth cameras. Depths in `depths` are in m.
@@ -111,17 +116,17 @@ void CameraPictures::observe(const Simulation& simulation) {
     const engine::StateTable& state = simulation.world().percepts(*camera.device);
     const engine::Camera& pictures = camera.pictures;
     const auto color = state.cell<std::uint8_t>(camera.slot, pictures.color);
-    const std::string name = fmt::format("{}-{}", stem, time_of(simulation));
+    const std::string name = fmt::format("{}-{}", stem, time_text(simulation.time_s(), simulation.tick_s()));
     Text text{{"camera", camera.name},
               {"tick", fmt::format("{}", tick)},
               {"time_s", fmt::format("{}", simulation.time_s())}};
-    worldio::write_png(folder_ / (name + "-color.png"),
+    worldio::write_png(folder_ / (name + k_color),
                        worldio::Image{static_cast<int>(pictures.width),
                                       static_cast<int>(pictures.height),
                                       {color.begin(), color.end()}},
                        text);
     text.emplace_back("unit", "mm along the axis of view; 0: nothing is seen");
-    worldio::write_png(folder_ / (name + "-depth.png"),
+    worldio::write_png(folder_ / (name + k_depth),
                        depth_image(pictures, state.cell<float>(camera.slot, pictures.depth)), text);
   }
 }
@@ -136,6 +141,33 @@ void check_cameras(const Simulation& simulation, const std::filesystem::path& wo
       fmt::format("{}: error: --camera-png: no camera of this world runs: set \"active\": true for a camera "
                   "(\"alwayson 1\" in a .world file); a camera that a controller reads also runs",
                   world.string()));
+}
+
+/// Throws InputError if the name of a camera is too long for the names of its images.
+///
+/// folder: folder of the images; it need not exist
+/// end_s: simulated time at the end of the run, s
+/// world: name of the world file, for the error
+void check_names(const Simulation& simulation, const std::filesystem::path& folder, double end_s,
+                 const std::filesystem::path& world) {
+  constexpr long k_usual_bytes = 255;  // longest name of a file on nearly all file systems
+  constexpr std::string_view k_partial = ".1000.partial";  // longest end of a temporary name (PartialFile)
+  std::error_code ignored;
+  const std::filesystem::path above = folder.has_parent_path() ? folder.parent_path() : ".";
+  const long limit =
+      pathconf((std::filesystem::exists(folder, ignored) ? folder : above).c_str(), _PC_NAME_MAX);
+  const auto most = static_cast<std::size_t>(limit > 0 ? limit : k_usual_bytes);
+  std::set<std::string> taken;
+  for (const RobotCamera& camera : running_cameras(simulation)) {
+    const std::string stem = file_stem(camera.name, taken);
+    const std::string others =
+        fmt::format("-{}{}{}", time_text(end_s, simulation.tick_s()), k_depth, k_partial);
+    if (stem.size() + others.size() > most)
+      throw InputError(
+          fmt::format("{}: error: --camera-png: the name \"{}\" has {} bytes, which is too long for "
+                      "the names of its images: at most {} bytes are possible",
+                      world.string(), camera.name, stem.size(), most - std::min(most, others.size())));
+  }
 }
 
 class CameraOutput : public ClonedOutput<CameraOutput> {
@@ -160,9 +192,11 @@ class CameraOutput : public ClonedOutput<CameraOutput> {
     check_folder(folder_);
     return {};
   }
-  OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {
+  OpenOutput prepare(const RunOptions& options, Simulation& simulation,
+                     std::uint64_t end_tick) const override {
     if (folder_.empty()) return nullptr;
     check_cameras(simulation, options.world);
+    check_names(simulation, folder_, static_cast<double>(end_tick) * simulation.tick_s(), options.world);
     return [this, &simulation](Observers& observers) {
       observers.push_back(
           std::make_unique<CameraPictures>(folder_, engine::period_ticks(every_s_, simulation.tick_s())));

@@ -11,6 +11,7 @@
 namespace troupe::apps {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -151,6 +152,26 @@ TEST_F(CameraPicturesOf, RobotsThatAreNotInTheWorldHaveNone) {
   std::erase_if(colors, [](const std::string& name) { return name.find("-depth") != std::string::npos; });
   EXPECT_THAT(colors, ElementsAre("r0.eye-000000.200s-color.png", "r0.eye-000000.300s-color.png",
                                   "r1.eye-000000.700s-color.png", "r1.eye-000000.800s-color.png"));
+}
+
+TEST_F(CameraPicturesOf, NamesThatAreTooLongForFilesAreRefusedBeforeTheRun) {
+  const auto run = [&](std::size_t bytes) {
+    write("w.json", R"({"troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "sensors": [
+      {"name": "eye", "kind": "camera", "active": true, "width": 4, "height": 3}]}},
+      "models": [{"type": "bot", "name": ")" +
+                        std::string(bytes - std::string(".eye").size(), 'x') + R"("}]})");
+    return troupe({"run", "w.json", "--for", "1", "--quiet", "--camera-png", "seen", "--hash-log", "h.log"});
+  };
+  constexpr std::size_t k_most = 255 - std::string_view("-000001.000s-depth.png.1000.partial").size();
+  const Outcome refused = run(k_most + 1);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(lines_of(refused.err),
+              ElementsAre(AllOf(HasSubstr("w.json: error: --camera-png: the name \"xxx"),
+                                HasSubstr("xxx.eye\" has 221 bytes, which is too long for the names of its "
+                                          "images: at most 220 bytes are possible"))));
+  EXPECT_THAT(files(), ElementsAre("w.json"));
+  EXPECT_EQ(run(k_most).code, 0);
+  EXPECT_EQ(pictures("seen").size(), 2u);
 }
 
 TEST_F(CameraPicturesOf, WhatCannotBeWrittenIsToldBeforeTheRun) {
