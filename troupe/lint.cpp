@@ -2,6 +2,7 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/observing/measures.hpp"
+#include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "sensors/radio.hpp"
 #include "sensors/ranger.hpp"
@@ -110,6 +111,7 @@ class Lint {
     check_sensors();
     check_radios();
     check_floor_plans();
+    check_interventions();
   }
 
  private:
@@ -124,6 +126,7 @@ class Lint {
   void check_floor_plans();
   Result<> can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const;
   void check_who_stands_in(const std::vector<BodyId>& plans);
+  void check_interventions();
 
   const engine::World& world_;
   const engine::WorldSpec& spec_;
@@ -384,6 +387,21 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
     diagnostics_.warning(last,
                          fmt::format("{} more robot{} inside walls of floor plans", found - k_most_listed,
                                      found - k_most_listed == 1 ? " starts" : "s start"));
+}
+
+/// Warns of interventions that are later than the end of a run. An intervention exactly at the end is not
+/// reported.
+void Lint::check_interventions() {
+  if (!spec_.quit_time_s) return;
+  for (const engine::InterventionSpec& intervention : spec_.experiment.at)
+    if (engine::ticks_until(intervention.time_s, spec_.tick_s) >
+        engine::ticks_until(*spec_.quit_time_s, spec_.tick_s))
+      diagnostics_.warning(
+          intervention.where,
+          fmt::format(
+              "this entry of \"at\" has no effect unless --for makes the run longer: its time is {:.10g} s, "
+              "but \"quit_time_s\" ends the run at {:.10g} s",
+              intervention.time_s, *spec_.quit_time_s));
 }
 
 /// Reports the errors that a run with the measures and the recording of the world would report.

@@ -387,6 +387,25 @@ TEST_F(LintTest, AWorldThatCannotBeLoadedIsNoFinding) {
   EXPECT_EQ(troupe({"lint", "bad.world", "--for", "3"}).code, 2);
 }
 
+TEST_F(LintTest, ReportsInterventionsAfterTheEndOfTheRun) {
+  const auto world = [](const std::string& time_s) {
+    return R"({ "troupe": 1, "tick_s": 0.1, "quit_time_s": 10,
+  "types": {"dog": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}}},
+  "models": [{"name": "rex", "type": "dog"}],
+  "at": [
+    {"time_s": 3, "disable": {"model": "rex"}},
+    {"time_s": )" +
+           time_s + R"(, "enable": {"model": "rex"}} ] })";
+  };
+  expect_nothing("in_time.json", world("10"));
+  EXPECT_THAT(
+      findings("late.json", world("12.5")),
+      ElementsAre(
+          "late.json:6: warning: this entry of \"at\" has no effect unless --for makes the run longer: "
+          "its time is 12.5 s, but \"quit_time_s\" ends the run at 10 s",
+          "late.json: 1 finding"));
+}
+
 TEST_F(LintTest, HelpTellsWhatIsReportedAndTheExitCodes) {
   const Outcome outcome = troupe({"lint", "--help"});
   EXPECT_EQ(outcome.code, 0);
