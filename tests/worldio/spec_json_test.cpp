@@ -300,6 +300,10 @@ TEST(SpecJson, ChangesWhatKeepsTheShapeOfTheState) {
   EXPECT_EQ(spec.ranging, engine::RangingEngine::exact);
   EXPECT_EQ(spec.resolution_m, 0.5);
   EXPECT_EQ(spec.bounds->max.y(), 4);
+  std::vector<ParameterChange> none;
+  const WorldSpec as_in_a_world = restored(stored, {{"/bounds_m", "[[-1, -2], [3, 4]]"}}, none);
+  EXPECT_EQ(as_in_a_world.bounds->min, spec.bounds->min);
+  EXPECT_EQ(as_in_a_world.bounds->max, spec.bounds->max);
   EXPECT_EQ(spec.types[1].drive->period_s, 0.5);
   const engine::Registry registry = make_registry();
   const auto number = [](const engine::FieldTable& table, const engine::Record& record,
@@ -341,6 +345,7 @@ TEST(SpecJson, RefusesOtherChangesAndWrongValues) {
       {{"/ranging", "gird"}, "unknown ranging \"gird\""},
       {{"/resolution_m", "0"}, "must be from 0.0001 to 100"},
       {{"/bounds_m", "[1, 1, 0, 0]"}, "[x_min, y_min, x_max, y_max]"},
+      {{"/bounds_m", "[[1, 1], [0]]"}, "/bounds_m: expected a list of 4 numbers"},
       {{"/types/7/drive/period_s", "1"}, "/types is a list of length 2"},
       {{"/types/0/drive/period_s", "1"}, "/types/0 has no key \"drive\""},
       {{"/types/1/drive/params/velocity_max_x_mps", "fast"}, "expected a number in m/s"},

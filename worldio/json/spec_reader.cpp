@@ -10,10 +10,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::worldio {
@@ -409,6 +411,21 @@ void add_change(const std::string& pointer, SettingSpec setting, std::vector<Par
     same->setting.params = changed(same->setting.params, setting);
 }
 
+/// Changes bounds in the form of a world file, [[x_min, y_min], [x_max, y_max]], to the form of a stored
+/// world, [x_min, y_min, x_max, y_max].
+void flatten_bounds(JsonNode& document) {
+  JsonNode* bounds = document.find("bounds_m");
+  const JsonNode::List* corners = bounds ? bounds->list() : nullptr;
+  if (!corners || corners->size() != 2) return;
+  JsonNode::List flat;
+  for (const JsonNode& corner : *corners) {
+    const JsonNode::List* numbers = corner.list();
+    if (!numbers || numbers->size() != 2) return;
+    std::ranges::copy(*numbers, std::back_inserter(flat));
+  }
+  bounds->value = std::move(flat);
+}
+
 }  // namespace
 
 engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry& registry,
@@ -426,6 +443,7 @@ engine::WorldSpec restore_spec(const StoredSpec& stored, const engine::Registry&
       set_json_value(*document, pointer, value, diagnostics);
   }
   if (diagnostics.has_errors()) return {};
+  flatten_bounds(*document);
   SpecReader reader(registry, where, diagnostics);
   engine::WorldSpec spec = reader.read(*document);
   if (std::ranges::any_of(changes, [](const auto& change) { return is_parameter(change.first); })) {
