@@ -20,7 +20,8 @@ tools cannot open such a file. This command closes the recording and cuts it to 
 the run had not yet written to the disk are lost. The command changes a copy of the file in the same folder, and then
 replaces the file by the copy, so the disk must have room for both. If much of the file is unused, because frames were
 removed when the recording was continued, the command also removes this space. Any other closed recording is not
-changed. A recording that a run is still writing is an error.
+changed. A recording that a run is still writing is an error, and so is an incomplete copy of a recording: copy the
+file again.
 
 Exit codes: 0 the file is readable; 2 the file is not a recording or cannot be repaired, and was not changed.
 

@@ -370,6 +370,13 @@ TEST_F(Record, RepairLeavesAloneWhatIsWhole) {
   EXPECT_EQ(outcome.out, "run.h5: nothing to repair: 21 frames\n");
   EXPECT_EQ(read("run.h5"), bytes);
 
+  write("cut.h5", bytes.substr(0, bytes.size() - 100));
+  for (const char* command : {"repair", "info", "replay"})
+    EXPECT_EQ(
+        error_of({command, "cut.h5"}),
+        fmt::format("cut.h5: error: is incomplete: it has {} of {} bytes, as after an interrupted copy, and "
+                    "cannot be repaired: copy the file again\n",
+                    bytes.size() - 100, bytes.size()));
   write("text", "no recording");
   EXPECT_THAT(error_of({"repair", "text"}),
               HasSubstr("text: error: has no complete HDF5 header: the file is not a recording"));

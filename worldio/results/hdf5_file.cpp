@@ -2,6 +2,7 @@
 
 #include "worldio/files.hpp"
 #include "worldio/results/hdf5_heap.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
 
 #include <fmt/format.h>
 #define H5_USE_110_API  // use the API of HDF5 1.10, the version of Debian 12, even if the library is newer
@@ -11,6 +12,8 @@
 #include <array>
 #include <limits>
 #include <mutex>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 namespace troupe::worldio {
@@ -877,7 +880,17 @@ Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
   const Hdf5Id access = (flags & H5F_ACC_RDWR) != 0 ? writing_access_properties() : access_properties();
   if ((flags & H5F_ACC_SWMR_READ) != 0) bound_read_attempts(access.get());
   Hdf5Id found(H5Fopen(file.c_str(), flags, access.get()), H5Fclose);
-  if (!found.valid()) fail_with(file, fmt::format("cannot be read: {}", reason()));
+  if (!found.valid()) {
+    const std::string why = reason();  // before other calls of the library
+    std::error_code error;
+    const std::uintmax_t bytes = fs::file_size(file, error);
+    if (const auto head = read_superblock(file); head && !error && bytes < head->end)
+      fail_with(file, fmt::format(
+                          "is incomplete: it has {} of {} bytes, as after an interrupted copy, and cannot be "
+                          "repaired: copy the file again",
+                          bytes, head->end));
+    fail_with(file, fmt::format("cannot be read: {}", why));
+  }
   return {std::move(found), file};
 }
 
