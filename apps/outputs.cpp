@@ -80,17 +80,36 @@ bool is_partial_file_of(const fs::path& output, const fs::path& file) {
                              [&](const fs::path& written) { return replaces(output, written); });
 }
 
+/// An output, and what check_two() needs of it. This is computed once for each output, because a run may have
+/// thousands of snapshots, and each pair of outputs is compared.
+struct Output {
+  explicit Output(const fs::path& output)
+      : file(output), resolved(worldio::resolved_path(output)), partial_of(files_with_partial_file(output)) {
+    std::error_code ignored;
+    exists = fs::exists(output, ignored);
+  }
+
+  fs::path file;
+  fs::path resolved;
+  bool exists;
+  std::vector<fs::path> partial_of;  ///< files_with_partial_file()
+};
+
 /// Throws OutputError if the two outputs write the same file.
-void check_two(const fs::path& output, const fs::path& other) {
-  if (replaces(output, other) || replaces(other, output))
-    refuse_output(output, "another output has the same name: choose another file name");
-  const auto refuse_partial = [](const fs::path& file, const fs::path& partial) {
-    refuse_output(partial, fmt::format("another output, {}, uses this name for a temporary file: choose "
-                                       "another file name",
-                                       file.string()));
+void check_two(const Output& output, const Output& other) {
+  const bool is_same = output.resolved == other.resolved ||
+                       (output.exists && other.exists && same_file(output.file, other.file));
+  if (is_same || is_frame_of(output.file, other.file) || is_frame_of(other.file, output.file))
+    refuse_output(output.file, "another output has the same name: choose another file name");
+  const auto check_partial = [](const Output& whole, const Output& partial) {
+    for (const fs::path& written : partial.partial_of)
+      if (replaces(whole.file, written))
+        refuse_output(partial.file, fmt::format("another output, {}, uses this name for a temporary file: "
+                                                "choose another file name",
+                                                whole.file.string()));
   };
-  if (is_partial_file_of(output, other)) refuse_partial(output, other);
-  if (is_partial_file_of(other, output)) refuse_partial(other, output);
+  check_partial(output, other);
+  check_partial(other, output);
 }
 
 /// Returns the number of bytes in the first `lines` lines of a file, with their line breaks.
@@ -150,6 +169,7 @@ void refuse_output(const fs::path& file, std::string_view reason) {
 }
 
 void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>& outputs) {
+  std::vector<Output> before;
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     if (output->empty()) continue;
     check_output(*output);
@@ -166,8 +186,9 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>
                                            "file name",
                                            what, file.string()));
     }
-    for (auto other = outputs.begin(); other != output; ++other)
-      if (!other->empty()) check_two(*output, *other);
+    const Output checked(*output);
+    for (const Output& other : before) check_two(checked, other);
+    before.push_back(checked);
   }
 }
 
