@@ -134,7 +134,7 @@ struct DeviceBatch {
   /// row slot(i) of the table. A hook may read only the states of rows of the batch.
   const StateTable& percepts(std::size_t its_device) const;
   /// Present pose of joint n relative to its rest pose, m and rad. Here and below, joint n is the joint with
-  /// the index n in DeviceKind::joints.
+  /// the index n in DeviceKind::joints. The four functions throw StepError if the kind has no joint n.
   const Pose& joint(std::size_t i, std::size_t n) const;
   /// Sets the goal of joint n for this tick: a pose relative to the rest pose of the joint, m and rad. The
   /// heading is not wrapped. A second call in the same tick replaces the goal. Only the hook `act` may call

@@ -15,6 +15,7 @@ namespace troupe::engine {
 /// - The code of a sensor, other device, drive or controller threw an exception. It is nested in the
 /// StepError
 ///   (std::rethrow_if_nested()).
+/// - A device uses a joint that its kind does not declare (DeviceKind::joints).
 /// - A device emitted an effect that it must not emit, or two effects with the same number
 ///   (Effect::sequence).
 /// - The callback that a program gave to World::on_decide() threw an exception. It is nested likewise.

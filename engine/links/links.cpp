@@ -635,9 +635,20 @@ void Links::release(Row cargo) {
 // ---- Joints in DeviceBatch
 
 namespace {
+
+/// Index of joint n of the device of a batch in the list of joints of the type. Throws StepError if the kind
+/// of the device declares no joint n, because the kind may come from a plug-in.
 std::size_t joint_index(const DeviceBatch& batch, std::size_t i, std::size_t n) {
-  return static_cast<std::size_t>(batch.view.type(batch.rows[i]).devices[batch.device].moves) + n;
+  const BodyType::Device& device = batch.view.type(batch.rows[i]).devices[batch.device];
+  if (n >= device.kind->joints.size())
+    throw StepError(fmt::format(
+        "tick {}: device \"{}\" ({}) of \"{}\" uses its joint with the index {} (counted from 0), but "
+        "its kind has {} joints (DeviceKind::joints)",
+        batch.view.tick(), device.name, device.kind->name, batch.view.spec().name(batch.body(i)), n,
+        device.kind->joints.size()));
+  return static_cast<std::size_t>(device.moves) + n;
 }
+
 }  // namespace
 
 const Pose& DeviceBatch::joint(std::size_t i, std::size_t n) const {

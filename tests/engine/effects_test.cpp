@@ -18,6 +18,7 @@ namespace {
 using test::box;
 using test::SceneBuilder;
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 TEST(Effects, ComeBySourceDeviceAndSequence) {
   Effects effects;
@@ -178,6 +179,16 @@ TEST(Commands, InAnUnknownModeEndTheStep) {
   } catch (const StepError& error) {
     EXPECT_STREQ(error.what(), "tick 1: robot \"r\" was commanded in a mode that is no value of ControlMode");
   }
+}
+
+TEST(Joints, ThatTheKindDoesNotDeclareEndTheStep) {
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.move_joint(i, 0, Pose{}); };
+  EXPECT_EQ(
+      error_of({Emitter::kind()}),
+      "tick 1: device \"emitter\" (emitter) of \"0\" uses its joint with the index 0 (counted from 0), but "
+      "its kind has 0 joints (DeviceKind::joints)");
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.joint(i, 2); };
+  EXPECT_THAT(error_of({Emitter::kind()}), HasSubstr("uses its joint with the index 2"));
 }
 
 TEST(Effects, ThatADeviceMustNotEmitEndTheStep) {
