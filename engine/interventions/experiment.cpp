@@ -327,6 +327,27 @@ void World::bind_kinds_again(const Registry& registry) {
         require(build_setting(*state_.spec.experiment.at[each.spec].setting, registry, types, each));
 }
 
+namespace {
+
+/// Checks the members of the Impairment that a kind of fault returned, because the kind may come from a
+/// plug-in.
+Result<> check_impairment(const Impairment& made) {
+  if (!(made.speed > 0 && made.speed <= 1))
+    return Error{
+        fmt::format("has the factor {} on the velocity (Impairment::speed): it must be above 0 and at most 1",
+                    made.speed)};
+  if (!(made.per_s >= 0 && std::isfinite(made.per_s)))
+    return Error{fmt::format(
+        "occurs at the rate {} 1/s (Impairment::per_s): this must be a finite number of at least 0",
+        made.per_s)};
+  if (!(made.lasts_s >= 0 && std::isfinite(made.lasts_s)))
+    return Error{fmt::format("lasts {} s (Impairment::lasts_s): this must be a finite number of at least 0",
+                             made.lasts_s)};
+  return {};
+}
+
+}  // namespace
+
 void World::build_fault(std::size_t at, const Registry& registry, Groups& groups, Diagnostics& diagnostics) {
   const FaultSpec& spec = state_.spec.experiment.faults[at];
   const std::uint32_t chooses = stream_id("fault", fmt::format("{}", at));
@@ -352,6 +373,8 @@ void World::build_fault(std::size_t at, const Registry& registry, Groups& groups
         const Result<Impairment> made = kind->prepare(impairment.params, state_.types[t]);
         if (!made)
           diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, made.error().text));
+        else if (const Result<> checked = check_impairment(*made); !checked)
+          diagnostics.error(spec.where, fmt::format("fault \"{}\" {}", kind->name, checked.error().text));
         experiment_.faults.push_back({made ? *made : Impairment(), stream});
       }
       const std::uint64_t tick = next_fault_tick(known->second, candidate.body, from);

@@ -13,19 +13,22 @@ struct BodyType;
 /// The effect of a fault on a body, and how often the fault occurs. A drop-out is a fault that stops the
 /// whole body, for a limited time or for good (`drops_out`). Any other fault lasts until the end of the run,
 /// or until the body dies.
+///
+/// Building the world reports an error at the position of the fault in the world file if `speed`, `per_s` or
+/// `lasts_s` is out of its range.
 struct Impairment {
   /// Devices that stop working: bit d for the device with index d in the list of devices of the body's type
   /// (BodyType::devices).
   std::uint32_t dead = 0;
   double speed = 1;        ///< factor on the velocity of the body's drive; above 0, at most 1
   bool drops_out = false;  ///< true: a drop-out, which stops all devices, all controllers and the drive
-  /// The rate at which the fault occurs, 1/s. The fault cannot occur before the simulated time
-  /// FaultSpec::from_s. After that, the waiting time until the fault is random: exponentially distributed
-  /// with the mean 1 / per_s, and rounded up to whole ticks (time steps). When a drop-out ends, a new waiting
-  /// time begins. If the rate is 0, the fault occurs once, at FaultSpec::from_s.
+  /// The rate at which the fault occurs, 1/s; finite, at least 0. The fault cannot occur before the simulated
+  /// time FaultSpec::from_s. After that, the waiting time until the fault is random: exponentially
+  /// distributed with the mean 1 / per_s, and rounded up to whole ticks (time steps). When a drop-out ends, a
+  /// new waiting time begins. If the rate is 0, the fault occurs once, at FaultSpec::from_s.
   double per_s = 0;
-  /// Duration of a drop-out, s, rounded up to whole ticks (time steps); 0: the drop-out never ends. Not used
-  /// for other faults: they do not end, so each of them occurs at most once per body.
+  /// Duration of a drop-out, s; finite, at least 0; rounded up to whole ticks (time steps); 0: the drop-out
+  /// never ends. Not used for other faults: they do not end, so each of them occurs at most once per body.
   double lasts_s = 0;
 };
 

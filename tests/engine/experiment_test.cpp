@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -544,6 +545,51 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
                 "known: eye"));
   EXPECT_THAT(failing(fault(population("q"), 0, "drop_out", {{"rate", 1.0}})),
               HasSubstr("error: /faults/0: unknown population \"q\"; known: r"));
+}
+
+/// A kind of fault that returns `made`, and its error when a world is built.
+struct AnyFault {
+  static inline Impairment made;
+
+  static std::string error(const Impairment& impairment) {
+    made = impairment;
+    return error_of([](const Record&, const BodyType&) { return Result<Impairment>(made); });
+  }
+  static std::string error_of(Result<Impairment> (*prepare)(const Record&, const BodyType&)) {
+    Registry registry = test::registry();
+    registry.faults.push_back({"any", "", {}, prepare});
+    Squad row(2);
+    row.scene.spec.files = std::make_shared<SourceFiles>();
+    const Where where{row.scene.spec.files->add("w.json"), 7};
+    row.scene.spec.experiment.faults = {{population("r"), 0, {{"any", {}}}, where}};
+    Diagnostics diagnostics(row.scene.spec.files);
+    try {
+      World(row.scene.spec, registry, {.threads = 1}, diagnostics);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+TEST(Experiment, AFaultOutOfItsRangeIsAnError) {
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double k_infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(AnyFault::error({.speed = 0.5, .drops_out = true, .per_s = 1, .lasts_s = 2}), "no error");
+  EXPECT_EQ(
+      AnyFault::error({.speed = 2}),
+      "w.json:7: error: /faults/0: fault \"any\" has the factor 2 on the velocity (Impairment::speed): it "
+      "must be above 0 and at most 1");
+  for (const double speed : {0.0, -1.0, k_nan})
+    EXPECT_THAT(AnyFault::error({.speed = speed}), HasSubstr("(Impairment::speed)"));
+  EXPECT_THAT(AnyFault::error({.per_s = -1}),
+              HasSubstr("fault \"any\" occurs at the rate -1 1/s (Impairment::per_s): this must be a finite "
+                        "number of at least 0"));
+  EXPECT_THAT(AnyFault::error({.lasts_s = -1}), HasSubstr("fault \"any\" lasts -1 s (Impairment::lasts_s)"));
+  for (const double wrong : {k_nan, k_infinity}) {
+    EXPECT_THAT(AnyFault::error({.per_s = wrong}), HasSubstr("(Impairment::per_s)"));
+    EXPECT_THAT(AnyFault::error({.lasts_s = wrong}), HasSubstr("(Impairment::lasts_s)"));
+  }
 }
 
 /// What loading a world says if its robots have this device and an intervention sets one of its parameters.
