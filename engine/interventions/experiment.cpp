@@ -5,6 +5,7 @@
 #include "engine/interventions/groups.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/spec/ticks.hpp"
+#include "engine/world/kind_errors.hpp"
 #include "engine/world/world.hpp"
 
 #include <fmt/format.h>
@@ -147,10 +148,14 @@ Result<> build_drive_setting(const SettingContext& context, TypeSpec& spec,
   const BodyType& type = context.type;
   const DriveKind& kind = *type.drive->kind;
   Record params = changed(spec.drive->params, context.setting);
-  if (const Result<> checked = check_change(kind, spec.drive->params, params); !checked)
-    return Error{fmt::format("drive \"{}\": {}", spec.drive->kind, checked.error().text)};
-  spec.drive->params = std::move(params);
-  intervention.data = kind.prepare(spec.drive->params);
+  try {
+    if (const Result<> checked = check_change(kind, spec.drive->params, params); !checked)
+      return Error{fmt::format("drive \"{}\": {}", spec.drive->kind, checked.error().text)};
+    spec.drive->params = std::move(params);
+    intervention.data = kind.prepare(spec.drive->params);
+  } catch (...) {
+    return Error{fmt::format("drive \"{}\" {}", spec.drive->kind, thrown_text())};
+  }
   if (!type.binds_controllers()) return {};  // only the hook bind_world shows the drive to controllers
   Result<std::vector<std::any>> data =
       prepare_controllers(type.controllers.size(), context.world, spec, type, context.registry);
@@ -346,6 +351,17 @@ Result<> check_impairment(const Impairment& made) {
   return {};
 }
 
+/// Compiles the parameters of a fault for a type. The text of the error continues the words `fault "NAME"`.
+Result<Impairment> prepare_fault(const FaultKind& kind, const Record& params, const BodyType& type) try {
+  Result<Impairment> made = kind.prepare(params, type);
+  if (!made) return Error{fmt::format(": {}", made.error().text)};
+  if (const Result<> checked = check_impairment(*made); !checked)
+    return Error{fmt::format(" {}", checked.error().text)};
+  return made;
+} catch (...) {
+  return Error{fmt::format(" {}", thrown_text())};
+}
+
 }  // namespace
 
 void World::build_fault(std::size_t at, const Registry& registry, Groups& groups, Diagnostics& diagnostics) {
@@ -370,12 +386,12 @@ void World::build_fault(std::size_t at, const Registry& registry, Groups& groups
       const auto [known, is_new] =
           faults.try_emplace(t, static_cast<std::uint32_t>(experiment_.faults.size()));
       if (is_new) {
-        const Result<Impairment> made = kind->prepare(impairment.params, state_.types[t]);
-        if (!made)
-          diagnostics.error(spec.where, fmt::format("fault \"{}\": {}", kind->name, made.error().text));
-        else if (const Result<> checked = check_impairment(*made); !checked)
-          diagnostics.error(spec.where, fmt::format("fault \"{}\" {}", kind->name, checked.error().text));
-        experiment_.faults.push_back({made ? *made : Impairment(), stream});
+        Impairment made;
+        if (const Result<Impairment> prepared = prepare_fault(*kind, impairment.params, state_.types[t]))
+          made = *prepared;
+        else
+          diagnostics.error(spec.where, fmt::format("fault \"{}\"{}", kind->name, prepared.error().text));
+        experiment_.faults.push_back({made, stream});
       }
       const std::uint64_t tick = next_fault_tick(known->second, candidate.body, from);
       experiment_.first_fault_events.push_back({tick, known->second, candidate.body, true});

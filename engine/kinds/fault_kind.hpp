@@ -48,7 +48,8 @@ struct FaultKind {
   /// Computes the Impairment for the bodies of a type from the parameters of a fault. The parameters are
   /// within the limits of `params`. The error says why bodies of the type cannot have the fault. Called when
   /// a world is built or restarted, for each fault of the world file: once for each type whose bodies may
-  /// have that fault.
+  /// have that fault. If it throws, building the world reports an error at the position of the fault in the
+  /// world file.
   Result<Impairment> (*prepare)(const Record& params, const BodyType& type) = nullptr;
 };
 

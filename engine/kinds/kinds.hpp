@@ -490,14 +490,17 @@ struct DriveKind {
   std::string_view text;  ///< description in one sentence, which `troupe describe` prints
   FieldTable params;      ///< table of the parameters of a drive of this kind
   /// Compiles the parameters to the argument `data` of the other hooks. The hook must accept all parameters
-  /// within the limits of `params`, because the engine calls it even if `check` returned an error.
+  /// within the limits of `params`, because the engine calls it even if `check` returned an error. If this
+  /// hook, `check`, `localization` or `pushes` throws, building the world reports an error at the position of
+  /// the drive in the world file.
   std::any (*prepare)(const Record& params);
   /// Checks that the parameters are consistent. The error says which parameters are inconsistent, and why.
   Result<> (*check)(const Record& params);
   /// Computes the velocities of a batch from the commands, within the limits of the drive. If a computed
   /// velocity, or a command, is not finite, World::step() throws a StepError that names the robot.
   void (*drive)(const std::any& data, const DriveBatch& batch);
-  /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0.
+  /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0. If it is not
+  /// finite, making the world, or the birth of the robot, throws a StepError that names the robot.
   Velocity (*start)(const std::any& data) = nullptr;
   /// Hooks that compute settings from the parameters. The engine itself, not the kind, applies these
   /// settings.

@@ -10,8 +10,9 @@ namespace troupe::engine {
 /// Thrown when a step of the world cannot be completed, or when the initial state of a body cannot be
 /// computed. A step computes one tick. The text names the number of the tick and the robot, as far as they
 /// are known. The causes:
-/// - A number is not finite: in a command to a drive, in the velocity that a drive computes, or in a pose to
-///   which a device moves a joint.
+/// - A number is not finite: in a command to a drive, in the velocity that a drive computes or starts with,
+/// or
+///   in a pose to which a device moves a joint.
 /// - The code of a sensor, other device, drive or controller threw an exception. It is nested in the
 /// StepError
 ///   (std::rethrow_if_nested()).

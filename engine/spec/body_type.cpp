@@ -197,17 +197,22 @@ class TypeCompiler {
       if (!checked)
         diagnostics_.error(drive.where, fmt::format("drive \"{}\": {}", drive.kind, checked.error().text));
     };
-    report(kind->check(drive.params));
-    type_.drive = {kind, kind->prepare(drive.params), period_ticks(drive.period_s, world_.tick_s), {}};
-    if (kind->localization) {
-      if (const Result<Localization> how = kind->localization(drive.params))
-        type_.drive->localization = *how;
-      else
-        report(how.error());
+    type_.drive = {kind, {}, period_ticks(drive.period_s, world_.tick_s), {}};
+    try {
+      report(kind->check(drive.params));
+      type_.drive->data = kind->prepare(drive.params);
+      if (kind->localization) {
+        if (const Result<Localization> how = kind->localization(drive.params))
+          type_.drive->localization = *how;
+        else
+          report(how.error());
+      }
+      if (kind->pushes)
+        type_.drive->pushes =
+            static_cast<std::uint8_t>(std::clamp<std::int64_t>(kind->pushes(drive.params), 0, k_most_pushed));
+    } catch (...) {
+      diagnostics_.error(drive.where, fmt::format("drive \"{}\" {}", drive.kind, thrown_text()));
     }
-    if (kind->pushes)
-      type_.drive->pushes =
-          static_cast<std::uint8_t>(std::clamp<std::int64_t>(kind->pushes(drive.params), 0, k_most_pushed));
     if (type_.pushable)
       diagnostics_.error(
           drive.where,

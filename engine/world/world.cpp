@@ -64,9 +64,16 @@ void World::start(Row row, const Pose& p) {
 }
 
 void World::start(Row row, const BodyType::Drive& drive) {
-  if (drive.kind->start)
-    state_.as<Velocity>(WorldState::k_velocity)[row.index()] =
-        call_kind(*this, {&row, 1}, drive, [&] { return drive.kind->start(drive.data); });
+  if (drive.kind->start) {
+    const Velocity v = call_kind(*this, {&row, 1}, drive, [&] { return drive.kind->start(drive.data); });
+    if (!is_finite(v))
+      throw StepError(
+          fmt::format("tick {}: drive \"{}\" of \"{}\" starts with the velocity x {}, y {} (m/s), turn "
+                      "{} (rad/s) (DriveKind::start): the numbers must be finite",
+                      tick(), drive.kind->name, state_.spec.name(body(row)), v.x, v.y, v.turn),
+          body(row));
+    state_.as<Velocity>(WorldState::k_velocity)[row.index()] = v;
+  }
   if (!drive.odometry_table) return;
   const Pose& pose = poses()[row.index()];
   const Pose believed = relative_to(drive.localization.origin.value_or(pose), pose);

@@ -18,6 +18,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -590,6 +591,13 @@ TEST(Experiment, AFaultOutOfItsRangeIsAnError) {
     EXPECT_THAT(AnyFault::error({.per_s = wrong}), HasSubstr("(Impairment::per_s)"));
     EXPECT_THAT(AnyFault::error({.lasts_s = wrong}), HasSubstr("(Impairment::lasts_s)"));
   }
+}
+
+TEST(Experiment, AnExceptionOfAFaultIsAnErrorThatNamesIt) {
+  EXPECT_EQ(AnyFault::error_of([](const Record&, const BodyType&) -> Result<Impairment> {
+              throw std::runtime_error("not today");
+            }),
+            "w.json:7: error: /faults/0: fault \"any\" threw: not today");
 }
 
 /// What loading a world says if its robots have this device and an intervention sets one of its parameters.

@@ -5,7 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <any>
 #include <cmath>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -165,6 +169,46 @@ TEST(Drives, AComputedVelocityThatIsNoNumberNamesRobotAndTick) {
     EXPECT_STREQ(error.what(),
                  "tick 2: the drive of robot \"r\" computed a velocity that is not a finite number");
   }
+}
+
+/// The error of making a world whose robot has a drive of this kind.
+std::string error_of_making(engine::DriveKind kind) {
+  kind.name = "broken";
+  engine::Registry registry = test::registry();
+  registry.drives.push_back(kind);
+  Robot robot("diff");
+  robot.scene.spec.files = std::make_shared<SourceFiles>();
+  const Where where{robot.scene.spec.files->add("w.json"), 7};
+  robot.scene.spec.types[1].drive = engine::DriveSpec{.kind = "broken", .where = where};
+  Diagnostics diagnostics(robot.scene.spec.files);
+  try {
+    engine::World(robot.scene.spec, registry, {.threads = 1}, diagnostics);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Drives, AnExceptionOfAHookNamesDriveAndLine) {
+  const engine::DriveKind broken = engine::make_drive_kind<BrokenDrive>("broken", "for this test");
+  EXPECT_EQ(error_of_making(broken), "no error");
+  engine::DriveKind kind = broken;
+  kind.check = [](const engine::Record&) -> Result<> { throw std::runtime_error("no check"); };
+  EXPECT_EQ(error_of_making(kind), "w.json:7: error: drive \"broken\" threw: no check");
+  kind = broken;
+  kind.prepare = [](const engine::Record&) -> std::any { throw std::runtime_error("no data"); };
+  EXPECT_EQ(error_of_making(kind), "w.json:7: error: drive \"broken\" threw: no data");
+  kind = broken;
+  kind.pushes = [](const engine::Record&) -> std::int64_t { throw std::runtime_error("no number"); };
+  EXPECT_EQ(error_of_making(kind), "w.json:7: error: drive \"broken\" threw: no number");
+}
+
+TEST(Drives, AFirstVelocityThatIsNoNumberNamesRobotAndDrive) {
+  engine::DriveKind kind = engine::make_drive_kind<BrokenDrive>("broken", "for this test");
+  kind.start = [](const std::any&) -> engine::Velocity { return {std::nan(""), 0, 0}; };
+  EXPECT_EQ(error_of_making(kind),
+            "tick 0: drive \"broken\" of \"r\" starts with the velocity x nan, y 0 (m/s), turn 0 (rad/s) "
+            "(DriveKind::start): the numbers must be finite");
 }
 
 TEST(Drives, AnAccelerationOrAGoalThatIsNoNumberNamesRobotAndTick) {
