@@ -346,7 +346,9 @@ struct DeviceKind {
     /// however many bodies it has.
     std::size_t beams = 0;
     /// Largest number of effects that the device of one body may emit in a tick (DeviceBatch::emit()),
-    /// including the births and deaths that it requests.
+    /// including the births and deaths that it requests; at most 1,000,000. The engine reserves memory for
+    /// the effects of all bodies when it builds the world, and reports an error if the world then takes too
+    /// much.
     std::size_t most_effects = 0;
     bool ends_lives = false;  ///< whether the device may request deaths: DeviceBatch::emit_death()
     /// Power that the device draws from its power supply, W. It draws this power while it is in use

@@ -13,6 +13,10 @@
 namespace troupe::engine {
 namespace {
 
+// A plug-in may give a number that is not one: see DeviceKind::Prepared::most_effects. The engine allocates
+// all effects of a tick when it builds the world.
+constexpr std::size_t k_most_effects = 1'000'000;
+
 std::size_t width_of(const StateField& field) { return element_size(field.element) * field.columns; }
 
 /// Checks the fields of a table. bytes: size of the struct with these fields; 0: they are no struct. what:
@@ -61,6 +65,9 @@ Result<> check_numbers(const DeviceKind& kind, const DeviceKind::Prepared& prepa
   if (!(prepared.watts >= 0 && std::isfinite(prepared.watts)))
     return Error{
         fmt::format("draws {} W (watts): this must be a finite number of at least 0", prepared.watts)};
+  if (prepared.most_effects > k_most_effects)
+    return Error{fmt::format("declares up to {} effects in a tick (most_effects): at most {} are allowed",
+                             prepared.most_effects, k_most_effects)};
   if (!prepared.joints.empty() && prepared.joints.size() != kind.joints.size())
     return Error{fmt::format("has {} poses of joints (Prepared::joints), but {} joints (DeviceKind::joints)",
                              prepared.joints.size(), kind.joints.size())};

@@ -14,7 +14,7 @@ namespace troupe::engine {
 /// - A ranger has one bearing per range, and each of its fans has readings that exist.
 /// - The command struct of a drive device is a Command, and its state has room for the Pose with which it
 ///   must begin.
-/// - A kind with effects has the hook `act`, from which they must be emitted.
+/// - A kind with effects has the hook `act`, from which they must be emitted, and declares at most 1,000,000.
 ///
 /// The text of the error continues the words `device "NAME"`.
 Result<> check_prepared(const DeviceKind& kind, const DeviceKind::Prepared& prepared);

@@ -228,6 +228,8 @@ void World::check_size(Diagnostics& diagnostics) const {
       fixed_vertices += vertices[body.type.index()];
     } else {
       bytes += type.row_bytes();
+      for (const BodyType::Device& device : type.devices)
+        bytes += static_cast<double>(device.prepared.most_effects) * sizeof(Effect);
     }
     where = body.where;
     if (fixed_vertices > k_most_vertices || bytes > k_most_bytes) break;
@@ -242,9 +244,10 @@ void World::check_size(Diagnostics& diagnostics) const {
   if (bytes > k_most_bytes)
     diagnostics.error(
         where,
-        fmt::format("too large: with this body, the sensor readings, controller memories and outlines of all "
-                    "bodies take more than {:.0f} GB",
-                    k_most_bytes / 1e9));
+        fmt::format(
+            "too large: with this body, the sensor readings, controller memories, outlines and effects "
+            "of all bodies take more than {:.0f} GB",
+            k_most_bytes / 1e9));
 }
 
 void World::check_reserves(Diagnostics& diagnostics) const {

@@ -149,6 +149,26 @@ std::string error_of(std::vector<DeviceKind> kinds) {
   return {};
 }
 
+TEST(Effects, OfAllBodiesTakeALimitedAmountOfMemory) {
+  DeviceKind many = Emitter::kind();
+  many.prepare = [](const Record&, const Pose&) {
+    return DeviceKind::Prepared{.data = 0, .most_effects = 1'000'000};
+  };
+  Registry registry = test::registry();
+  registry.devices.push_back(many);
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].devices = {{.name = "d", .kind = "emitter", .params = {}, .where = {}}};
+  for (int i = 0; i < 300; ++i) scene.body(std::to_string(i), type, {i * 1.0, 0, 0, 0});
+  Diagnostics diagnostics;
+  try {
+    World(scene.spec, registry, {.threads = 1}, diagnostics);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("outlines and effects of all bodies take more than 16 GB"));
+  }
+}
+
 TEST(DeviceReach, MayBeInfinite) {
   Registry registry = test::registry();
   DeviceKind eye{.name = "eye", .text = ""};

@@ -127,5 +127,13 @@ TEST(PreparedCheck, RefusesEffectsOfSensors) {
               HasSubstr("which only the hook \"act\" may emit"));
 }
 
+TEST(PreparedCheck, RefusesMoreEffectsThanMemoryHolds) {
+  EXPECT_EQ(error_after([](Prepared& p) { p.most_effects = 1'000'000; }), "");
+  EXPECT_EQ(error_after([](Prepared& p) { p.most_effects = 1'000'001; }),
+            "declares up to 1000001 effects in a tick (most_effects): at most 1000000 are allowed");
+  EXPECT_THAT(error_after([](Prepared& p) { p.most_effects = std::numeric_limits<std::size_t>::max(); }),
+              HasSubstr("at most 1000000 are allowed"));
+}
+
 }  // namespace
 }  // namespace troupe::engine

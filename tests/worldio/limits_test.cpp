@@ -192,8 +192,9 @@ TEST_F(Limits, SamplesAndReadings) {
       "define bot position( ranger( alwayson 1 " + repeated("sensor( samples 100000 ) ", 9) + ") )\n";
   EXPECT_THAT(
       refusal("many.world", many + repeated("bot( obstacle_return 0 )\n", 6000)),
-      HasSubstr("too large: with this body, the sensor readings, controller memories and outlines of all "
-                "bodies take more than 16 GB"));
+      HasSubstr(
+          "too large: with this body, the sensor readings, controller memories, outlines and effects of "
+          "all bodies take more than 16 GB"));
   std::string types = many;
   for (int i = 1; i < 14; ++i) types += "bot( size [1 1 " + std::to_string(i) + "] )\n";
   EXPECT_THAT(
