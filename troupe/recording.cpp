@@ -105,11 +105,17 @@ void check_same_options(const std::filesystem::path& file, const Simulation& sim
 struct Recording::Impl {
   worldio::RecordingWriter writer;
   std::filesystem::path file;
-  std::uint64_t seed;      // of the recorded run
-  std::uint64_t tick = 0;  // last tick that observe() has seen
+  const engine::World* world;  // of the recorded simulation: its address stays if the Simulation is moved
+  std::uint64_t seed;          // of the recorded run
+  std::uint64_t tick = 0;      // last tick that observe() has seen
 
-  /// Throws std::logic_error if the simulation has been reset.
+  /// Throws std::logic_error if this is another simulation, or if the simulation has been reset.
   void require_same_run(const Simulation& simulation) {
+    if (&simulation.world() != world)
+      throw std::logic_error(fmt::format(
+          "{}: error: the recording is of another simulation: give the simulation with which it was "
+          "made",
+          file.string()));
     if (simulation.seed() != seed || simulation.tick() < tick)
       throw std::logic_error(
           fmt::format("{}: error: the simulation was reset after tick {}, and a recording contains one run: "
@@ -135,6 +141,7 @@ Recording::Recording(const std::filesystem::path& file, const Simulation& simula
     impl_ = std::unique_ptr<Impl>(
         new Impl{{file, simulation.world(), std::move(components), head, options.in_background},
                  file,
+                 &simulation.world(),
                  simulation.seed()});
   } catch (const worldio::Hdf5Error& error) {
     throw InputError(error.what());
@@ -152,8 +159,8 @@ Recording Recording::resume(const std::filesystem::path& file, const Simulation&
   worldio::repair_recording(file);
   check_same_run(file, simulation);
   check_same_options(file, simulation, options);
-  Recording recording(std::unique_ptr<Impl>(
-      new Impl{{file, simulation.world(), options.in_background}, file, simulation.seed()}));
+  Recording recording(std::unique_ptr<Impl>(new Impl{
+      {file, simulation.world(), options.in_background}, file, &simulation.world(), simulation.seed()}));
   recording.observe(simulation);
   return recording;
 }

@@ -72,10 +72,11 @@ class Recording {
   ~Recording();
 
   /// Records the current state if its tick is a multiple of the recording interval and after the last
-  /// recorded tick; otherwise does nothing. Call it after each step, with the simulation of the constructor.
-  /// A recording contains one run: throws std::logic_error if the tick is before that of an earlier call, or
-  /// if the seed has changed, because the simulation was reset. Make a new recording after
-  /// Simulation::reset(). Also throws std::logic_error after a step that threw, until Simulation::reset().
+  /// recorded tick; otherwise does nothing. Call it after each step, with the simulation of the constructor;
+  /// for another simulation, it throws std::logic_error. A recording contains one run: throws
+  /// std::logic_error if the tick is before that of an earlier call, or if the seed has changed, because the
+  /// simulation was reset. Make a new recording after Simulation::reset(). Also throws std::logic_error after
+  /// a step that threw, until Simulation::reset().
   void observe(const Simulation& simulation);
   /// Writes the frames that are still in memory to the file. Other processes can then read these frames, and
   /// they are not lost if this process dies. Full batches of frames are written without a call of flush().

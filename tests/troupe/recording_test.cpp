@@ -21,6 +21,7 @@
 #include <iterator>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -380,6 +381,27 @@ TEST_F(RecordingTest, ContainsOneRun) {
   EXPECT_THAT(error_of_observe(other), HasSubstr("other.h5: error: the simulation was reset after tick 0"));
   other.close();
   EXPECT_EQ(error_of_observe(other), "");
+}
+
+TEST_F(RecordingTest, RefusesAnotherSimulation) {
+  Simulation simulation(world_);
+  Recording recording(folder_ / "run.h5", simulation, {.fields = {"pose"}, .every_s = 0.1});
+  simulation.step();
+  Simulation other(world_);
+  other.step();
+  try {
+    recording.observe(other);
+    FAIL() << "another simulation was recorded";
+  } catch (const std::logic_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("run.h5: error: the recording is of another simulation: give the "
+                                        "simulation with which it was made"));
+  }
+  recording.observe(simulation);
+  Simulation moved(std::move(simulation));
+  moved.step();
+  recording.observe(moved);
+  recording.close();
+  EXPECT_EQ(RecordingReader(folder_ / "run.h5").frames(), 3u);
 }
 
 TEST_F(RecordingTest, InTheBackgroundTheFileHasTheSameBytes) {
