@@ -57,12 +57,18 @@ Row Model::Place::whole() const {
 }
 
 template <class Counted>
+std::vector<std::string_view> Model::Place::names_of(Counted&& counted) const {
+  std::vector<std::string_view> names;
+  for (const engine::BodyType::Device& device : type().devices)
+    if (owns(device) && counted(device)) names.push_back(device.name);
+  return names;
+}
+
+template <class Counted>
 [[noreturn]] void Model::Place::throw_unknown(std::string_view what, std::string_view wanted,
                                               Counted&& counted) const {
-  std::vector<std::string_view> known;
-  for (const engine::BodyType::Device& device : type().devices)
-    if (owns(device) && counted(device)) known.push_back(device.name);
-  if (known.empty() || wanted.empty()) throw std::out_of_range(fmt::format("\"{}\" has no {}", name, what));
+  const std::vector<std::string_view> known = names_of(counted);
+  if (known.empty()) throw std::out_of_range(fmt::format("\"{}\" has no {}", name, what));
   throw std::out_of_range(
       fmt::format("\"{}\" has no {} \"{}\"; it has: {}", name, what, wanted, comma_list(known)));
 }
@@ -282,6 +288,11 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
   const auto* device = place_->find([&](const engine::BodyType::Device& d) {
     return wanted.empty() ? takes_these(d) : takes(d) && d.name == wanted;
   });
+  if (!device && wanted.empty())
+    if (const auto known = place_->names_of(takes); !known.empty())
+      throw std::out_of_range(
+          fmt::format("\"{}\" has no device that takes this command struct; devices that take commands: {}",
+                      name(), comma_list(known)));
   if (!device) place_->throw_unknown("device that takes this command struct", wanted, takes);
   if (!takes_these(*device))
     throw std::invalid_argument(fmt::format(

@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace troupe {
 
@@ -47,6 +48,9 @@ struct Model::Place {
       if (owns(device) && wanted(device)) return &device;
     return nullptr;
   }
+  /// Returns the names of the devices of this model for which counted(device) is true.
+  template <class Counted>
+  std::vector<std::string_view> names_of(Counted&& counted) const;
   /// Throws std::out_of_range with the text `"r0" has no sensor "eye"; it has: ...`.
   /// what: the sort of device that was searched for; in this example "sensor"
   /// wanted: the name that was searched for; in this example "eye"

@@ -486,6 +486,19 @@ TEST(Readings, SayWhatThereIsInstead) {
             "field \"depth\" of device \"cam\" of \"r0\" has the type float32, not float64");
 }
 
+TEST(Readings, OfADeviceWithAnEmptyNameSayWhatThereIs) {
+  Simulation simulation(show());
+  Model robot = simulation.find("r0");
+  EXPECT_EQ(message_of<std::out_of_range>([&] { robot.fields(""); }),
+            "\"r0\" has no device \"\"; it has: eye, blobs, skin, cam, floor, sun, talk, lamp");
+  EXPECT_EQ(message_of<std::out_of_range>([&] { robot.asked(""); }),
+            "\"r0\" has no device that takes commands \"\"; it has: talk, lamp");
+  EXPECT_EQ(message_of<std::out_of_range>([&] { robot.command_fields(""); }),
+            "\"r0\" has no device that takes commands \"\"; it has: talk, lamp");
+  EXPECT_EQ(message_of<std::out_of_range>([&] { robot.command<models::GripperCommand>(); }),
+            "\"r0\" has no device that takes this command struct; devices that take commands: talk, lamp");
+}
+
 TEST(Commands, ReachADevice) {
   Simulation simulation(show());
   Model robot = simulation.find("r0");
