@@ -149,6 +149,9 @@ void Simulation::run_for(double seconds) {
 }
 
 bool Simulation::run_until(const std::function<bool(const Simulation&)>& done, double at_most_s) {
+  if (!done)
+    throw std::invalid_argument(
+        "run_until(): found a null function: give a function that returns whether to stop");
   const std::uint64_t ticks = ticks_of("run_until", at_most_s, tick_s());
   for (std::uint64_t i = 0; i < ticks && !(impl_->stop && impl_->stop->holding()); ++i) {
     step();

@@ -561,7 +561,8 @@ class Simulation {
   /// Makes steps, and calls `done` after each step. Returns true as soon as `done` returns true. Returns
   /// false if `at_most_s` seconds of simulated time (rounded as in run_for()) pass first, or if a stop
   /// condition ends the run first (stopped()). If a stop condition already holds, makes no step and returns
-  /// false. Throws std::invalid_argument if `at_most_s` is negative, NaN or more than 1e12.
+  /// false. Throws std::invalid_argument, and makes no step, if `done` is null, or if `at_most_s` is
+  /// negative, NaN or more than 1e12.
   bool run_until(const std::function<bool(const Simulation&)>& done, double at_most_s);
   /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Before the
   /// callbacks are called, the stop conditions have been evaluated, and the recording of record() has

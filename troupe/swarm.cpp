@@ -345,6 +345,8 @@ void Swarm::subscribe() {
 
 void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& visit) {
   constexpr std::size_t k_batch = 32;  // calls per task, enough to be worth waking a thread
+  if (!visit)
+    throw std::invalid_argument("for_each(): found a null function: give a function to call for each robot");
   world_->require_whole();
   if (robots_.empty()) {
     robots_.reserve(size());

@@ -140,7 +140,8 @@ class Swarm {
   /// throw std::logic_error. Collect such changes, and apply them after for_each().
   ///
   /// If `visit` throws for a robot, it is still called for all other robots. for_each() then throws the
-  /// exception of the robot with the lowest index for which `visit` threw.
+  /// exception of the robot with the lowest index for which `visit` threw. Throws std::invalid_argument if
+  /// `visit` is null.
   void for_each(const std::function<void(std::size_t i, Model& robot)>& visit);
 
   /// Commands the speeds of each robot in its body frame, m/s and rad/s, as Model::set_speed() does. For a

@@ -263,6 +263,9 @@ TEST(RunUntil, EndsWithThePredicateOrTheTime) {
   EXPECT_FALSE(simulation.run_until([](const Simulation&) { return false; }, 0.5));
   EXPECT_EQ(simulation.tick(), tick + 6);
   EXPECT_THROW(simulation.run_until([](const Simulation&) { return false; }, -1), std::invalid_argument);
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { simulation.run_until(nullptr, 1); }),
+            "run_until(): found a null function: give a function that returns whether to stop");
+  EXPECT_EQ(simulation.tick(), tick + 6);
 }
 
 // ---- many robots at once
@@ -296,6 +299,13 @@ TEST(ForEach, CallsForEachOnceWithItsIndex) {
   std::vector<std::string> names(swarm.size());
   swarm.for_each([&](std::size_t i, Model& robot) { names[i] += robot.name(); });
   EXPECT_EQ(names, swarm.names());
+}
+
+TEST(ForEach, RefusesANullFunction) {
+  Simulation simulation(yard(2));
+  for (Swarm swarm : {simulation.swarm(), simulation.swarm("r0")})
+    EXPECT_EQ(message_of<std::invalid_argument>([&] { swarm.for_each(nullptr); }),
+              "for_each(): found a null function: give a function to call for each robot");
 }
 
 TEST(ForEach, MayFindModelsByTheirNames) {
