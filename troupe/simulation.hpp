@@ -623,12 +623,13 @@ class Simulation {
   void save(const std::filesystem::path& checkpoint) const;
 
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.
-  /// Each save() calls `memory` and stores the returned bytes under `name`; after resume(), saved_memory()
-  /// returns them. A null callback removes the callback of this name. Throws std::invalid_argument for the
-  /// name `holds` and for names that begin with `stop_when`: Troupe stores data of its own under these names.
+  /// Each save() calls `memory` and stores the returned bytes, which may be none, under `name`; after
+  /// resume(), saved_memory() returns them. A null callback removes the callback of this name. Throws
+  /// std::invalid_argument for the name `holds` and for names that begin with `stop_when`: Troupe stores data
+  /// of its own under these names.
   void on_save(const std::string& name, std::function<std::vector<std::byte>()> memory);
   /// The bytes that save() stored under `name` in the checkpoint that the run was resumed from (see
-  /// on_save()); std::nullopt if there are none or the run was not resumed.
+  /// on_save()); std::nullopt if no callback had this name, or if the run was not resumed.
   std::optional<std::vector<std::byte>> saved_memory(const std::string& name) const;
 
   /// The tick of the checkpoint that the run was resumed from; std::nullopt if the run was not resumed.

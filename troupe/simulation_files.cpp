@@ -333,7 +333,9 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   if (impl_->recording) impl_->recording->flush();  // a resumed recording must reach the checkpoint's tick
   worldio::Memories memories;
   for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
-  if (impl_->stop) memories[impl_->stop->memory_name()] = impl_->stop->memory();
+  if (impl_->stop)
+    if (std::vector<std::byte> memory = impl_->stop->memory(); !memory.empty())
+      memories[impl_->stop->memory_name()] = std::move(memory);
   if (!impl_->holds.empty()) memories[k_holds] = impl_->holds.memory();
   worldio::write_checkpoint(checkpoint, *impl_->world, *impl_->registry, header, memories);
 }

@@ -505,6 +505,16 @@ TEST_F(Checkpoint, HoldsDataOfProgramsUnderNamesThatTroupeDoesNotUse) {
   EXPECT_EQ(Simulation::resume(file_).saved_memory("mine"), memory());
 }
 
+TEST_F(Checkpoint, HoldsDataOfProgramsThatAreEmpty) {
+  Simulation simulation(write("room.json", k_room));
+  simulation.on_save("mine", [] { return std::vector<std::byte>(); });
+  simulation.save(file_);
+  const Simulation resumed = Simulation::resume(file_);
+  EXPECT_EQ(resumed.saved_memory("mine"), std::vector<std::byte>());
+  EXPECT_EQ(resumed.saved_memory("yours"), std::nullopt);
+  EXPECT_EQ(resumed.state_hash(), simulation.state_hash());
+}
+
 TEST_F(Checkpoint, ThatHasNoFolderIsAnError) {
   const Simulation simulation(write("room.json", k_room));
   try {

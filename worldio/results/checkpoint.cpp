@@ -218,7 +218,6 @@ std::vector<std::byte> bytes_of(const fs::path& name, engine::World& world, cons
   file.group("bodies").write("subscribed", std::span<const std::uint32_t>(subscribed));
   Hdf5Group group = file.create_group("memories");
   for (const auto& [key, memory] : memories) {
-    if (memory.empty()) continue;
     Hdf5Dataset dataset = group.create_dataset(hdf5_name(key), Element::u8, {memory.size()});
     dataset.set_text("name", key);
     dataset.write_bytes(memory);
