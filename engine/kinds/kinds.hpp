@@ -592,12 +592,17 @@ struct Actions {
   /// A device can be switched only if its index in BodyType::devices is below 32, and if it is used by a
   /// controller whose kind sets ControllerKind::switches. For other devices the call has no effect.
   ///
-  /// chosen: index of the device in Percept::devices, here and below
+  /// chosen: index of the device in Percept::devices, here and below. Throws std::out_of_range if there is no
+  /// such index
   void switch_device(std::size_t chosen, bool on) const {
+    if (chosen >= switches.size()) throw_no_device(chosen, switches.size());
     command.off = on ? command.off & ~switches[chosen] : command.off | switches[chosen];
   }
   /// Whether the present command leaves a device switched on; true for devices that cannot be switched off.
-  bool is_on(std::size_t chosen) const { return (command.off & switches[chosen]) == 0; }
+  bool is_on(std::size_t chosen) const {
+    if (chosen >= switches.size()) throw_no_device(chosen, switches.size());
+    return (command.off & switches[chosen]) == 0;
+  }
 
   /// Commands a speed, m/s and rad/s, from the next tick on, until the command is replaced. For a car `turn`
   /// is the steering angle, rad.

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -121,6 +122,22 @@ TEST(ControllerKind, KeepsItsMemoryInTheTable) {
   EXPECT_NE(table.hash_row(1), before);
 
   EXPECT_EQ(kind.prepare({Value(-1.0)}, {}, claimed).error().text, "cannot count down");
+}
+
+TEST(Actions, SwitchOnlyDevicesThatTheControllerHasChosen) {
+  Command command;
+  const std::vector<std::uint32_t> switches{4, 0};
+  Actions actions{command, {}, switches};
+  actions.switch_device(0, false);
+  EXPECT_EQ(command.off, 4u);
+  EXPECT_FALSE(actions.is_on(0));
+  actions.switch_device(1, false);
+  EXPECT_TRUE(actions.is_on(1)) << "it cannot be switched off";
+  for (const std::size_t none : {std::size_t{2}, std::size_t{77}}) {
+    EXPECT_THROW(actions.switch_device(none, false), std::out_of_range);
+    EXPECT_THROW(actions.is_on(none), std::out_of_range);
+  }
+  EXPECT_EQ(command.off, 4u);
 }
 
 TEST(ControllerKind, NeedsNoMemory) {
