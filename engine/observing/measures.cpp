@@ -77,8 +77,11 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
       error(fmt::format("two measures have the column \"{}\": give one of them another \"name\"", column));
       continue;
     }
+    std::size_t memory_bytes = 0;
     try {
-      measures_.push_back(kind->make(world, spec.params, robots));
+      std::unique_ptr<Measure> measure = kind->make(world, spec.params, robots);
+      memory_bytes = measure->memory().size();
+      measures_.push_back(std::move(measure));
     } catch (const std::length_error& thrown) {
       if (too_large != nullptr)
         too_large->push_back(index);
@@ -93,7 +96,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
       error(fmt::format("measure \"{}\" {}", spec.kind, thrown_text()));
       continue;
     }
-    parts_.push_back({kind, spec.params, std::move(robots), measures_.back()->memory().size()});
+    parts_.push_back({kind, spec.params, std::move(robots), memory_bytes});
     columns_.push_back(std::move(column));
   }
   note_present();
@@ -139,7 +142,8 @@ std::vector<double> MeasureSet::values() {
 std::vector<std::byte> MeasureSet::memory() const {
   std::vector<std::byte> all;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const std::span<const std::byte> own = measures_[i]->memory();
+    const std::span<const std::byte> own =
+        call_measure(world_, *parts_[i].kind, columns_[i], [&] { return measures_[i]->memory(); });
     if (own.size() != parts_[i].memory_bytes)
       throw std::runtime_error(fmt::format(
           "the memory of the measure \"{}\" has {} bytes, but had {} when the measure was made, so "
@@ -152,11 +156,14 @@ std::vector<std::byte> MeasureSet::memory() const {
 }
 
 bool MeasureSet::remember(std::span<const std::byte> memory) {
+  std::vector<std::span<std::byte>> all;
   std::size_t size = 0;
-  for (const auto& measure : measures_) size += measure->memory().size();
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    all.push_back(call_measure(world_, *parts_[i].kind, columns_[i], [&] { return measures_[i]->memory(); }));
+    size += all.back().size();
+  }
   if (size != memory.size()) return false;
-  for (const auto& measure : measures_) {
-    const std::span<std::byte> own = measure->memory();
+  for (const std::span<std::byte> own : all) {
     std::ranges::copy(memory.first(own.size()), own.begin());
     memory = memory.subspan(own.size());
   }

@@ -74,8 +74,9 @@ class MeasureSet {
   double value(std::size_t column);
 
   /// Returns the memories of all measures (Measure::memory()), one after another, for a checkpoint (a file
-  /// from which a run is resumed). Throws a std::runtime_error that names the measure if the size of a memory
-  /// has changed since the set was made: such a checkpoint could not be resumed.
+  /// from which a run is resumed). Throws a std::runtime_error that names the measure if Measure::memory()
+  /// throws, or if the size of a memory has changed since the set was made: such a checkpoint could not be
+  /// resumed.
   std::vector<std::byte> memory() const;
   /// Restores the memories of the measures from a result of memory(). First restore the state of the world in
   /// which the memories were saved, and call see() or construct the set in that state: otherwise, the next

@@ -433,6 +433,46 @@ TEST(Measures, WhoseMemoryGrowsCannotBeSaved) {
   }
 }
 
+/// A measure whose memory() throws in the call with the number `throws_in`, counted from 1.
+class Forgetting : public engine::Measure {
+ public:
+  static inline int throws_in = 0;
+
+  Forgetting(const World&, std::vector<BodyId>) {}
+  double value(World&) override { return 0; }
+  std::span<std::byte> memory() override {
+    if (--throws_in == 0) throw std::runtime_error("forgotten");
+    return {};
+  }
+};
+
+TEST(Measures, WhoseMemoryThrowsAreNamed) {
+  engine::Registry registry = test::registry();
+  registry.measures.push_back(engine::make_measure_kind<Forgetting>("forgetting", engine::Unit::none,
+                                                                    "has a memory that throws", ""));
+  World world = crowd().world();
+  const std::vector<MeasureSpec> specs{{.kind = "forgetting"}};
+  Diagnostics diagnostics;
+  Forgetting::throws_in = 1;
+  const MeasureSet none(world, registry, specs, diagnostics);
+  ASSERT_EQ(diagnostics.findings().size(), 1u);
+  EXPECT_EQ(diagnostics.findings()[0].message, "measure \"forgetting\" threw: forgotten");
+  Forgetting::throws_in = 0;
+  MeasureSet set(world, registry, specs, diagnostics);
+  const auto error_of = [](auto&& call) -> std::string {
+    Forgetting::throws_in = 1;
+    try {
+      call();
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(error_of([&] { static_cast<void>(set.memory()); }),
+            "tick 0: measure \"forgetting\" threw: forgotten");
+  EXPECT_EQ(error_of([&] { set.remember({}); }), "tick 0: measure \"forgetting\" threw: forgotten");
+}
+
 TEST(Measures, BeginAgainAfterAReset) {
   World world = crowd().world();
   MeasureSet set = measures(world, all_specs());
