@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/observing/sensed_rows.hpp"
+#include "engine/world/kind_errors.hpp"
 #include "troupe/value_names.hpp"
 #include "worldio/results/recording_fields.hpp"
 
@@ -186,9 +187,11 @@ void add_layer(const World& world, engine::FrameLayer layer, Frame& frame) {
     if (kind.layer != layer || !kind.draw) return;
     if (kind.is_sensor() && (world.tick() == 0 || !world.runs(row, device))) return;
     const engine::DeviceSpec& spec = spec_of(world, world.body(row), device);
-    kind.draw({world, device.prepared.data, world.percepts(device), world.slot(row), body,
-               compose(world.mount(row, device.joint), spec.pose_body_device)},
-              frame);
+    engine::call_hook(world, row, device, [&] {
+      kind.draw({world, device.prepared.data, world.percepts(device), world.slot(row), body,
+                 compose(world.mount(row, device.joint), spec.pose_body_device)},
+                frame);
+    });
   });
 }
 
@@ -208,7 +211,9 @@ void add_charges(const World& world, Frame& frame) {
   for_each_device(world, frame, [&](std::uint32_t body, Row row, const BodyType::Device& device) {
     double& charge = frame.charges[body];
     if (device.kind->energy && std::isnan(charge))  // the first of several devices
-      charge = device.kind->energy(world.percepts(device), world.slot(row)).proportion_remaining();
+      charge = engine::call_hook(world, row, device, [&] {
+                 return device.kind->energy(world.percepts(device), world.slot(row));
+               }).proportion_remaining();
   });
 }
 

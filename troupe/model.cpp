@@ -1,4 +1,5 @@
 #include "base/diagnostics.hpp"
+#include "engine/world/kind_errors.hpp"
 #include "engine/world/world.hpp"
 #include "models/drives/wheels.hpp"
 #include "troupe/model_place.hpp"
@@ -327,8 +328,11 @@ std::optional<Model::Energy> Model::energy() const {
   const engine::World& world = *place_->world;
   const engine::TypeSpec& spec = world.spec().type(place_->body);
   for (std::size_t part = place_->part;; part = spec.parts[part].parent) {
-    if (const auto* pack = device_on(place_->type(), part, &engine::DeviceKind::energy))
-      return pack->kind->energy(world.percepts(*pack), world.slot(place_->row()));
+    if (const auto* pack = device_on(place_->type(), part, &engine::DeviceKind::energy)) {
+      const Row row = place_->row();
+      return engine::call_hook(world, row, *pack,
+                               [&] { return pack->kind->energy(world.percepts(*pack), world.slot(row)); });
+    }
     if (part == 0) return {};
   }
 }
@@ -336,7 +340,11 @@ std::optional<Model::Energy> Model::energy() const {
 std::size_t Model::flag_count() const {
   const engine::World& world = *place_->world;
   const auto* holder = device_on(place_->type(), place_->part, &engine::DeviceKind::flags);
-  return holder ? holder->kind->flags(world.percepts(*holder), world.slot(place_->row())).count : 0;
+  if (!holder) return 0;
+  const Row row = place_->row();
+  return engine::call_hook(world, row, *holder,
+                           [&] { return holder->kind->flags(world.percepts(*holder), world.slot(row)); })
+      .count;
 }
 
 }  // namespace troupe

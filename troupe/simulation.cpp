@@ -6,6 +6,7 @@
 #include "engine/ranks/replica.hpp"
 #include "engine/sensing/sight.hpp"
 #include "engine/spec/ticks.hpp"
+#include "engine/world/kind_errors.hpp"
 #include "partition/transport.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/effective_options.hpp"
@@ -396,7 +397,8 @@ Model::Energy Simulation::energy() const {
     if (!row.valid()) continue;
     for (const engine::BodyType::Device& device : w.type(row).devices) {
       if (!device.kind->energy) continue;
-      const Model::Energy pack = device.kind->energy(w.percepts(device), w.slot(row));
+      const Model::Energy pack = engine::call_hook(
+          w, row, device, [&] { return device.kind->energy(w.percepts(device), w.slot(row)); });
       sum.stored_j += pack.stored_j;
       sum.capacity_j += pack.capacity_j;
       sum.dissipated_j += pack.dissipated_j;

@@ -62,7 +62,9 @@ struct WorldSpec;
 /// When the world is built, the hook `prepare` converts the parameters to data of a type that the kind
 /// chooses. Most other hooks receive these data, together with a batch or a single body. Several threads call
 /// the hooks at once, so a hook may write only to its arguments. If a hook throws an exception during a step,
-/// World::step() throws a StepError. Only the hook DeviceKind::is_spent must not throw.
+/// World::step() throws a StepError. If DeviceKind::draw, energy or flags throws between two steps, the
+/// caller gets a std::runtime_error that names the device and the robot. Only the hook DeviceKind::is_spent
+/// must not throw.
 
 /// A model type of world files of the simulator Stage, such as `position` or `ranger`, with its defaults. All
 /// loaders of world files use the model kinds in the list Registry::models, and therefore the same defaults.

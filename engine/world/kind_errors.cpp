@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <stdexcept>
 
 namespace troupe::engine {
 namespace {
@@ -54,6 +55,12 @@ void throw_step_error(const World& world, std::span<const Row> rows, const BodyT
 
 void throw_step_error(const World& world, std::span<const Row> rows, const BodyType::Drive& what) {
   throw_named(world, rows, fmt::format("drive \"{}\"", what.kind->name));
+}
+
+void throw_hook_error(const World& world, Row row, const BodyType::Device& what) {
+  std::throw_with_nested(
+      std::runtime_error(fmt::format("tick {}: device \"{}\" ({}) of \"{}\" {}", world.tick(), what.name,
+                                     what.kind->name, world.spec().name(world.body(row)), thrown_text())));
 }
 
 }  // namespace troupe::engine

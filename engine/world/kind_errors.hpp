@@ -52,4 +52,21 @@ auto call_kind(const World& world, std::span<const Row> rows, const What& what, 
   }
 }
 
+/// Converts the exception that the calling catch block handles into a std::runtime_error, and throws it. The
+/// exception must come from a hook of a device that is not a part of a step: DeviceKind::draw, energy or
+/// flags. It is nested in the std::runtime_error, whose text names the tick, the device, the robot and the
+/// exception. Outside a catch block the call ends the program (std::terminate()).
+[[noreturn]] void throw_hook_error(const World& world, Row row, const BodyType::Device& what);
+
+/// Returns the result of call(). If call() throws, converts the exception as throw_hook_error() does. call()
+/// must call a hook of the kind of `what` for `row`.
+template <class Call>
+auto call_hook(const World& world, Row row, const BodyType::Device& what, Call&& call) {
+  try {
+    return std::forward<Call>(call)();
+  } catch (...) {
+    throw_hook_error(world, row, what);
+  }
+}
+
 }  // namespace troupe::engine

@@ -6,6 +6,7 @@
 #include "partition/simd_target.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
+#include "troupe/frame_data.hpp"
 #include "troupe/registry.hpp"
 
 #include <gmock/gmock.h>
@@ -17,6 +18,9 @@
 #include <map>
 #include <regex>
 #include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 #include <thread>
 
 namespace troupe {
@@ -136,6 +140,40 @@ TEST_F(SimulationTest, KindsOfTheCallersOwnStandBesideOurs) {
   simulation.run_for(0.2);
   EXPECT_EQ(simulation.find("r0").speed().turn, 0.5);
   EXPECT_EQ(simulation.world().tick(), 2u);
+}
+
+TEST_F(SimulationTest, ExceptionsOfHooksThatOnlyReadNameTheDevice) {
+  const fs::path file = write("w.json", R"({"troupe": 1, "types": {
+    "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "devices": [{"name": "s", "kind": "sullen"}]}},
+    "models": [{"name": "r0", "type": "bot"}]})");
+  engine::DeviceKind sullen{.name = "sullen", .text = ""};
+  sullen.prepare = [](const engine::Record&, const Pose&) { return engine::DeviceKind::Prepared{.data = 0}; };
+  sullen.act = [](const engine::DeviceBatch&) {};  // else it would be a sensor
+  sullen.energy = [](const engine::StateTable&, std::size_t) -> engine::Energy {
+    throw std::runtime_error("no energy");
+  };
+  sullen.flags = [](const engine::StateTable&, std::size_t) -> engine::HeldFlags {
+    throw std::runtime_error("no flags");
+  };
+  sullen.layer = engine::FrameLayer::grips;
+  sullen.draw = [](const engine::DeviceView&, engine::Frame&) { throw std::runtime_error("no drawing"); };
+  engine::Registry registry = make_registry();
+  registry.devices.push_back(sullen);
+  Simulation simulation(file, {}, registry);
+  simulation.step();
+  const Model robot = simulation.find("r0");
+  constexpr std::string_view k_start = "tick 1: device \"s\" (sullen) of \"r0\" threw: ";
+  const auto text = [&](std::string_view what) { return std::string(k_start) + std::string(what); };
+  EXPECT_EQ(message_of<std::runtime_error>([&] { robot.energy(); }), text("no energy"));
+  EXPECT_EQ(message_of<std::runtime_error>([&] { simulation.energy(); }), text("no energy"));
+  EXPECT_EQ(message_of<std::runtime_error>([&] { robot.flag_count(); }), text("no flags"));
+  engine::Frame frame;
+  frame.mobile.push_back({.id = robot.id().value});
+  EXPECT_EQ(message_of<std::runtime_error>([&] { add_charges(simulation.world(), frame); }),
+            text("no energy"));
+  EXPECT_EQ(message_of<std::runtime_error>(
+                [&] { add_layer(simulation.world(), engine::FrameLayer::grips, frame); }),
+            text("no drawing"));
 }
 
 TEST_F(SimulationTest, WhatTheLoaderWarnsOfIsKept) {
