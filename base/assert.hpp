@@ -18,6 +18,10 @@
 #define TROUPE_ASSERT(condition) static_cast<void>(sizeof(!(condition)))
 #endif
 
-#ifdef __FAST_MATH__
-#error "Troupe cannot be compiled with -ffast-math: its results must be bit-identical on every machine"
+// gcc defines all of these macros. clang has no macro for -fassociative-math and -freciprocal-math alone.
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error \
+    "Troupe cannot be compiled with -ffast-math or a flag that it contains (-fassociative-math, \
+-freciprocal-math, -ffinite-math-only): its results must be bit-identical on every machine"
 #endif
