@@ -170,7 +170,9 @@ inline bool contracts() {
 }
 
 inline constinit std::atomic<std::uint64_t> contents = 0;
-inline constexpr Library library{k_interface, k_version, k_build, layout(), contracts, list, &contents};
+// Aligned as the program expects, even with -fpack-struct.
+alignas(std::uint64_t) inline constexpr Library library{k_interface, k_version, k_build,  layout(),
+                                                        contracts,   list,      &contents};
 
 }  // namespace plugin
 #pragma GCC visibility pop

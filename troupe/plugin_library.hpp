@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,9 @@
 #endif
 #define TROUPE_PLUGIN_TEXT_OF(x) #x
 #define TROUPE_PLUGIN_TEXT(x) TROUPE_PLUGIN_TEXT_OF(x)
+#define TROUPE_PLUGIN_BUILD      \
+  TROUPE_PLUGIN_STANDARD_LIBRARY \
+  ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES)
 
 namespace troupe::plugin {
 
@@ -42,15 +46,26 @@ namespace troupe::plugin {
 /// changed but the version has not.
 inline constexpr std::uint32_t k_interface = 14;
 
+namespace detail {
+/// A struct that compilers lay out without padding only with -fpack-struct, for which they define no macro.
+struct Padded {
+  char first;
+  double second;
+};
+inline constexpr bool k_is_packed = sizeof(Padded) < 2 * sizeof(double);
+}  // namespace detail
+
 /// Build settings that change the layout of types or the bits of results even if plug-in and program include
 /// the same headers.
-inline constexpr const char* k_build = TROUPE_PLUGIN_STANDARD_LIBRARY
-    ", " TROUPE_PLUGIN_EIGEN ", EIGEN_MAX_ALIGN_BYTES=" TROUPE_PLUGIN_TEXT(EIGEN_MAX_ALIGN_BYTES);
+inline constexpr const char* k_build =
+    detail::k_is_packed ? TROUPE_PLUGIN_BUILD ", -fpack-struct" : TROUPE_PLUGIN_BUILD;
 
 /// The interface of a plug-in. The first two members have the same offsets in every version, so that a loader
-/// can always read them.
+/// can always read them. The members up to `layout` also have the same offsets if the plug-in was compiled
+/// with -fpack-struct.
 struct Library {
   std::uint32_t interface;  ///< version of the plug-in interface: k_interface
+  std::uint32_t : 32;       // the padding that compilers insert without -fpack-struct
   const char* version;      ///< version of Troupe: k_version
   const char* build;        ///< build settings: k_build
   std::uint64_t layout;     ///< hash of the layouts of types: layout()
@@ -67,6 +82,7 @@ struct Library {
   /// they differ, the file was rebuilt in the meantime, and the loader rejects it.
   std::atomic<std::uint64_t>* contents;
 };
+static_assert(offsetof(Library, version) == 8 && offsetof(Library, build) == 16);
 
 /// Name of the symbol that a plug-in exports: a function without arguments that returns a `const Library*`.
 inline constexpr const char* k_symbol = "troupe_plugin";

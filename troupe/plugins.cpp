@@ -82,7 +82,7 @@ Result<> check_build(const plugin::Library& library) {
   if (std::string_view(library.build) != plugin::k_build)
     return Error{
         fmt::format("was built with {}, but Troupe with {}: link it with the CMake target troupe::plugin, "
-                    "which sets the flags",
+                    "which sets the flags, and compile it without flags that change the layout of types",
                     library.build, plugin::k_build)};
   if (library.layout != plugin::layout())
     return Error{fmt::format("was built with other headers of troupe {}: rebuild it", k_version)};

@@ -328,6 +328,16 @@ TEST_F(PluginsTest, CompiledWithFusedMultiplicationAreRefused) {
 }
 #endif
 
+TEST_F(PluginsTest, CompiledWithPackedStructsAreRefused) {
+  for (const char* folder : {"packed_1", "packed_4"})
+    EXPECT_EQ(
+        error_of("walker", folder),
+        "error: controller \"walker\": " + file(folder, "walker") + "was built with " + plugin::k_build +
+            ", -fpack-struct, but Troupe with " + plugin::k_build +
+            ": link it with the CMake target troupe::plugin, which sets the flags, and compile it without "
+            "flags that change the layout of types");
+}
+
 TEST_F(PluginsTest, LinkedWithFastMathsChangeNoBit) {
   const std::vector<std::string> expected = log_with("plugins");
   Simulation simulation(stage_world("walker"), options({folder_of("fast")}));
