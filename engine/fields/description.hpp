@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -187,14 +188,18 @@ inline constexpr Fact is_appearance{Fact::Kind::appearance};
 struct MemberType {
   FieldType type = FieldType::number;  ///< type of the field that describes such a member
   std::size_t columns = 0;             ///< length of a fixed array; 0: not a fixed array
-  /// Smallest number that the type can hold. Set for float, Id, integers of at most 32 bits, and fixed arrays
-  /// of such integers. For all other types, -infinity.
+  /// Smallest number that the type can hold. Set for float, Id, integers except std::int64_t, and fixed
+  /// arrays of float, integers or bools. For all other types, -infinity. An array of 64-bit integers has the
+  /// limits
+  /// -(2^53 - 1) and 2^53 - 1, because a Value holds its elements as doubles.
   double min = -std::numeric_limits<double>::infinity();
-  /// Largest number that the type can hold. Set for the same types as `min`. For all other types, infinity.
+  /// Largest number that the type can hold. Set for the same types as `min`, except std::uint64_t. For all
+  /// other types, infinity.
   double max = std::numeric_limits<double>::infinity();
-  bool optional = false;     ///< whether the member is a std::optional
-  bool is_unsigned = false;  ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
-  bool is_bool = false;      ///< whether the member is a bool or a fixed array of bools
+  bool optional = false;           ///< whether the member is a std::optional
+  bool is_unsigned = false;        ///< true: std::uint64_t; a Value stores its bits in a std::int64_t
+  bool is_bool = false;            ///< whether the member is a bool or a fixed array of bools
+  bool has_whole_numbers = false;  ///< whether the member is a fixed array of integers or bools
   std::span<const std::string_view> choices = {};  ///< for enums: the names of the values
   /// Returns described<T>(), if the member is a described struct T, or a std::optional or std::vector of T.
   /// Null for all other members.
@@ -223,6 +228,12 @@ struct MemberType {
   bool is_state = false;           ///< whether the member can be part of a struct that is state
   Element element = Element::f64;  ///< type of the number, or of the numbers of an array, if is_state is true
 };
+
+/// Whether each number of a field must be a whole number, because its member is an array of integers or
+/// bools.
+inline bool has_whole_numbers(const Field& field) {
+  return field.member != nullptr && field.member->has_whole_numbers;
+}
 
 namespace detail {
 
@@ -337,6 +348,14 @@ concept StateNumber = std::is_same_v<M, double> || std::is_same_v<M, float> || s
     std::is_same_v<M, std::int64_t> || std::is_same_v<M, std::int32_t> || std::is_same_v<M, std::uint64_t> ||
     std::is_same_v<M, std::uint32_t> || std::is_same_v<M, std::uint8_t>;
 
+template <class E>
+constexpr void set_float_limits(MemberType& type) {
+  if constexpr (std::is_same_v<E, float>) {
+    type.min = std::numeric_limits<float>::lowest();
+    type.max = std::numeric_limits<float>::max();
+  }
+}
+
 template <class M>
 constexpr MemberType plain_type() {
   MemberType type;
@@ -361,6 +380,8 @@ constexpr MemberType plain_type() {
     if (!k_wide) {
       type.min = static_cast<double>(k_least);
       type.max = static_cast<double>(k_most);
+    } else if (type.is_unsigned) {
+      type.min = 0;
     }
     type.get = [](const void* m) { return Value(static_cast<std::int64_t>(*static_cast<const M*>(m))); };
     type.set = [](void* m, const Value& value) {
@@ -368,10 +389,7 @@ constexpr MemberType plain_type() {
     };
   } else if constexpr (std::is_floating_point_v<M>) {
     type.type = FieldType::number;
-    if (std::is_same_v<M, float>) {
-      type.min = std::numeric_limits<float>::lowest();
-      type.max = std::numeric_limits<float>::max();
-    }
+    set_float_limits<M>(type);
     type.get = [](const void* m) { return Value(static_cast<double>(*static_cast<const M*>(m))); };
     type.set = [](void* m, const Value& value) { *static_cast<M*>(m) = static_cast<M>(value.number()); };
   } else if constexpr (std::is_same_v<M, std::string>) {
@@ -429,10 +447,14 @@ constexpr MemberType plain_type() {
       type.element = element_of<E>();
       type.is_bool = std::is_same_v<E, bool>;
     }
-    // The limits of 64-bit integers are no doubles: set() checks them.
-    if constexpr (std::is_integral_v<E> && sizeof(E) < sizeof(std::int64_t)) {
-      type.min = static_cast<double>(std::numeric_limits<E>::min());
-      type.max = static_cast<double>(std::numeric_limits<E>::max());
+    type.has_whole_numbers = std::is_integral_v<E>;
+    if constexpr (std::is_integral_v<E>) {
+      // A Value stores the elements as doubles, in which larger integers would be rounded.
+      constexpr double k_exact = 9007199254740991;  // 2^53 - 1
+      type.min = std::max(static_cast<double>(std::numeric_limits<E>::min()), -k_exact);
+      type.max = std::min(static_cast<double>(std::numeric_limits<E>::max()), k_exact);
+    } else {
+      set_float_limits<E>(type);
     }
     type.get = [](const void* m) {
       std::array<double, k_size> numbers;
@@ -705,8 +727,7 @@ Record record_of(const FieldTable& table, const void* object);
 /// After an exception, the members before the one with the error are set.
 ///
 /// If a reader of files has checked the record against the table, a value can cause one of the first two
-/// exceptions only in two cases: it belongs to a list of lists of numbers; or it belongs to a fixed array of
-/// integers, and one of its numbers is not an integer in the range of the type.
+/// exceptions only if it belongs to a list of lists of numbers.
 void fill(const FieldTable& table, void* object, const Record& record);
 
 /// Returns the value of one member of the struct at `object`. For an empty std::optional, Value::given() is

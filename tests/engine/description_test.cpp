@@ -300,6 +300,11 @@ TEST(Description, IntegersOfAnArrayAreWholeAndInTheirRange) {
   EXPECT_EQ(wholes.unsigned_wide.front(), std::uint64_t{1} << 63);
   EXPECT_EQ(field(table, "bytes").max, 255) << "readers of files refuse it with the place in the file";
   EXPECT_EQ(field(table, "small").min, -32768);
+  EXPECT_EQ(field(table, "wide").max, 0x1p53 - 1) << "a double holds no larger integer exactly";
+  EXPECT_EQ(field(table, "wide").min, -(0x1p53 - 1));
+  EXPECT_EQ(field(table, "unsigned_wide").min, 0);
+  EXPECT_TRUE(has_whole_numbers(field(table, "flags")));
+  EXPECT_FALSE(has_whole_numbers(field(described<All>(), "vector")));
 }
 
 struct Outer {

@@ -7,6 +7,7 @@
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/spec_difference.hpp"
 #include "worldio/json/type_document.hpp"
+#include "worldio/stage/stage_limits.hpp"
 #include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +15,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <array>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 
@@ -435,6 +438,64 @@ TEST(WorldDocument, IsWrittenAsItReadsBack) {
   const auto again = load_json_document("maze.json", text, registry, {}, diagnostics);
   ASSERT_TRUE(again);
   EXPECT_EQ(json_text(json_world_node(*again, "maze.json", registry, diagnostics)), text);
+}
+
+/// Parameters whose types do not hold all numbers.
+struct Narrow {
+  std::uint64_t large = 7;
+  float single = 1;
+  std::array<float, 2> singles{1, 1};
+  std::array<std::int64_t, 2> wholes{1, 1};
+  std::array<std::uint64_t, 2> large_wholes{1, 1};
+  std::array<bool, 2> flags{};
+  std::array<std::int16_t, 1> meters{};
+
+  static constexpr void describe(engine::Description<Narrow>& d) {
+    d.member<&Narrow::large>("large", "");
+    d.member<&Narrow::single>("single", "");
+    d.member<&Narrow::singles>("singles", "");
+    d.member<&Narrow::wholes>("wholes", "");
+    d.member<&Narrow::large_wholes>("large_wholes", "");
+    d.member<&Narrow::flags>("flags", "");
+    d.member<&Narrow::meters>("meters", engine::Unit::meters, "");
+  }
+};
+
+TEST(JsonWorld, NumbersThatTheTypeOfAParameterCannotHoldAreRefused) {
+  engine::Registry registry = json_test_registry();
+  registry.controllers.push_back({.name = "narrow", .params = engine::described<Narrow>()});
+  const auto found = [&](const std::string& parameter) {
+    Diagnostics diagnostics;
+    load_json_world("maze.json",
+                    changed(R"({"kind": "expand_swarm"})", R"({"kind": "narrow", )" + parameter + "}"),
+                    registry, {}, diagnostics);
+    return findings(diagnostics);
+  };
+  const auto refused = [&](const std::string& parameter, const std::string& key, const std::string& message) {
+    EXPECT_THAT(found(parameter),
+                ElementsAre("maze.json:9: error: /types/minibot/controller/" + key + ": must be " + message))
+        << parameter;
+  };
+  refused(R"("large": -1)", "large", "at least 0, found -1");
+  refused(R"("large": 9223372036854775808)", "large", "at most 2^63 - 1, found 9223372036854775808");
+  refused(R"("single": 1e39)", "single", "from -3.402823466e+38 to 3.402823466e+38, found 1e+39");
+  refused(R"("singles": [1, 1e39])", "singles/1", "from -3.402823466e+38 to 3.402823466e+38, found 1e+39");
+  refused(R"("wholes": [9007199254740993, 1])", "wholes/0",
+          "from -9007199254740991 to 9007199254740991, found 9007199254740993");
+  refused(R"("wholes": [1, 1.5])", "wholes/1", "a whole number, found 1.5");
+  refused(R"("large_wholes": [-1, 1])", "large_wholes/0", "from 0 to 9007199254740991, found -1");
+  refused(R"("large_wholes": [1, 18446744073709551615])", "large_wholes/1",
+          "from 0 to 9007199254740991, found 18446744073709551615");
+  refused(R"("flags": [0.5, 0])", "flags/0", "a whole number, found 0.5");
+  refused(R"("flags": [0, 2])", "flags/1", "from 0 to 1, found 2");
+  refused(R"("meters_cm": [150])", "meters_cm/0", "a whole number, found 150");
+  EXPECT_THAT(found(R"("large": 9223372036854775807, "single": 3e38, "singles": [-3e38, 0.1],
+      "wholes": [9007199254740991, -3.0], "large_wholes": [0, 9007199254740991], "flags": [1, 0],
+      "meters_cm": [200])"),
+              IsEmpty());
+  EXPECT_EQ(check_limits(registry.controller("narrow")->params.fields[3], 1.5).error().text,
+            "must be a whole number")
+      << "in .world files";
 }
 
 struct Wrong {

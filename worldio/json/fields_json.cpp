@@ -1,6 +1,7 @@
 #include "worldio/json/fields_json.hpp"
 
 #include "base/number_text.hpp"
+#include "engine/fields/description.hpp"
 #include "worldio/colors.hpp"
 #include "worldio/json/json_ring.hpp"
 #include "worldio/json/json_text.hpp"
@@ -46,6 +47,11 @@ std::string in_unit(std::string text, const UnitSuffix& suffix) {
   return text;
 }
 
+/// Returns the digits of a JSON number, without rounding.
+std::string digits_of(const JsonNode& number) {
+  return number.describe().substr(std::string_view("the number ").size());
+}
+
 /// Reads a number that is written in the unit `suffix` and returns it in SI units. Empty, with an error, if
 /// the value is not a number or is outside the limits of the field.
 std::optional<double> read_number(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
@@ -55,15 +61,19 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
     return std::nullopt;
   }
   double si = *given * suffix.to_si;
+  const bool is_whole = engine::has_whole_numbers(field);
   // A value exactly at a limit, such as 360 deg where the limit is 2 pi rad, must pass although its
   // conversion is rounded.
-  constexpr double k_rounding = 1e-14;
-  if (si > field.max && si <= field.max + k_rounding * std::abs(field.max)) si = field.max;
-  if (si < field.min && si >= field.min - k_rounding * std::abs(field.min)) si = field.min;
-  if (std::isfinite(si) && si >= field.min && si <= field.max && !(field.above_min && si == field.min))
-    return si;
-  const std::string limits = limits_text(field, suffix);
-  at.error(fmt::format("must be {}, found {}", limits.empty() ? "finite" : limits, plain_number(*given)));
+  const double rounding = is_whole ? 0 : 1e-14;
+  if (si > field.max && si <= field.max + rounding * std::abs(field.max)) si = field.max;
+  if (si < field.min && si >= field.min - rounding * std::abs(field.min)) si = field.min;
+  const bool is_allowed =
+      std::isfinite(si) && si >= field.min && si <= field.max && !(field.above_min && si == field.min);
+  if (is_allowed && (!is_whole || std::trunc(si) == si)) return si;
+  std::string limits = is_allowed ? "a whole number" : limits_text(field, suffix);
+  if (limits.empty()) limits = "finite";
+  at.error(
+      fmt::format("must be {}, found {}", limits, is_whole ? digits_of(at.node()) : plain_number(*given)));
   return std::nullopt;
 }
 
@@ -81,9 +91,9 @@ Value read_integer(const JsonCursor& at, const Field& field) {
   const UnitSuffix bare{"", "", 1};
   const double x = given ? static_cast<double>(*given) : std::numeric_limits<double>::infinity();
   if (too_big || x < field.min || x > field.max || (field.above_min && x == field.min)) {
-    const std::string limits = limits_text(field, bare);
-    at.error(fmt::format("must be {}, found {}", limits.empty() ? "at most 2^63 - 1" : limits,
-                         at.node().describe().substr(std::string_view("the number ").size())));
+    const bool has_most = !too_big || std::isfinite(field.max);
+    at.error(fmt::format("must be {}, found {}", has_most ? limits_text(field, bare) : "at most 2^63 - 1",
+                         digits_of(at.node())));
     return {};
   }
   return *given;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -169,19 +170,22 @@ void SpecCheck::value(const Field& field, const Value& value, Where where, const
   };
   if (const auto* x = std::get_if<double>(&value.v)) return check(*x);
   if (const auto* list = std::get_if<std::vector<double>>(&value.v)) {
-    const auto is_beyond = [&](double x) { return !is_within(field, x); };
+    const auto is_beyond = [&](double x) {
+      return !is_within(field, x) || (engine::has_whole_numbers(field) && std::trunc(x) != x);
+    };
     const auto found = std::ranges::find_if(*list, is_beyond);  // one error per list is enough
     if (found != list->end()) beyond(field, *found, where, path);
     return;
   }
-  if (const auto* x = std::get_if<std::int64_t>(&value.v)) return check(static_cast<double>(*x));
+  if (std::holds_alternative<std::int64_t>(value.v)) return check(integer_number(field, value));
   if (const auto* text = std::get_if<std::string>(&value.v))
     if (!field.choices.empty() && std::ranges::find(field.choices, *text) == field.choices.end())
       error(where, path, unknown_name(field.name, *text, field.choices));
 }
 
 void SpecCheck::beyond(const Field& field, double x, Where where, const SpecPath& path) {
-  const std::string limits = limits_text(field, engine::unit_suffixes(field.unit).front());
+  std::string limits = limits_text(field, engine::unit_suffixes(field.unit).front());
+  if (is_within(field, x)) limits = "a whole number";
   error(where, path,
         fmt::format("must be {}, found {}", limits.empty() ? "finite" : limits, plain_number(x)));
 }

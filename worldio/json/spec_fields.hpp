@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -35,6 +36,12 @@ std::string key_of(const engine::Field& field);
 /// Whether a number, in SI units, is finite and within a field's limits.
 inline bool is_within(const engine::Field& field, double x) {
   return std::isfinite(x) && x >= field.min && x <= field.max && !(field.above_min && x == field.min);
+}
+/// Returns the value of a field of type integer as a double.
+inline double integer_number(const engine::Field& field, const engine::Value& value) {
+  const std::int64_t x = value.integer();
+  const bool is_unsigned = field.member != nullptr && field.member->is_unsigned;
+  return is_unsigned ? static_cast<double>(static_cast<std::uint64_t>(x)) : static_cast<double>(x);
 }
 
 /// Whether the struct that `table` describes consists only of numbers, as a pose does. In a stored world,

@@ -57,7 +57,7 @@ OrderedJson text_json(const std::string& text) {
 /// the limits of the parameter, even a default that is outside them because it means "not given".
 bool takes(const Field& field, const Value& value) {
   switch (field.type) {
-    case FieldType::integer: return is_within(field, static_cast<double>(value.integer()));
+    case FieldType::integer: return is_within(field, integer_number(field, value));
     case FieldType::number: return is_within(field, value.number());
     case FieldType::text:
       return field.choices.empty() || std::ranges::find(field.choices, value.text()) != field.choices.end();

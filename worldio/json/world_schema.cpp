@@ -1,5 +1,6 @@
 #include "worldio/json/world_schema.hpp"
 
+#include "engine/fields/description.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
@@ -118,7 +119,8 @@ JsonNode value_schema(const Field& field, const UnitSuffix& suffix) {
       return field.choices.empty() ? type("string") : object_of({{"enum", texts(field.choices)}});
     case FieldType::texts: return array_of(type("string"));
     case FieldType::numbers: {
-      JsonNode numbers = number_schema(field, suffix, "number");
+      const bool is_whole = engine::has_whole_numbers(field) && suffix.to_si == 1;
+      JsonNode numbers = number_schema(field, suffix, is_whole ? "integer" : "number");
       return field.columns > 0 ? array_of(std::move(numbers), field.columns) : array_of(std::move(numbers));
     }
     case FieldType::color: return reference("color");

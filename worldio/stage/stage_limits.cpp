@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/number_text.hpp"
+#include "engine/fields/description.hpp"
 
 #include <fmt/format.h>
 
@@ -28,6 +29,7 @@ Result<> check_limits(const engine::Field& field, double value, double to_si) {
     return Error{fmt::format("must be at least {}", in_unit(field.min, field, to_si))};
   if (!(value <= field.max))
     return Error{fmt::format("must be at most {}", in_unit(field.max, field, to_si))};
+  if (engine::has_whole_numbers(field) && std::trunc(value) != value) return Error{"must be a whole number"};
   return {};
 }
 
