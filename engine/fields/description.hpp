@@ -66,7 +66,8 @@
 ///           - std::vector of double, std::string or Color;
 ///           - a described struct, such as Pose, and std::vector of a described struct;
 ///           - a list of lists of numbers: std::vector of std::array or Eigen vectors, std::vector of such
-///             lists, and so on;
+///             lists, and so on. A struct with such a member cannot be made from a record, so the parameters
+///             of kinds cannot have one: use a std::vector of a described struct instead;
 ///           - Record, if only the code that reads the struct knows the table of this record;
 ///           - std::optional of any of these types, except std::vector of described structs and lists of
 ///             lists.
@@ -189,9 +190,8 @@ struct MemberType {
   FieldType type = FieldType::number;  ///< type of the field that describes such a member
   std::size_t columns = 0;             ///< length of a fixed array; 0: not a fixed array
   /// Smallest number that the type can hold. Set for float, Id, integers except std::int64_t, and fixed
-  /// arrays of float, integers or bools. For all other types, -infinity. An array of 64-bit integers has the
-  /// limits
-  /// -(2^53 - 1) and 2^53 - 1, because a Value holds its elements as doubles.
+  /// arrays of float, integers or bools. For all other types, -infinity. In an array of 64-bit integers, the
+  /// absolute value is at most 2^53 - 1, because a Value holds the elements as doubles.
   double min = -std::numeric_limits<double>::infinity();
   /// Largest number that the type can hold. Set for the same types as `min`, except std::uint64_t. For all
   /// other types, infinity.
@@ -498,6 +498,23 @@ inline constexpr bool k_is_listed<std::vector<M>> = k_is_listed<M>;
 
 Value all_numbers(const MemberType& lists, const void* member);
 
+template <class T>
+constexpr Description<T> described_members();
+template <class M>
+constexpr bool members_nest_lists() {
+  if constexpr (std::is_aggregate_v<M> && Described<M>)
+    return described_members<M>().nests_lists();
+  else
+    return false;
+}
+/// Whether a member of type M is, or contains, a list of lists of numbers.
+template <class M>
+inline constexpr bool k_nests_lists = members_nest_lists<M>();
+template <class M>
+inline constexpr bool k_nests_lists<std::vector<M>> = k_is_listed<M> || k_nests_lists<M>;
+template <class M>
+inline constexpr bool k_nests_lists<std::optional<M>> = k_nests_lists<M>;
+
 template <class M>
 requires k_is_listed<M>
 struct TypeOf<std::vector<M>> {
@@ -601,7 +618,7 @@ class Description {
   [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
     if (table_ == nullptr)
-      count(detail::tag<k_member>(), detail::TypeOf<Type>::value.is_state);
+      count(detail::tag<k_member>(), detail::TypeOf<Type>::value.is_state, detail::k_nests_lists<Type>);
     else
       detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
                         {Fact(facts)...});
@@ -613,7 +630,7 @@ class Description {
   [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
     if (table_ == nullptr)
-      count(detail::tag<k_member>(), false);
+      count(detail::tag<k_member>(), false, detail::k_nests_lists<Type>);
     else
       detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
   }
@@ -644,14 +661,18 @@ class Description {
   /// of one of the types listed at Element (engine/fields/state_table.hpp), or an array of these. Only for a
   /// description without a table.
   constexpr bool is_state() const { return is_state_; }
+  /// Whether any of the members described so far is, or contains, a list of lists of numbers. Only for a
+  /// description without a table.
+  constexpr bool nests_lists() const { return nests_lists_; }
 
  private:
   static constexpr std::size_t k_most_members = 128;
 
-  constexpr void count(std::string_view tag, bool can_be_state) {
+  constexpr void count(std::string_view tag, bool can_be_state, bool nests_lists = false) {
     for (std::size_t i = 0; i < count_; ++i) repeats_ = repeats_ || seen_[i] == tag;
     seen_[count_++] = tag;
     is_state_ = is_state_ && can_be_state;
+    nests_lists_ = nests_lists_ || nests_lists;
   }
 
   FieldTable* table_ = nullptr;
@@ -659,6 +680,7 @@ class Description {
   std::size_t count_ = 0;
   bool repeats_ = false;
   bool is_state_ = true;
+  bool nests_lists_ = false;
   std::array<std::string_view, k_most_members> seen_{};
 };
 
@@ -738,9 +760,14 @@ Value get(const Field& field, const void* object);
 void set(const Field& field, void* object, const Value& value);
 
 /// Returns a T with the values of a record, which has one value per field of described<T>(). Members for
-/// which the record has no value have the defaults of T{}. Throws the exceptions of fill().
+/// which the record has no value have the defaults of T{}. Throws the exceptions of fill(). Does not compile
+/// if a member of T is, or contains, a list of lists of numbers.
 template <class T>
 T from_record(const Record& record) {
+  static_assert(
+      !detail::described_members<T>().nests_lists(),
+      "a parameter of a kind cannot be a list of lists of numbers: use a std::vector of a described "
+      "struct");
   T object{};
   fill(described<T>(), &object, record);
   return object;
