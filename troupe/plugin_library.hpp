@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/kinds/components.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/kinds/kinds.hpp"
 #include "engine/kinds/measure_kind.hpp"
@@ -88,11 +89,6 @@ static_assert(offsetof(Library, version) == 8 && offsetof(Library, build) == 16)
 inline constexpr const char* k_symbol = "troupe_plugin";
 using Symbol = const Library* (*)();
 
-/// Whether a text can be the name of a kind (a controller, device or measure) or of a plug-in: one word
-/// without slash, colon, equals sign, quotation mark, backslash and white space, which does not begin with a
-/// dot. Such a word cannot be mistaken for a path or for the parameters of a controller.
-constexpr bool is_name(std::string_view name) {
-  return !name.empty() && name.find_first_of("/:=\"\\ \t\n") == std::string_view::npos && name.front() != '.';
-}
+using engine::is_name;
 
 }  // namespace troupe::plugin

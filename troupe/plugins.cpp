@@ -287,14 +287,8 @@ Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
     for (auto& kind : kinds) {
       std::string name(kind.name);
       if (name != library.name) name = fmt::format("{}:{}", library.name, name);
-      if (const Result<> names = worldio::check_parameter_names(kind); !names)
-        all_right = Error{fmt::format("has a {} \"{}\" that {}", own.what, name, names.error().text)};
-      if constexpr (requires { kind.prepare; })
-        if (!kind.prepare)
-          all_right = Error{fmt::format("has a {} \"{}\" whose member `prepare` is not set", own.what, name)};
-      if (std::ranges::find(own.names, name) != own.names.end())
-        all_right =
-            Error{fmt::format("has two kinds with the name \"{}\", each a {}: rename one", name, own.what)};
+      if (const Result<> checked = worldio::check_kind(kind); !checked)
+        all_right = Error{fmt::format("has a {} \"{}\" that {}", own.what, name, checked.error().text)};
       if (std::ranges::find(taken, name) != taken.end())
         all_right = Error{
             fmt::format("has a {} \"{}\", but Troupe ships one with this name: rename it", own.what, name)};
@@ -304,6 +298,8 @@ Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
       kind.name = own.names.emplace_back(std::move(name));
     }
     own.kinds = std::move(kinds);
+    if (Result<> different = worldio::check_different(own.known(), own.what); !different)
+      all_right = std::move(different);
   };
   keep(std::move(all.controllers), taken_controllers_, library.controllers);
   keep(std::move(all.devices), taken_devices_, library.devices);

@@ -19,6 +19,13 @@ namespace troupe::engine {
 inline constexpr std::array<std::string_view, 9> k_engine_components{
     "carrier", "command", "condition", "joint", "life", "odometry", "pose", "stall", "velocity"};
 
+/// Whether a text can be the name of a kind (a controller, device, drive, measure or fault) or of a plug-in:
+/// one word without slash, colon, equals sign, quotation mark, backslash and white space, which does not
+/// begin with a dot. Such a word cannot be mistaken for a path or for the parameters of a controller.
+constexpr bool is_name(std::string_view name) {
+  return !name.empty() && name.find_first_of("/:=\"\\ \t\n") == std::string_view::npos && name.front() != '.';
+}
+
 /// A row of the component (state table) `carrier`: which body carries the row's body, and where. All members
 /// are zero if the body is not carried.
 struct Carried {

@@ -547,7 +547,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
                        "\"active\" is a key that every sensor has in JSON worlds: rename the parameter"));
   EXPECT_THAT(
       error(room("unprepared"), "unusable"),
-      EndsWith("unprepared.so has a sensor or device \"unprepared\" whose member `prepare` is not set"));
+      EndsWith("unprepared.so has a sensor or device \"unprepared\" that does not set its member `prepare`"));
   EXPECT_EQ(error(room("beam_ranger", {}, "devices")),
             ":3: error: /types/bot/devices/0/kind: \"beam_ranger\" is a sensor: move this entry to the list "
             "\"sensors\"");

@@ -59,13 +59,20 @@ TEST(DocumentTable, AMemberWithoutAKeyIsFound) {
   EXPECT_THAT(document_table<Thoughtful>().incomplete, IsEmpty());
 }
 
+/// A sensor with the required hook and no parameters.
+engine::DeviceKind named_device(std::string_view name) {
+  engine::DeviceKind kind{.name = name};
+  kind.prepare = [](const engine::Record&, const Pose&) { return engine::DeviceKind::Prepared(); };
+  return kind;
+}
+
 TEST(KindKeys, ParametersMayNotBeCalledLikeTheKeysOfAllDevices) {
   for (const char* parameter : {"name", "kind", "pose", "joint", "active", "on", "period", "reach"}) {
-    engine::DeviceKind kind{.name = parameter};
+    engine::DeviceKind kind = named_device(parameter);
     kind.params.fields.push_back({.name = parameter, .fallback = 0.0});
     // `period` is allowed, because the key is then called `update_period`.
     const bool is_allowed = kind.name == "period" || kind.name == "reach";
-    const Result<> names = check_parameter_names(kind);
+    const Result<> names = check_kind(kind);
     EXPECT_EQ(static_cast<bool>(names), is_allowed) << kind.name;
     engine::Registry registry = make_registry();
     registry.devices.push_back(kind);
@@ -81,7 +88,8 @@ TEST(KindKeys, ParametersMayNotBeCalledLikeTheKeysOfAllDevices) {
 
 TEST(KindKeys, KindsMayNotBeCalledLikeComponentsOfTheEngine) {
   engine::Registry registry = make_registry();
-  registry.controllers.push_back({.name = "pose"});
+  registry.controllers.push_back(*registry.controller("wander"));
+  registry.controllers.back().name = "pose";
   EXPECT_EQ(
       check_kinds(registry).error().text,
       "the controller kind \"pose\" has the name of a component of the state that Troupe defines: rename "
@@ -89,8 +97,64 @@ TEST(KindKeys, KindsMayNotBeCalledLikeComponentsOfTheEngine) {
       "velocity are allowed");
   registry.controllers.back().name = "posture";
   EXPECT_TRUE(check_kinds(registry));
-  registry.devices.push_back({.name = "alive"});
+  registry.devices.push_back(named_device("alive"));
   EXPECT_THAT(check_kinds(registry).error().text, StartsWith("the device kind \"alive\" has the name of "));
+}
+
+TEST(KindKeys, KindsHaveDifferentNames) {
+  const auto error = [](auto change) {
+    engine::Registry registry = make_registry();
+    change(registry);
+    const Result<> checked = check_kinds(registry);
+    return checked ? std::string() : checked.error().text;
+  };
+  using engine::Registry;
+  const auto twice = [](std::string_view name, std::string_view what) {
+    return "the registry has two kinds with the name \"" + std::string(name) + "\", each a " +
+           std::string(what) + ": rename one";
+  };
+  EXPECT_EQ(error([](Registry& r) { r.devices.push_back(*r.device("ranger")); }), twice("ranger", "device"));
+  EXPECT_EQ(error([](Registry& r) { r.drives.push_back(*r.drive("diff")); }), twice("diff", "drive"));
+  EXPECT_EQ(error([](Registry& r) { r.controllers.push_back(*r.controller("wander")); }),
+            twice("wander", "controller"));
+  EXPECT_EQ(error([](Registry& r) { r.controllers.back().name = r.presets.front().name; }),
+            twice(make_registry().presets.front().name, "controller"));
+  EXPECT_EQ(error([](Registry& r) { r.measures.push_back(r.measures.front()); }),
+            twice(make_registry().measures.front().name, "measure"));
+  EXPECT_EQ(error([](Registry& r) { r.faults.push_back(r.faults.front()); }),
+            twice(make_registry().faults.front().name, "fault"));
+}
+
+TEST(KindKeys, KindsHaveNamesAndTheHooksThatTheEngineCalls) {
+  const auto error = [](auto kind, auto change) {
+    change(kind);
+    const Result<> checked = check_kind(kind);
+    return checked ? std::string() : checked.error().text;
+  };
+  const engine::Registry all = make_registry();
+  const std::string invalid =
+      "has an invalid name: give one word that does not begin with a dot and contains none of : = / \\ and "
+      "quotation marks";
+  for (const char* name : {"", "a b", ".a", "a/b", "a:b"})
+    EXPECT_EQ(error(named_device(name), [](auto&) {}), invalid) << name;
+  EXPECT_EQ(error(all.drives.front(), [](auto& kind) { kind.name = ""; }), invalid);
+  const auto unset = [](std::string_view hook) {
+    return "does not set its member `" + std::string(hook) + "`";
+  };
+  EXPECT_EQ(error(all.devices.front(), [](auto& kind) { kind.prepare = nullptr; }), unset("prepare"));
+  EXPECT_EQ(error(all.drives.front(), [](auto& kind) { kind.prepare = nullptr; }), unset("prepare"));
+  EXPECT_EQ(error(all.drives.front(), [](auto& kind) { kind.check = nullptr; }), unset("check"));
+  EXPECT_EQ(error(all.drives.front(), [](auto& kind) { kind.drive = nullptr; }), unset("drive"));
+  EXPECT_EQ(error(all.controllers.front(), [](auto& kind) { kind.prepare = nullptr; }), unset("prepare"));
+  EXPECT_EQ(error(all.controllers.front(), [](auto& kind) { kind.decide = nullptr; }), unset("decide"));
+  EXPECT_EQ(error(all.measures.front(), [](auto& kind) { kind.make = nullptr; }), unset("make"));
+  EXPECT_EQ(error(all.faults.front(), [](auto& kind) { kind.prepare = nullptr; }), unset("prepare"));
+  engine::ControllerKind remembering = *all.controller("wander");
+  remembering.memory.resize(1);
+  EXPECT_EQ(error(remembering, [](auto& kind) { kind.start = nullptr; }), unset("start"));
+  engine::Registry registry = all;
+  registry.devices.push_back({.name = "eye"});
+  EXPECT_EQ(check_kinds(registry).error().text, "the device kind \"eye\" does not set its member `prepare`");
 }
 
 /// A world with all components that the engine defines.

@@ -4,23 +4,29 @@
 #include "engine/kinds/kinds.hpp"
 
 #include <string_view>
+#include <vector>
 
 namespace troupe::worldio {
 
-// A kind is a sort of drive, device, controller or measure, with its own parameters. The parameters of a kind
-// are keys of the same JSON object as `name`, `pose` and the other keys that all objects of such kinds have.
-// check_parameter_names() checks that no parameter has the name of one of these keys.
+// A kind is a sort of drive, device, controller, measure or fault, with its own parameters. The parameters of
+// a kind are keys of the same JSON object as `name`, `pose` and the other keys that all objects of such kinds
+// have.
 
-/// Checks that JSON worlds can use a kind. Returns an error if a parameter of the kind has the name of a key
-/// that every device (or drive, controller, measure) has in JSON worlds, such as `kind` or `name`. A few keys
-/// are exempt, because they get another name in this case (DocumentKey::other in
-/// worldio/json/document_table.hpp). The text of the error is a predicate, in front of which the caller puts
-/// the kind: `has a parameter "name", but ...`.
+/// Checks that worlds can use a kind of a plug-in or of a program. Returns an error if
+/// - the kind has no name, or its name is not one word (engine::is_name());
+/// - a hook that every such kind must have is null, such as `prepare`;
+/// - a parameter has the name of a key that every device (or drive, controller, measure) has in JSON worlds,
+///   such as `kind` or `name`. A few keys are exempt, because they get another name in this case
+///   (DocumentKey::other in worldio/json/document_table.hpp).
+///
+/// The text of the error is a predicate, in front of which the caller puts the kind: `has a parameter "name",
+/// but ...`.
 ///@{
-Result<> check_parameter_names(const engine::DeviceKind& kind);
-Result<> check_parameter_names(const engine::DriveKind& kind);
-Result<> check_parameter_names(const engine::ControllerKind& kind);
-Result<> check_parameter_names(const engine::MeasureKind& kind);
+Result<> check_kind(const engine::DeviceKind& kind);
+Result<> check_kind(const engine::DriveKind& kind);
+Result<> check_kind(const engine::ControllerKind& kind);
+Result<> check_kind(const engine::MeasureKind& kind);
+Result<> check_kind(const engine::FaultKind& kind);
 ///@}
 
 /// Checks the name of a device kind or a controller kind. Checkpoints and recordings store the data of a kind
@@ -29,9 +35,13 @@ Result<> check_parameter_names(const engine::MeasureKind& kind);
 /// predicate, in front of which the caller puts the kind: `has the name of ...`.
 Result<> check_kind_name(std::string_view name);
 
-/// Calls check_parameter_names() for all device, drive, controller and measure kinds of a registry, and
-/// check_kind_name() for the names of its device and controller kinds. Returns the first error, with the kind
-/// in front: `the drive kind "tank" has a parameter "name", but ...`.
+/// Checks that all names in a list differ. `what` says what the names belong to. The text of the error is a
+/// predicate: `has two kinds with the name "idle", each a controller: rename one`.
+Result<> check_different(std::vector<std::string_view> names, std::string_view what);
+
+/// Calls check_kind() for all kinds of a registry, check_kind_name() for the names of its device and
+/// controller kinds, and check_different() for the names of each list; presets and controller kinds are one
+/// list. Returns the first error: `the drive kind "tank" has a parameter "name", but ...`.
 Result<> check_kinds(const engine::Registry& registry);
 
 }  // namespace troupe::worldio
