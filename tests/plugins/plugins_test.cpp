@@ -24,6 +24,7 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -375,6 +376,25 @@ TEST_F(PluginsTest, AreFoundByLintAndByARegistry) {
   const std::vector<Plugins::Library> libraries = plugins->libraries();
   ASSERT_EQ(libraries.size(), 1u);
   EXPECT_EQ(libraries[0].file, folder_of("plugins") / "walker.so");
+}
+
+TEST_F(PluginsTest, AProgramsOwnKindsAreCheckedToo) {
+  const auto error_with = [&](auto change) -> std::string {
+    engine::Registry registry = make_registry();
+    change(registry);
+    try {
+      const Simulation simulation(json_world(R"({"kind": "wander"})"), {}, registry);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "loaded";
+  };
+  EXPECT_EQ(error_with([](engine::Registry& r) { r.controllers.push_back(*r.controller("wander")); }),
+            "the registry has two kinds with the name \"wander\", each a controller: rename one");
+  EXPECT_EQ(error_with([](engine::Registry& r) { r.devices.push_back({.name = "eye"}); }),
+            "the device kind \"eye\" does not set its member `prepare`");
+  EXPECT_THAT(error_with([](engine::Registry& r) { r.faults.front().name = ""; }),
+              testing::StartsWith("the fault kind \"\" has an invalid name: give one word"));
 }
 
 TEST_F(PluginsTest, OfOneNameHaveParametersOfTheirOwn) {
