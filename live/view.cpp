@@ -53,10 +53,10 @@ Json plain_measures(const Simulation& simulation) {
 }  // namespace
 
 View::Impl::Impl(Simulation& simulation, const Options& options)
-    : simulation_(simulation),
+    : simulation_(simulation.share()),
       is_over_(options.is_over),
-      clock_(simulation, options.rate),
-      files_(simulation, options.folder, options.report),
+      clock_(simulation_, options.rate),
+      files_(simulation_, options.folder, options.report),
       next_tick_(simulation.tick()),
       line_(simulation.hash_log_line()) {
   if (simulation.has_before_tick())
@@ -77,7 +77,7 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   connections_ = std::make_unique<Connections>(options, order_.size(), make_greeting(page.header));
   // The session file is created after the server, so that no file is left if the address or the port is not
   // available.
-  session_ = std::make_unique<SessionLog>(files_.folder(), simulation);
+  session_ = std::make_unique<SessionLog>(files_.folder(), simulation_);
   self_ = std::make_shared<Impl*>(this);
   simulation_.on_tick([self = std::weak_ptr<Impl*>(self_)](Simulation&) {
     if (const auto found = self.lock()) (*found)->after_tick();

@@ -36,7 +36,8 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 /// simulation therefore has at most one view at a time, and no other callback of before_tick() meanwhile: a
 /// callback that the program sets replaces that of the view, which then no longer has an effect.
 ///
-/// The simulation must outlive the view. Not thread-safe: use a view only on the thread that steps the
+/// The program may move the simulation meanwhile. The simulation exists at least as long as its view.
+/// Not thread-safe: use a view only on the thread that steps the
 /// simulation. The view serves the page on a thread of its own.
 class View {
  public:

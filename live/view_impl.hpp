@@ -76,7 +76,7 @@ class View::Impl {
   nlohmann::ordered_json state() const;
   std::string make_greeting(const std::string& header) const;
 
-  Simulation& simulation_;
+  Simulation simulation_;
   std::function<bool()> is_over_;
   RunClock clock_;
   ViewerFiles files_;

@@ -73,6 +73,7 @@ Pictures& Simulation::Impl::pictures_of(const Simulation& simulation, const Pict
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+Simulation Simulation::share() { return Simulation(impl_); }
 
 const std::vector<std::string>& Simulation::warnings() const { return impl_->warnings; }
 

@@ -526,6 +526,10 @@ class Simulation {
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
   ///@}
+  /// Returns another object for the same simulation, which exists until both objects are destroyed. This is
+  /// for objects that use a simulation for longer than a call, such as live::View, because a reference would
+  /// not follow a move.
+  Simulation share();
 
   /// Warnings that loading the world or the checkpoint has produced. Warnings about the world file have the
   /// form `file:line: warning: ...`. Warnings about plug-ins and the checkpoint have the form
@@ -843,7 +847,7 @@ class Simulation {
  private:
   friend class Model;
   struct Impl;
-  explicit Simulation(std::unique_ptr<Impl> impl);
+  explicit Simulation(std::shared_ptr<Impl> impl);
   std::vector<engine::BodySpec> bodies_placed_by(std::uint64_t seed, std::string_view call) const;
   using ReadWorld = std::function<engine::WorldSpec(const engine::Registry& registry,
                                                     const worldio::LoadOptions& options, Diagnostics& found)>;
@@ -854,7 +858,7 @@ class Simulation {
                          engine::Registry registry);
   std::size_t reserve_of(std::string_view population) const;
   bool set_disabled(const Model& model, bool disabled);
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 /// Returns one line that states the version of Troupe, the compiler and its flags, the processor

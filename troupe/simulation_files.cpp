@@ -253,7 +253,7 @@ Simulation Simulation::make(engine::WorldSpec spec, const SimulationOptions& opt
   return Simulation(std::move(impl));
 }
 
-Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Simulation::Simulation(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOptions& options) {
   return resume(file, options, make_registry());

@@ -348,6 +348,7 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
   if (!visit)
     throw std::invalid_argument("for_each(): found a null function: give a function to call for each robot");
   world_->require_whole();
+  Model::refuse_in_for_each(*world_, "for_each()");
   if (robots_.empty()) {
     robots_.reserve(size());
     for (const BodyId id : ids_) robots_.push_back(Model::of(*world_, id));

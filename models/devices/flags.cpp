@@ -117,7 +117,10 @@ struct Flags {
         case FlagCommand::push: own.push({command.color, command.size}); break;
         case FlagCommand::pop: own.pop(); break;
         case FlagCommand::take:
-        case FlagCommand::give: batch.emit(i, 0, command.verb, BodyId(command.target)); break;
+        case FlagCommand::give:
+          if (command.target < batch.view.spec().bodies.size())  // else the effect would be an error
+            batch.emit(i, 0, command.verb, BodyId(command.target));
+          break;
         default: break;
       }
     }

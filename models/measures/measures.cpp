@@ -8,9 +8,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace troupe::models {
@@ -272,46 +275,45 @@ class OfState : public OfRobots {
   }
 
   /// For each body, in order of ids, the table and field that hold its variable; `table` is k_none if the
-  /// body does not have the variable. A component of a device or a controller has one table per type. Throws
-  /// std::invalid_argument if no table has the component, or if a table of the component lacks the field or
-  /// the column.
+  /// body does not have the variable. A component of a device or a controller has one table per type, and a
+  /// name may stand for several components, such as those of an actuator and of its joint. Throws
+  /// std::invalid_argument if no table has the component, if none of the component's tables has the field, or
+  /// if one of them has the field without the column.
   static std::vector<Cell> cells_of(const World& world, const Params& params) {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
-    std::vector<std::string_view> known;
+    std::set<std::string_view> components;
+    std::set<std::string_view> fields;  // of the tables of the component
+    bool has_field = false;
     const bool is_whole = std::ranges::any_of(
         world.tables(), [&](const StateTable& table) { return table.component() == component; });
-    bool has_component = false;
     for (std::size_t t = 0; t < world.tables().size(); ++t) {
       const StateTable& table = world.tables()[t];
-      known.push_back(engine::given_name(table.component()));
-      if ((is_whole ? table.component() : known.back()) != component) continue;
-      has_component = true;
-      const std::size_t field = field_of(table, params);
-      for (const BodyId id : table.ids()) cells[id.index()] = {.table = t, .field = field};
+      const std::string_view given = engine::given_name(table.component());
+      components.insert(given);
+      if ((is_whole ? table.component() : given) != component) continue;
+      for (const engine::StateField& field : table.fields()) fields.insert(field.name);
+      const std::optional<std::size_t> field = field_of(table, params);
+      if (!field) continue;
+      has_field = true;
+      for (const BodyId id : table.ids()) cells[id.index()] = {.table = t, .field = *field};
     }
-    if (!has_component) {
-      std::ranges::sort(known);
-      known.erase(std::unique(known.begin(), known.end()), known.end());
-      throw std::invalid_argument(unknown_name("component", component, known));
-    }
+    if (fields.empty())
+      throw std::invalid_argument(
+          unknown_name("component", component, {components.begin(), components.end()}));
+    if (!has_field)
+      throw std::invalid_argument(unknown_name("field", params.field, {fields.begin(), fields.end()}));
     return cells;
   }
-  static std::size_t field_of(const StateTable& table, const Params& params) {
-    const std::string& name = params.field;
-    std::vector<std::string_view> known;
-    for (const engine::StateField& field : table.fields()) {
-      if (field.name != name) {
-        known.push_back(field.name);
-        continue;
-      }
-      if (params.column >= field.columns)
-        throw std::invalid_argument(
-            fmt::format("there is no column {}: the last column of the field \"{}\" is {} (counted from 0)",
-                        params.column, name, field.columns - 1));
-      return known.size();
-    }
-    throw std::invalid_argument(unknown_name("field", name, known));
+  /// The index of the field in a table; std::nullopt if the table does not have it.
+  static std::optional<std::size_t> field_of(const StateTable& table, const Params& params) {
+    const auto field = std::ranges::find(table.fields(), params.field, &engine::StateField::name);
+    if (field == table.fields().end()) return {};
+    if (params.column >= field->columns)
+      throw std::invalid_argument(
+          fmt::format("there is no column {}: the last column of the field \"{}\" is {} (counted from 0)",
+                      params.column, params.field, field->columns - 1));
+    return static_cast<std::size_t>(field - table.fields().begin());
   }
   static std::vector<BodyId> with(const std::vector<Cell>& cells, std::vector<BodyId> robots) {
     std::erase_if(robots, [&](BodyId id) { return cells[id.index()].table == k_none; });

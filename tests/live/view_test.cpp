@@ -307,6 +307,23 @@ TEST_F(ViewTest, ASimulationHasOneView) {
   EXPECT_EQ(error_of_view(), "");
 }
 
+TEST_F(ViewTest, TheSimulationMayBeMovedOrDestroyedFirst) {
+  const View::Options options{.rate = 0, .folder = folder_};
+  Simulation first = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  {
+    const View view(first, options);
+    Simulation second = std::move(first);
+    second.step();
+    EXPECT_EQ(second.tick(), 1u);
+    first = std::move(second);
+  }
+  EXPECT_FALSE(first.has_before_tick());
+  first.step();
+  std::optional<Simulation> short_lived(Simulation::from_text(k_one_bot, "w.json", {.threads = 1}));
+  const View view(*short_lived, options);
+  short_lived.reset();
+}
+
 TEST_F(ViewTest, ASessionHasTheSeedOfAResetBeforeTheFirstStep) {
   Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
   const View view(simulation, View::Options{.rate = 0, .folder = folder_});

@@ -122,6 +122,8 @@ TEST(Flags, ChangeHandsAndNoneIsLost) {
   const BodyId giver = crowd.add(2, 1, FlagCommand::give, takers[3].value);
   const BodyId full = crowd.add(1, 1, FlagCommand::take, store.value);
   const BodyId from_no_body = crowd.add(2, 1, FlagCommand::give, 0);  // the ground
+  const BodyId to_no_id = crowd.add(2, 1, FlagCommand::give, 999'999);
+  const BodyId of_no_id = crowd.add(2, 1, FlagCommand::take, 4'294'967'295u);
   World world = crowd.world();
   for (int t = 0; t < 4; ++t) world.step();
   EXPECT_EQ((Holder{world, store}.count()), 0);
@@ -132,7 +134,8 @@ TEST(Flags, ChangeHandsAndNoneIsLost) {
   EXPECT_EQ((Holder{world, takers[3]}.received()), 1);
   EXPECT_EQ((Holder{world, giver}.count()), 0);
   EXPECT_EQ((Holder{world, full}.count()), 1);
-  EXPECT_EQ((Holder{world, from_no_body}.count()), 1);
+  for (const BodyId unserved : {from_no_body, to_no_id, of_no_id})
+    EXPECT_EQ((Holder{world, unserved}.count()), 1);
 }
 
 TEST(Depots, ASourceFillsUpAndASinkCountsAndEmpties) {

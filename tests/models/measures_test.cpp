@@ -695,6 +695,31 @@ TEST(Measures, StateMeanIsOfTheRobotsThatHaveTheField) {
               HasSubstr("state_mean: unknown field \"range\"; known: ranges"));
 }
 
+TEST(Measures, AComponentOfStateMeanMayStandForSeveralTables) {
+  test::SceneBuilder scene;
+  const TypeId seer = scene.robot("seer", {test::box(0.2, 0.2)});
+  scene[seer].devices.push_back(test::ranger("eye", {{{}, 5, 3, 9}}));
+  const TypeId turner = scene.robot("turner", {test::box(0.2, 0.2)});
+  scene[turner].devices.push_back({.name = "eye", .kind = "compass"});
+  scene.body("s0", seer, {0, 0, 0, 0});
+  scene.body("t0", turner, {0, 50, 0, 2});
+  World world = scene.world();
+  world.subscribe(world.find("t0"));
+  world.subscribe(world.find("s0"));
+  world.step();
+  const auto of_eye = [](const char* field) {
+    return spec("state_mean", "", {{"component", "eye"}, {"field", field}});
+  };
+  EXPECT_DOUBLE_EQ(value(world, of_eye("ranges")), 5);
+  EXPECT_NEAR(value(world, of_eye("heading")), 2, 1e-6);
+  const MeasureSpec wrong = of_eye("head");
+  Diagnostics diagnostics;
+  const MeasureSet set(world, test::registry(), {&wrong, 1}, diagnostics);
+  ASSERT_EQ(diagnostics.findings().size(), 1u);
+  EXPECT_THAT(diagnostics.text(diagnostics.findings()[0]),
+              HasSubstr("state_mean: unknown field \"head\"; known: heading, ranges"));
+}
+
 TEST(Measures, StateMeanLeavesOutSensorsThatDoNotRun) {
   test::SceneBuilder scene;
   const TypeId near = scene.robot("near", {test::box(0.2, 0.2)});

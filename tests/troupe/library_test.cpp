@@ -360,6 +360,7 @@ TEST(ForEach, RefusesWhatChangesMoreThanItsRobot) {
       {"step()", [&](Model&) { simulation.step(); }},
       {"reset()", [&](Model&) { simulation.reset(); }},
       {"on_tick()", [&](Model&) { simulation.on_tick(nullptr); }},
+      {"for_each()", [&](Model&) { all.for_each([](std::size_t, Model& robot) { robot.set_speed(1, 0); }); }},
       {"subscribe()", [&](Model&) { all.subscribe(); }}};
   for (const auto& act : acts)
     EXPECT_EQ(refused_in_for_each(simulation, act.second),
