@@ -47,14 +47,14 @@ class View {
     /// IP address on which the server of the page listens. Empty: 127.0.0.1 and, if the machine has it, ::1,
     /// so that only programs on this machine can reach the page. If the address is not a loopback address,
     /// other machines can also reach the page, and their connections are not encrypted.
-    std::string bind;
-    std::vector<std::string> hosts;  ///< host names of proxies through which browsers reach the page
+    std::string bind = {};
+    std::vector<std::string> hosts = {};  ///< host names of proxies through which browsers reach the page
     /// Greatest speed of the run, in multiples of real time; 0: no limit. During the run, viewers with full
     /// control can change this limit.
     double rate = 1;
     /// Folder for the files that the view writes: the session file, and the recordings and checkpoints that
     /// viewers request. The folder must exist. Empty: the current folder.
-    std::filesystem::path folder;
+    std::filesystem::path folder = {};
     /// Returns true if the run must end: run() then returns. Also, a step of the simulation that waits in the
     /// view then stops waiting, and is computed even if the run is paused. The view calls the function on the
     /// thread that steps the simulation; while it waits, at least every 50 ms. Null: the run does not end for

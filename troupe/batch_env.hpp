@@ -62,8 +62,8 @@ struct BatchPart {
 /// An array of observations with the shape copies of the world x robots of the team x columns, row-major. The
 /// columns are 0 for a robot that is not in the world.
 struct BatchArraySpec {
-  std::string name;              ///< unique among the arrays of its team
-  std::vector<BatchPart> parts;  ///< one or more groups of columns, from the first column to the last
+  std::string name = {};              ///< unique among the arrays of its team
+  std::vector<BatchPart> parts = {};  ///< one or more groups of columns, from the first column to the last
   /// False: the elements are float32. True: the elements have the type of the observed field, and `scale` is
   /// applied only if this type is float32; use this for images. An array with raw = true must have exactly
   /// one part, with the source `reading`.
@@ -76,11 +76,11 @@ struct BatchArraySpec {
 /// are clipped to this range. If a team has actions for some of the speeds forward, left and turn of its
 /// drives, the other speeds are commanded to be 0.
 struct BatchAction {
-  std::string device;  ///< name of a device that takes commands (Model::asked); empty: the drive
+  std::string device = {};  ///< name of a device that takes commands (Model::asked); empty: the drive
   /// The number that the action determines. For the drive: "forward", "left" (m/s) or "turn" (rad/s; for a
   /// car drive the steering angle, rad). For another device: the name of a field of its command
   /// (Model::asked); the field must be a single number.
-  std::string command;
+  std::string command = {};
   /// Value for -1, in the unit of the command; finite. Values of integer fields are rounded to the nearest
   /// integer and clamped to the range of their type.
   double low = -1;
@@ -92,18 +92,18 @@ struct BatchAction {
 /// of the world (troupe/measures.hpp). If `array` is not empty, it selects a column; otherwise, `measure`
 /// selects a measure.
 struct BatchColumn {
-  std::string array;       ///< name of an array of the team; empty: `measure` is used
+  std::string array = {};  ///< name of an array of the team; empty: `measure` is used
   std::size_t column = 0;  ///< index of the column in the array, from 0
   /// Name of a column of BatchEnv::measures(), with or without its unit: "displacement_m" or "displacement".
-  std::string measure;
+  std::string measure = {};
 };
 
 /// A term of the reward. The reward of a robot in a step is the sum of all terms of its team. Each condition
 /// (BatchEnd) that holds for the robot after the step adds BatchEnd::reward. The reward is 0 for a robot that
 /// was finished (see BatchEnd) before the step, or that is not in the world after the step.
 struct BatchReward {
-  BatchColumn of;     ///< the number that is rewarded
-  double weight = 1;  ///< factor by which the number is multiplied; finite
+  BatchColumn of = {};  ///< the number that is rewarded
+  double weight = 1;    ///< factor by which the number is multiplied; finite
   /// False: the term uses the number itself. True: the term uses the change of the number since the previous
   /// step or, in the first step of an episode, since the end of the tick with which the episode begins. The
   /// change is 0 for a robot that was not in the world after the previous step.
@@ -116,7 +116,7 @@ struct BatchReward {
 /// robots of the team in this copy. A condition never finishes a robot that is not in the world (removed or
 /// not yet born).
 struct BatchEnd {
-  BatchColumn of;         ///< the number that is tested
+  BatchColumn of = {};    ///< the number that is tested
   double below = 0;       ///< the threshold; not NaN
   bool is_above = false;  ///< true: holds if the number is greater than the threshold; false: if it is less
   double reward = 0;      ///< added to the robot's reward in the step after which the condition holds; finite
@@ -124,16 +124,16 @@ struct BatchEnd {
 
 /// A group of robots that learn one policy. They have the same observations, actions and rewards.
 struct BatchTeam {
-  std::string name;    ///< name of the team; no two teams have the same name
-  std::string robots;  ///< name of a type of bodies, a population or a robot; empty: all robots
+  std::string name = {};    ///< name of the team; no two teams have the same name
+  std::string robots = {};  ///< name of a type of bodies, a population or a robot; empty: all robots
   /// Name of a robot that is the only robot of the team; `robots` is then ignored. Use this member if the
   /// name of the robot is also the name of a type or a population. Empty: the team has the robots that
   /// `robots` names.
-  std::string robot;
-  std::vector<BatchArraySpec> arrays;  ///< observations, and arrays that only rewards and ends use
-  std::vector<BatchAction> actions;    ///< the actions that each robot of the team has
-  std::vector<BatchReward> rewards;    ///< terms of the reward, summed in this order
-  std::vector<BatchEnd> ends;          ///< conditions that finish a robot, tested in each step
+  std::string robot = {};
+  std::vector<BatchArraySpec> arrays = {};  ///< observations, and arrays that only rewards and ends use
+  std::vector<BatchAction> actions = {};    ///< the actions that each robot of the team has
+  std::vector<BatchReward> rewards = {};    ///< terms of the reward, summed in this order
+  std::vector<BatchEnd> ends = {};          ///< conditions that finish a robot, tested in each step
 };
 
 /// The options of a BatchEnv. Its constructor checks them.
@@ -147,11 +147,11 @@ struct BatchSpec {
   /// ticks. The time is tested after each step. It is counted from the end of the first tick of the episode;
   /// in this tick, the policies give no commands.
   double seconds = 60;
-  std::vector<BatchTeam> teams;  ///< one or more teams; no robot may be in two teams
+  std::vector<BatchTeam> teams = {};  ///< one or more teams; no robot may be in two teams
   /// Measures to compute for each copy. A measure is a number computed from the state of the world. Each text
   /// names a measure, such as "stalls", in the format of the constructor of Measures (troupe/measures.hpp).
   /// Empty: no measures.
-  std::vector<std::string> measures;
+  std::vector<std::string> measures = {};
 };
 
 /// Many copies of one world that step together, each with its own seed: a vectorised environment for

@@ -34,25 +34,25 @@ struct PictureOptions {
   /// - `window`: the view that the entry `window` of the world file describes
   std::string camera = "top";
   /// Point at the centre of the picture, m, in the world frame. Not given: the camera chooses it.
-  std::optional<std::array<double, 2>> center_m;
+  std::optional<std::array<double, 2>> center_m = {};
   /// Pitch and yaw of the camera, rad. Pitch: 0 looks straight down, pi/2 looks horizontally. Yaw turns the
   /// camera counter-clockwise, seen from above; with a yaw of 0, +y points away from the viewer (on a map:
   /// up). Not given: the camera chooses both.
-  std::optional<std::array<double, 2>> angle_rad;
+  std::optional<std::array<double, 2>> angle_rad = {};
   /// Width of the part of the world that the picture shows, measured through the centre of the picture, m.
   /// Above 0. Not given: the camera chooses it.
-  std::optional<double> across_m;
+  std::optional<double> across_m = {};
   /// Names of layers (picture_layers()), separated by commas: layers to show in addition to the default ones,
   /// and, with a minus sign, default layers to hide, as in `scans,trails,-grid`.
-  std::string layers;
+  std::string layers = {};
   /// The value that determines the colour of each robot: COMPONENT.FIELD, such as `velocity.x`, or
   /// COMPONENT.FIELD.COLUMN for one column of a field, such as `ranger/ir.ranges.0`. Components are the
   /// tables of which the state of the robots consists; each has named fields. Empty: robots have the colours
   /// of the world file.
-  std::string color_by;
+  std::string color_by = {};
   /// Values at the two ends of the colour scale, in the unit of the value that `color_by` names: the lower
   /// value first. Not given: the smallest and the largest value in each picture.
-  std::optional<std::array<double, 2>> color_range;
+  std::optional<std::array<double, 2>> color_range = {};
   /// Background: `paper` (warm white), `white`, `dark`, or `transparent` (opaque only where something is
   /// drawn).
   std::string background = "paper";

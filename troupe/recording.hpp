@@ -17,7 +17,7 @@ namespace troupe {
 struct RecordingOptions {
   /// Names of components (tables of the state), or of fields of sensors: "pose", "velocity", "stall",
   /// "ranges", ...; "all" for all components and fields. Empty: not given.
-  std::vector<std::string> fields;
+  std::vector<std::string> fields = {};
   /// Simulated time between two frames (entries of the recording), s; rounded up to whole ticks (time steps).
   /// 0 or less: not given.
   double every_s = 0;

@@ -69,28 +69,28 @@ struct SimulationOptions {
   /// number or NaN: Troupe chooses it from body sizes and sensor ranges.
   double tile_size_m = 0;
   /// Seed of all random numbers of the run. Not set: the seed of the world file.
-  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> seed = {};
   /// How rangers compute ranges. Not set: as the world file states.
-  std::optional<RangingEngine> ranging;
+  std::optional<RangingEngine> ranging = {};
   /// New sizes of populations (groups of bodies of one type that a world file creates with one entry): pairs
   /// of the name of a population and its new number of robots. An empty name means the only population of the
   /// world. Loading the world throws InputError for an unknown name, and for an empty name if the world does
   /// not have exactly one population.
-  std::vector<std::pair<std::string, std::size_t>> robots;
+  std::vector<std::pair<std::string, std::size_t>> robots = {};
   /// Values of the world file to replace: pairs of a JSON pointer (a path in the file, RFC 6901) and a JSON
   /// value, such as {"/populations/0/count", "500"}. A pointer that ends in `/-` appends the value to a list.
   /// For a `.world` file, the pointers refer to the JSON world that Troupe makes of it.
-  std::vector<std::pair<std::string, std::string>> set;
+  std::vector<std::pair<std::string, std::string>> set = {};
   /// Directories in which Troupe searches for a world file that does not exist at the given path. It searches
   /// them in their order, for a file of the same name. In the same way it searches for files that a `.world`
   /// file includes, but not for files that a JSON world includes.
-  std::vector<std::filesystem::path> search_path;
+  std::vector<std::filesystem::path> search_path = {};
   /// Directories to search for plug-ins: shared libraries with controllers, measures, sensors or other
   /// devices that Troupe does not ship (docs/controllers.md).
-  std::vector<std::filesystem::path> plugin_path;
+  std::vector<std::filesystem::path> plugin_path = {};
   /// Scripts, such as Python files, with controllers and measures (troupe/script.hpp). The controllers
   /// replace those that the world file gives to the same robots.
-  std::vector<std::shared_ptr<const Script>> scripts;
+  std::vector<std::shared_ptr<const Script>> scripts = {};
   /// Allows the program to call Simulation::remove(), disable() and enable(), as `"mortal": true` in the
   /// world file does. The option itself changes no state hash; only the bodies that the program removes or
   /// disables do.
@@ -111,7 +111,7 @@ struct SimulationOptions {
   /// For tests of the ranks. If a seed is given, messages between ranks arrive late and in random order, and
   /// robots move to random ranks during the run. The seed determines these random choices. No simulated
   /// result depends on it.
-  std::optional<std::uint64_t> rank_seed;
+  std::optional<std::uint64_t> rank_seed = {};
   /// A clock with which the ranks of this process measure how long the work for their own robots takes. The
   /// function returns the present time, s, from any fixed origin. It is called on the threads of all ranks,
   /// with the number of the calling rank as its argument. With a clock, robots move to other ranks if the
@@ -120,7 +120,7 @@ struct SimulationOptions {
   std::function<double(unsigned rank)> rank_clock;
   /// The processes that compute the world together. This process is rank 0. Only the program `troupe` sets
   /// this option (docs/cluster.md). Null: this process computes the world alone.
-  std::shared_ptr<RankProcesses> processes;
+  std::shared_ptr<RankProcesses> processes = {};
   /// True: each rank stores only the state of its own robots and of robots near them (docs/cluster.md). This
   /// process then has the state of all other robots only after a call of engine::World::gather(), which
   /// fetches the state from the other ranks. Only the program `troupe` sets this option.
@@ -140,22 +140,22 @@ struct ResumeOptions {
   /// {"/types/1/drive/params/velocity_max_x_mps", "0.5"}. The pointers refer to the JSON text in the dataset
   /// /world of the checkpoint, which is an HDF5 file. Only values that do not change the layout of the state
   /// can be replaced; docs/checkpoints.md lists them. The resumed run then differs from the original.
-  std::vector<std::pair<std::string, std::string>> set;
+  std::vector<std::pair<std::string, std::string>> set = {};
   /// Accepts a checkpoint that another version of Troupe wrote. The results may then differ, in their last
   /// bits or more, from those of that version.
   bool across_versions = false;
   /// Directories to search for plug-ins, as in SimulationOptions. They must contain every plug-in that the
   /// run used.
-  std::vector<std::filesystem::path> plugin_path;
+  std::vector<std::filesystem::path> plugin_path = {};
   /// Scripts, as in SimulationOptions. They must contain every script that the run used.
-  std::vector<std::shared_ptr<const Script>> scripts;
+  std::vector<std::shared_ptr<const Script>> scripts = {};
   /// Accepts plug-ins and scripts whose files differ from those that were loaded when the checkpoint was
   /// written.
   bool across_plugins = false;
   unsigned ranks = 1;  ///< number of ranks, as in SimulationOptions; may differ from the saved run
-  std::optional<std::uint64_t> rank_seed;           ///< for tests, as in SimulationOptions
+  std::optional<std::uint64_t> rank_seed = {};      ///< for tests, as in SimulationOptions
   std::function<double(unsigned rank)> rank_clock;  ///< as in SimulationOptions
-  std::shared_ptr<RankProcesses> processes;         ///< as in SimulationOptions
+  std::shared_ptr<RankProcesses> processes = {};    ///< as in SimulationOptions
   bool distribute = false;                          ///< as in SimulationOptions
 };
 

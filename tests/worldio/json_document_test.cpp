@@ -205,6 +205,16 @@ TEST(JsonDocument, SetReplacesAndAdds) {
   EXPECT_EQ(*parsed.root->find("m~n")->text(), "3");
 }
 
+TEST(JsonDocument, SetTakesNoBrokenListOrObjectAsAText) {
+  Parsed parsed(R"({"a": 1})");
+  for (const char* value : {"[1, 2", " {\"k\": 1e400}", "{\"k\": 1, \"k\": 2}"})
+    set_json_value(*parsed.root, "/a", value, parsed.diagnostics);
+  EXPECT_THAT(findings(parsed.diagnostics),
+              ElementsAre(HasSubstr("--set /a: error: "), HasSubstr("--set /a: error: "),
+                          "--set /a: error: repeated key \"k\""));
+  EXPECT_EQ(std::get<std::int64_t>(parsed.root->find("a")->value), 1);
+}
+
 TEST(JsonDocument, SetSaysWhatIsWrong) {
   Parsed parsed(R"({"count": 3, "list": [{"name": "a"}]})");
   Diagnostics& diagnostics = parsed.diagnostics;

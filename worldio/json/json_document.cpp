@@ -262,9 +262,13 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
   }
 
   JsonNode node;
-  Diagnostics unread;  // ignored, because a value that is not JSON is taken as a text
-  if (std::optional<JsonNode> parsed = parse_json(value, where, true, unread)) {
+  const std::size_t first = value.find_first_not_of(" \t\n\r");
+  const bool is_structure = first != value.npos && (value[first] == '{' || value[first] == '[');
+  Diagnostics unread;  // ignored, because another value that is not JSON is taken as a text
+  if (std::optional<JsonNode> parsed = parse_json(value, where, true, is_structure ? diagnostics : unread)) {
     node = std::move(*parsed);
+  } else if (is_structure) {
+    return;
   } else {
     node.value = value;
     node.where = where;

@@ -24,9 +24,10 @@ std::optional<JsonNode> parse_json(std::string_view text, Where start, bool fixe
 /// Sets a value of a document, as the option `--set POINTER=VALUE` of the command line does. `pointer` is a
 /// JSON pointer (RFC 6901). If the last token of the pointer is a new key of an object, this key is added. If
 /// it is `-` or the length of a list, the value is appended to the list. A `value` that is not JSON is taken
-/// as a text. If the pointer is malformed, or if the object or list that would contain the value does not
-/// exist, reports an error and leaves the document unchanged. The place of this error is the text `--set
-/// POINTER`. Later errors about the new value have the same place.
+/// as a text, but if it begins with { or [, this is an error. If the pointer is malformed, or if the object
+/// or list that would contain the value does not exist, reports an error too. After an error the document is
+/// unchanged. The place of these errors is the text `--set POINTER`. Later errors about the new value have
+/// the same place.
 void set_json_value(JsonNode& document, const std::string& pointer, const std::string& value,
                     Diagnostics& diagnostics);
 
