@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/fields/description.hpp"
 #include "engine/kinds/measure_kind.hpp"
 #include "engine/sensing/sensing_view.hpp"
 #include "engine/world/world.hpp"
@@ -86,6 +87,9 @@ constexpr std::uint64_t layout() {
        TROUPE_PLUGIN_MEMBERS(Field, name, type, unit, fallback, min, max, text, columns, choices, record,
                              above_min, counts_readings, optional, fixed, provenance, sparse, appearance,
                              member, offset),
+       TROUPE_PLUGIN_MEMBERS(MemberType, type, columns, min, max, optional, is_unsigned, is_bool,
+                             has_whole_numbers, choices, table, get, set, size, resize, block, each, is_state,
+                             element),
        TROUPE_PLUGIN_MEMBERS(FieldTable, fields), TROUPE_PLUGIN_MEMBERS(Value, v),
        TROUPE_PLUGIN_MEMBERS(DecideBatch, tick, time_s, tick_s, period_s, seed, stream, rows, ids, slots,
                              commands, estimates, percepts, device_commands, switches, devices, memories,
