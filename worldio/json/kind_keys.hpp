@@ -9,8 +9,7 @@
 namespace troupe::worldio {
 
 // A kind is a sort of drive, device, controller, measure or fault, with its own parameters. The parameters of
-// a kind are keys of the same JSON object as `name`, `pose` and the other keys that all objects of such kinds
-// have.
+// a kind are keys of the same JSON object as `name`, `pose` and the other keys of objects of such kinds.
 
 /// Checks that worlds can use a kind of a plug-in or of a program. Returns an error if
 /// - the kind has no name, or its name is not one word (engine::is_name());
