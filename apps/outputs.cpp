@@ -74,19 +74,13 @@ bool replaces(const fs::path& output, const fs::path& file) {
   return same_file(output, file) || is_frame_of(output, file);
 }
 
-/// Whether `file` may be a temporary file with which the output is written.
-bool is_partial_file_of(const fs::path& output, const fs::path& file) {
-  return std::ranges::any_of(files_with_partial_file(file),
-                             [&](const fs::path& written) { return replaces(output, written); });
-}
-
-/// An output, and what check_two() needs of it. This is computed once for each output, because a run may have
-/// thousands of snapshots, and each pair of outputs is compared.
-struct Output {
-  explicit Output(const fs::path& output)
-      : file(output), resolved(worldio::resolved_path(output)), partial_of(files_with_partial_file(output)) {
+/// An input or output, and what the checks of pairs of files need of it. This is computed once for each file,
+/// because a run may have thousands of snapshots, and each pair of files is compared.
+struct NamedFile {
+  explicit NamedFile(const fs::path& named)
+      : file(named), resolved(worldio::resolved_path(named)), partial_of(files_with_partial_file(named)) {
     std::error_code ignored;
-    exists = fs::exists(output, ignored);
+    exists = fs::exists(named, ignored);
   }
 
   fs::path file;
@@ -95,18 +89,39 @@ struct Output {
   std::vector<fs::path> partial_of;  ///< files_with_partial_file()
 };
 
+/// Whether `file` has the name of a temporary file with which `output` may be written.
+bool is_partial_file_of(const fs::path& output, const NamedFile& file) {
+  return std::ranges::any_of(file.partial_of,
+                             [&](const fs::path& written) { return replaces(output, written); });
+}
+
+/// Throws OutputError if the output would replace the input, or if one has the name of a temporary file of
+/// the other. what: what the input is (Input::what)
+void check_input(const NamedFile& output, const NamedFile& input, std::string_view what) {
+  if (replaces(output.file, input.file))
+    refuse_output(output.file,
+                  fmt::format("it is {}, which this command reads: choose another file name", what));
+  if (is_partial_file_of(output.file, input))
+    refuse_output(output.file,
+                  fmt::format("{}, {}, has the name of its temporary file: choose another file name", what,
+                              input.file.string()));
+  if (is_partial_file_of(input.file, output))
+    refuse_output(output.file,
+                  fmt::format("a temporary file of {}, {}, may have this name: choose another file name",
+                              what, input.file.string()));
+}
+
 /// Throws OutputError if the two outputs write the same file.
-void check_two(const Output& output, const Output& other) {
+void check_two(const NamedFile& output, const NamedFile& other) {
   const bool is_same = output.resolved == other.resolved ||
                        (output.exists && other.exists && same_file(output.file, other.file));
   if (is_same || is_frame_of(output.file, other.file) || is_frame_of(other.file, output.file))
     refuse_output(output.file, "another output has the same name: choose another file name");
-  const auto check_partial = [](const Output& whole, const Output& partial) {
-    for (const fs::path& written : partial.partial_of)
-      if (replaces(whole.file, written))
-        refuse_output(partial.file, fmt::format("another output, {}, uses this name for a temporary file: "
-                                                "choose another file name",
-                                                whole.file.string()));
+  const auto check_partial = [](const NamedFile& whole, const NamedFile& partial) {
+    if (is_partial_file_of(whole.file, partial))
+      refuse_output(partial.file, fmt::format("another output, {}, uses this name for a temporary file: "
+                                              "choose another file name",
+                                              whole.file.string()));
   };
   check_partial(output, other);
   check_partial(other, output);
@@ -169,26 +184,16 @@ void refuse_output(const fs::path& file, std::string_view reason) {
 }
 
 void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>& outputs) {
-  std::vector<Output> before;
-  for (auto output = outputs.begin(); output != outputs.end(); ++output) {
-    if (output->empty()) continue;
-    check_output(*output);
-    for (const auto& [file, what] : inputs) {
-      if (replaces(*output, file))
-        refuse_output(*output,
-                      fmt::format("it is {}, which this command reads: choose another file name", what));
-      if (is_partial_file_of(*output, file))
-        refuse_output(*output, fmt::format("{}, {}, has the name of its temporary file: choose another file "
-                                           "name",
-                                           what, file.string()));
-      if (is_partial_file_of(file, *output))
-        refuse_output(*output, fmt::format("a temporary file of {}, {}, may have this name: choose another "
-                                           "file name",
-                                           what, file.string()));
-    }
-    const Output checked(*output);
-    for (const Output& other : before) check_two(checked, other);
-    before.push_back(checked);
+  std::vector<NamedFile> read;
+  for (const Input& input : inputs) read.emplace_back(input.file);
+  std::vector<NamedFile> written;
+  for (const fs::path& file : outputs) {
+    if (file.empty()) continue;
+    check_output(file);
+    const NamedFile output(file);
+    for (std::size_t i = 0; i < inputs.size(); ++i) check_input(output, read[i], inputs[i].what);
+    for (const NamedFile& other : written) check_two(output, other);
+    written.push_back(output);
   }
 }
 

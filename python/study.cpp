@@ -55,6 +55,9 @@ void bind_study(py::module_& module) {
              "with one pair per\nrun: the values of the parameters, as JSON texts, and the seed. Its item "
              "\"check_columns\" is a function of the\nnames of the measures, which raises InputError if two "
              "columns of the results would have the same name.");
+  module.def(
+      "_runs_text", [](const std::vector<std::size_t>& runs) { return worldio::runs_text(runs); },
+      py::arg("runs"));
   module.def("_ticks_until", &engine::ticks_until, py::arg("end_s"), py::arg("tick_s"));
   module.def("_period_ticks", &engine::period_ticks, py::arg("period_s"), py::arg("tick_s"));
 }

@@ -211,9 +211,7 @@ void add_charges(const World& world, Frame& frame) {
   for_each_device(world, frame, [&](std::uint32_t body, Row row, const BodyType::Device& device) {
     double& charge = frame.charges[body];
     if (device.kind->energy && std::isnan(charge))  // the first of several devices
-      charge = engine::call_hook(world, row, device, [&] {
-                 return device.kind->energy(world.percepts(device), world.slot(row));
-               }).proportion_remaining();
+      charge = engine::energy_of(world, row, device).proportion_remaining();
   });
 }
 

@@ -328,11 +328,8 @@ std::optional<Model::Energy> Model::energy() const {
   const engine::World& world = *place_->world;
   const engine::TypeSpec& spec = world.spec().type(place_->body);
   for (std::size_t part = place_->part;; part = spec.parts[part].parent) {
-    if (const auto* pack = device_on(place_->type(), part, &engine::DeviceKind::energy)) {
-      const Row row = place_->row();
-      return engine::call_hook(world, row, *pack,
-                               [&] { return pack->kind->energy(world.percepts(*pack), world.slot(row)); });
-    }
+    if (const auto* pack = device_on(place_->type(), part, &engine::DeviceKind::energy))
+      return engine::energy_of(world, place_->row(), *pack);
     if (part == 0) return {};
   }
 }

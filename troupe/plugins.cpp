@@ -6,7 +6,7 @@
 #include "engine/world/kind_errors.hpp"
 #include "troupe/plugin_library.hpp"
 #include "worldio/files.hpp"
-#include "worldio/json/kind_keys.hpp"
+#include "worldio/json/kind_checks.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>

@@ -93,7 +93,7 @@ class Plugins {
 /// that loads the kinds. `registry` and its copies keep this object alive. Throws InputError as
 /// Plugins::add() does. Throws std::invalid_argument if a kind of the registry, or a parameter of a kind, has
 /// a reserved name: JSON worlds, checkpoints or recordings use such a name for another purpose
-/// (worldio/json/kind_keys.hpp).
+/// (worldio/json/kind_checks.hpp).
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path,
                                      std::span<const std::shared_ptr<const Script>> scripts = {});
 

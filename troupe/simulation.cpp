@@ -398,8 +398,7 @@ Model::Energy Simulation::energy() const {
     if (!row.valid()) continue;
     for (const engine::BodyType::Device& device : w.type(row).devices) {
       if (!device.kind->energy) continue;
-      const Model::Energy pack = engine::call_hook(
-          w, row, device, [&] { return device.kind->energy(w.percepts(device), w.slot(row)); });
+      const Model::Energy pack = engine::energy_of(w, row, device);
       sum.stored_j += pack.stored_j;
       sum.capacity_j += pack.capacity_j;
       sum.dissipated_j += pack.dissipated_j;

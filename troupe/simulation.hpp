@@ -117,7 +117,7 @@ struct SimulationOptions {
   /// with the number of the calling rank as its argument. With a clock, robots move to other ranks if the
   /// ranks take unequal times, and rank_work() and rank_statistics() contain times. No result depends on the
   /// clock. Null: no clock.
-  std::function<double(unsigned rank)> rank_clock;
+  std::function<double(unsigned rank)> rank_clock = {};
   /// The processes that compute the world together. This process is rank 0. Only the program `troupe` sets
   /// this option (docs/cluster.md). Null: this process computes the world alone.
   std::shared_ptr<RankProcesses> processes = {};
@@ -153,10 +153,10 @@ struct ResumeOptions {
   /// written.
   bool across_plugins = false;
   unsigned ranks = 1;  ///< number of ranks, as in SimulationOptions; may differ from the saved run
-  std::optional<std::uint64_t> rank_seed = {};      ///< for tests, as in SimulationOptions
-  std::function<double(unsigned rank)> rank_clock;  ///< as in SimulationOptions
-  std::shared_ptr<RankProcesses> processes = {};    ///< as in SimulationOptions
-  bool distribute = false;                          ///< as in SimulationOptions
+  std::optional<std::uint64_t> rank_seed = {};           ///< for tests, as in SimulationOptions
+  std::function<double(unsigned rank)> rank_clock = {};  ///< as in SimulationOptions
+  std::shared_ptr<RankProcesses> processes = {};         ///< as in SimulationOptions
+  bool distribute = false;                               ///< as in SimulationOptions
 };
 
 /// The phases of a tick (a time step), in the order in which they run: intervene, sense, actuate, decide,

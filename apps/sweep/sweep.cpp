@@ -15,12 +15,10 @@
 #include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <map>
 #include <optional>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -127,25 +125,13 @@ void write_tables(const SweepTable& table, const std::vector<std::string>& measu
   if (worldio::has_hdf5()) write_hdf5(table, hdf5_file(folder));
 }
 
-/// Returns ascending indices of runs as text, such as "2 to 4, 7".
-std::string ranges_of(std::span<const std::size_t> runs) {
-  std::vector<std::string> ranges;
-  for (std::size_t first = 0, last; first < runs.size(); first = last + 1) {
-    last = first;
-    while (last + 1 < runs.size() && runs[last + 1] == runs[last] + 1) ++last;
-    ranges.push_back(first == last ? fmt::to_string(runs[first])
-                                   : fmt::format("{} to {}", runs[first], runs[last]));
-  }
-  return fmt::format("{}", fmt::join(ranges, ", "));
-}
-
 /// Prints the errors of failed runs on standard error. An error that several runs have is printed once.
 void print_errors(const std::map<std::size_t, std::string>& failed) {
   std::map<std::string_view, std::vector<std::size_t>> runs;
   for (const auto& [run, error] : failed) runs[error].push_back(run);
   for (const auto& [run, error] : failed)
     if (const std::vector<std::size_t>& same = runs[error]; same.front() == run)
-      fmt::print(stderr, "run{} {}: {}\n", same.size() == 1 ? "" : "s", ranges_of(same), error);
+      fmt::print(stderr, "run{} {}: {}\n", same.size() == 1 ? "" : "s", worldio::runs_text(same), error);
 }
 
 void print_result(const SweepTable& table, bool is_complete, const fs::path& folder) {

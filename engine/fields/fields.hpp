@@ -109,7 +109,7 @@ struct MemberType;
 /// (engine/fields/description.hpp). Parsing, validation, error messages, `troupe describe` and the reference
 /// page use these descriptions. The characters of all strings must live as long as the field.
 struct Field {
-  std::string_view name;               ///< lower case with underscores; keys in files append the unit
+  std::string_view name = {};          ///< lower case with underscores; keys in files append the unit
   FieldType type = FieldType::number;  ///< type of the value
   Unit unit = Unit::none;              ///< unit of the number, or of each number of a list
   /// Default value, in SI units. It may be empty (Value::given() is false). What happens if a file lacks the
@@ -117,15 +117,15 @@ struct Field {
   /// - If `optional` is true, the parameter has no value.
   /// - If the type is record, the parameter has the defaults of the table `record`.
   /// - Otherwise a missing field is an error (required()).
-  Value fallback;
+  Value fallback = {};
   /// Lower limit of the number, or of each number of a list, in SI units. The limit itself is allowed, unless
   /// above_min is set.
   double min = -std::numeric_limits<double>::infinity();
   /// Upper limit of the number, or of each number of a list, in SI units. The limit itself is allowed.
   double max = std::numeric_limits<double>::infinity();
-  std::string_view text;                  ///< meaning in one sentence, for documentation and errors
-  std::size_t columns = 0;                ///< for type numbers: length of the list; 0: any length
-  std::vector<std::string_view> choices;  ///< for type text: the allowed values; empty: any text
+  std::string_view text = {};                  ///< meaning in one sentence, for documentation and errors
+  std::size_t columns = 0;                     ///< for type numbers: length of the list; 0: any length
+  std::vector<std::string_view> choices = {};  ///< for type text: the allowed values; empty: any text
   /// For types record and records: the table of the fields of a block. The table must outlive this object.
   /// Null for all other types, and for members of the C++ type Record, whose table only the code that reads
   /// them knows.

@@ -78,11 +78,11 @@ void to_doubles(Element element, std::span<const std::byte> bytes, std::span<dou
 
 /// A field of a state component (a StateTable): its name, element type, number of columns, unit and meaning.
 struct StateField {
-  std::string name;                ///< name, unique in the component
+  std::string name = {};           ///< name, unique in the component
   Element element = Element::f64;  ///< type of the values
   std::uint32_t columns = 1;       ///< values per row
-  std::string unit;                ///< unit of the values: "m", "rad/s"; empty: none
-  std::string text;                ///< meaning, in one line, for documentation and recordings
+  std::string unit = {};           ///< unit of the values: "m", "rad/s"; empty: none
+  std::string text = {};           ///< meaning, in one line, for documentation and recordings
   /// Offset of the field within a row, bytes. Used only in tables with StateTable::Layout::rows. If the rows
   /// are structs, it is the offset of the member in the struct. Otherwise the constructor of StateTable sets
   /// it.

@@ -40,11 +40,12 @@ inline constexpr std::size_t k_most_fallible = 32;
 /// lasts (Impairment). The world selects the robots that may fail, and draws the random times. As long as no
 /// robot is impaired, faults take no extra computing time.
 struct FaultKind {
-  std::string_view name;  ///< name in files; unique among the fault kinds
+  std::string_view name = {};  ///< name in files; unique among the fault kinds
   /// Description in one sentence, which the command `troupe describe` prints. `name` and `text` must live as
   /// long as the kind.
-  std::string_view text;
-  FieldTable params;  ///< table of the parameters of a fault of this kind, with their limits and defaults
+  std::string_view text = {};
+  FieldTable params =
+      {};  ///< table of the parameters of a fault of this kind, with their limits and defaults
   /// Computes the Impairment for the bodies of a type from the parameters of a fault. The parameters are
   /// within the limits of `params`. The error says why bodies of the type cannot have the fault. Called when
   /// a world is built or restarted, for each fault of the world file: once for each type whose bodies may

@@ -275,12 +275,12 @@ inline constexpr std::string_view k_runs_of_others = "runs";
 /// A kind of device: a sensor, which only reads the world, or another device (gripper, light, power pack),
 /// which acts on its own body or on other bodies. Each device is on a part of a body and has a state.
 struct DeviceKind {
-  std::string_view name;  ///< name in files: "ranger"
-  std::string_view text;  ///< description in one sentence, which `troupe describe` prints
-  FieldTable params;      ///< table of the parameters of a device of this kind
+  std::string_view name = {};  ///< name in files: "ranger"
+  std::string_view text = {};  ///< description in one sentence, which `troupe describe` prints
+  FieldTable params = {};      ///< table of the parameters of a device of this kind
   /// Names of the joints that the device moves; the list is empty if it moves none. If the device moves only
   /// one joint, the name of this joint may be empty.
-  std::vector<std::string_view> joints;
+  std::vector<std::string_view> joints = {};
   /// Whether the device can pick up other bodies (World::attach()).
   bool carries = false;
   /// Whether the device is a drive device: it moves a part of the body, in the same way as a drive moves the
@@ -293,7 +293,7 @@ struct DeviceKind {
   bool drives = false;
   /// A solid (a rigid shape) of a device, with the joints of the device at rest.
   struct Fixture {
-    Solid solid;              ///< the solid, device frame
+    Solid solid = {};         ///< the solid, device frame
     std::int32_t joint = -1;  ///< index of the device's joint that moves the solid; -1: none
   };
   /// Names of the data of other bodies that `sense` and `act` read. The places of other bodies (SensingView)
@@ -308,7 +308,7 @@ struct DeviceKind {
   /// A hook must not read other data of other bodies. If several ranks compute the world together, such data
   /// may be out of date. Tests find wrong reads with the mode World::hide_beyond_reach(), which overwrites
   /// all data of other bodies that have no name in this list.
-  std::vector<std::string_view> reads;
+  std::vector<std::string_view> reads = {};
   /// The bodies that `apply` may change. Tests check this rule with the mode World::hide_beyond_reach(): a
   /// step then throws a StepError if `apply` changes any other body.
   ApplyScope scope = ApplyScope::anything;
@@ -316,15 +316,15 @@ struct DeviceKind {
   std::vector<Fixture> (*body)(const Record& params) = nullptr;
   /// A device compiled from its parameters: the data of its hooks and the layout of its state.
   struct Prepared {
-    std::any data;                     ///< the argument `data` of the hooks
-    std::vector<StateField> percepts;  ///< fields of the device's state table
+    std::any data = {};                     ///< the argument `data` of the hooks
+    std::vector<StateField> percepts = {};  ///< fields of the device's state table
     /// Size of one row of the state table, bytes, if the state of a body is a struct; otherwise 0. For a
     /// struct, `percepts` must be the list that memory_fields() (engine/kinds/controller.hpp) returns for
     /// this struct.
     std::size_t percept_bytes = 0;
     /// Fields of the command struct, in which controllers write commands to the device. Empty: the device
     /// takes no commands. memory_fields() in engine/kinds/controller.hpp returns the fields of a struct.
-    std::vector<StateField> commands;
+    std::vector<StateField> commands = {};
     std::size_t command_bytes = 0;  ///< size of the command struct, bytes
     /// The reach of the device, m: radius of a disc around the origin of the device's body. `sense` and `act`
     /// must not read the data of a body whose enclosing circle is outside the disc. Bodies that move together
@@ -358,16 +358,16 @@ struct DeviceKind {
     double watts = 0;
     /// Poses of the device's joints at tick 0 or at the birth of the body, relative to rest, m and rad: one
     /// for each name of DeviceKind::joints. Empty: all joints are at rest.
-    std::vector<Pose> joints;
+    std::vector<Pose> joints = {};
     double joint_reach_m = 0;  ///< largest horizontal shift of its joints from rest, m; turns do not count
     /// For rangers (range sensors): heading of the beam of each reading in the sensor frame, rad. Field 0 of
     /// `percepts` of a ranger must hold the ranges. Empty for all other devices.
-    std::vector<double> bearings;
+    std::vector<double> bearings = {};
     /// For rangers: the fans of beams, in the order of the readings. Each reading belongs to one fan. Empty
     /// for all other devices.
-    std::vector<Transducer> transducers;
-    std::optional<Camera> camera;      ///< for cameras: their images
-    std::optional<SoughtMarks> seeks;  ///< for fiducial finders: the parts that they detect
+    std::vector<Transducer> transducers = {};
+    std::optional<Camera> camera = {};      ///< for cameras: their images
+    std::optional<SoughtMarks> seeks = {};  ///< for fiducial finders: the parts that they detect
   };
   /// Compiles the parameters, which the caller has checked against the limits of `DeviceKind::params`. The
   /// hook must be a pure function. If it throws, building the world reports an error at the position of the
@@ -375,7 +375,7 @@ struct DeviceKind {
   ///
   /// pose_body_device: pose of the device in the body frame, with all joints at rest; poses in the parameters
   /// are relative to this pose
-  Prepared (*prepare)(const Record& params, const Pose& pose_body_device);
+  Prepared (*prepare)(const Record& params, const Pose& pose_body_device) = nullptr;
   /// Called after each call of `prepare`: completes `data` (Prepared::data) from the type and from the part
   /// that carries the device. `part` is the index of this part in TypeSpec::parts. The error says why the
   /// type or the part does not suit the device. Null: not needed.
@@ -490,19 +490,19 @@ struct DriveBatch {
 
 /// A kind of drive, which computes velocities from commands.
 struct DriveKind {
-  std::string_view name;  ///< name in files: "diff"
-  std::string_view text;  ///< description in one sentence, which `troupe describe` prints
-  FieldTable params;      ///< table of the parameters of a drive of this kind
+  std::string_view name = {};  ///< name in files: "diff"
+  std::string_view text = {};  ///< description in one sentence, which `troupe describe` prints
+  FieldTable params = {};      ///< table of the parameters of a drive of this kind
   /// Compiles the parameters to the argument `data` of the other hooks. The hook must accept all parameters
   /// within the limits of `params`, because the engine calls it even if `check` returned an error. If this
   /// hook, `check`, `localization` or `pushes` throws, building the world reports an error at the position of
   /// the drive in the world file.
-  std::any (*prepare)(const Record& params);
+  std::any (*prepare)(const Record& params) = nullptr;
   /// Checks that the parameters are consistent. The error says which parameters are inconsistent, and why.
-  Result<> (*check)(const Record& params);
+  Result<> (*check)(const Record& params) = nullptr;
   /// Computes the velocities of a batch from the commands, within the limits of the drive. If a computed
   /// velocity, or a command, is not finite, World::step() throws a StepError that names the robot.
-  void (*drive)(const std::any& data, const DriveBatch& batch);
+  void (*drive)(const std::any& data, const DriveBatch& batch) = nullptr;
   /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0. If it is not
   /// finite, making the world, or the birth of the robot, throws a StepError that names the robot.
   Velocity (*start)(const std::any& data) = nullptr;
@@ -563,11 +563,11 @@ struct Percept {
   std::uint32_t body = 0;  ///< id of the robot
   /// States of the sensors and other devices that the controller uses, in the order of
   /// ControllerKind::Prepared::devices.
-  std::span<const Readings> devices;
+  std::span<const Readings> devices = {};
   /// Estimated pose of the robot, m and rad, in the frame that the Localization of its drive defines
   /// (engine/kinds/localization.hpp). If the controller commands a drive device (DeviceKind::drives):
   /// estimated pose of the drive device, as the state of the drive device gives it.
-  Pose estimate;
+  Pose estimate = {};
 
   /// Ranges that a ranger (range sensor) measured, m, one per beam. `ranger` is the index of the ranger in
   /// `devices`. Throws std::out_of_range if there is no such index. The device must be a ranger.
@@ -725,11 +725,11 @@ struct DeviceInfo {
 
 /// A kind of controller. A controller computes commands from the state of devices and from its memory.
 struct ControllerKind {
-  std::string_view name;    ///< name in files: "wander"
-  std::string_view text;    ///< description in one sentence, which `troupe describe` prints
-  FieldTable params;        ///< table of the parameters of a controller of this kind
-  bool needs_drive = true;  ///< false: bodies without a drive may also have the controller
-  bool switches = false;    ///< whether controllers of this kind may call Actions::switch_device()
+  std::string_view name = {};  ///< name in files: "wander"
+  std::string_view text = {};  ///< description in one sentence, which `troupe describe` prints
+  FieldTable params = {};      ///< table of the parameters of a controller of this kind
+  bool needs_drive = true;     ///< false: bodies without a drive may also have the controller
+  bool switches = false;       ///< whether controllers of this kind may call Actions::switch_device()
   /// True: one call of `decide` decides for all robots of a type that decide in a tick. The batch has them in
   /// the order of their ids, and the commands may depend on all of them. The call is made on the thread that
   /// steps the world, after the calls of all controllers for which this member is false. If several ranks
@@ -737,23 +737,23 @@ struct ControllerKind {
   /// because each call into another language is slow.
   bool is_collective = false;
   /// Fields of the memory struct that the engine keeps for each robot; empty: the controller has no memory.
-  std::vector<StateField> memory;
+  std::vector<StateField> memory = {};
   std::size_t memory_bytes = 0;  ///< size of the memory struct, bytes
   /// Initialises the memory struct of a robot at tick 0 or at its birth. The hook must set every field,
   /// whatever the bytes of the struct held before. `troupe check --controllers` tests this rule: it calls
   /// the hook on two memories that are filled with different bytes. Not called if the controller has no
   /// memory.
-  void (*start)(std::byte* memory);
+  void (*start)(std::byte* memory) = nullptr;
 
   /// A controller compiled from its parameters.
   struct Prepared {
-    std::any data;  ///< the argument `data` of `decide`
+    std::any data = {};  ///< the argument `data` of `decide`
     /// The devices that the controller uses, at most k_most_devices_read: indices into the argument `devices`
     /// of `prepare`. The controller decides in the ticks in which the first of these devices is due, even if
     /// that device is switched off, broken or without power. If the controller uses no devices, it decides in
     /// the ticks in which the drive of the body is due. If there is no drive either, it decides once per
     /// ControllerSpec::period_s.
-    std::vector<std::size_t> devices;
+    std::vector<std::size_t> devices = {};
   };
   /// Compiles the parameters and chooses the devices that the controller uses. The text of the error says
   /// what the type lacks. It must continue the words `controller "NAME"`, for example with `needs a device of
@@ -764,7 +764,7 @@ struct ControllerKind {
   /// claimed: one entry per entry of `devices`; true: an earlier controller in the type's list has reserved
   /// the device for itself. The hook reserves a device by setting the entry to true.
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
-                              std::vector<bool>& claimed);
+                              std::vector<bool>& claimed) = nullptr;
   /// Called after each call of `prepare`: completes `data` (Prepared::data) from the world, the type and the
   /// part of the controller, for example from a floor plan. `part` is the index of this part in
   /// TypeSpec::parts. The error says why the world or the type does not suit the controller. Null: not
@@ -775,10 +775,10 @@ struct ControllerKind {
   /// loader of Stage files adds a device of each of these kinds to each model with this controller, unless
   /// the model has a device of that kind. The added devices have default parameters. Other loaders add no
   /// devices.
-  std::vector<std::string_view> brings;
+  std::vector<std::string_view> brings = {};
   /// Decides for all robots of the batch: sets their commands and memories. make_controller_kind() makes this
   /// hook from a function that decides for one robot.
-  void (*decide)(const std::any& data, const DecideBatch& batch);
+  void (*decide)(const std::any& data, const DecideBatch& batch) = nullptr;
 };
 
 /// All kinds that a world can use. A registry is passed as an argument and is never global.

@@ -40,22 +40,22 @@ class Measure {
 /// measure can be computed for all robots, for some of them, or for one. The values of a measure are a column
 /// of the results of a run.
 struct MeasureKind {
-  std::string_view name;        ///< name of the measure and of its column in the results
-  Unit unit = Unit::none;       ///< SI unit of the values; MeasureSet adds it to the name of the column
-  std::string_view text;        ///< description in one line
-  std::string_view definition;  ///< exact definition, and the publication that it is from
+  std::string_view name = {};        ///< name of the measure and of its column in the results
+  Unit unit = Unit::none;            ///< SI unit of the values; MeasureSet adds it to the name of the column
+  std::string_view text = {};        ///< description in one line
+  std::string_view definition = {};  ///< exact definition, and the publication that it is from
   /// The definition as a formula, in which n is the number of robots and x_i the position of robot i; may be
   /// empty.
-  std::string_view formula;
+  std::string_view formula = {};
   /// Name of the original measure, if this measure is an alias; otherwise empty. An alias is computed only if
   /// the user chooses it (is_usual()).
-  std::string_view same_as;
+  std::string_view same_as = {};
   /// Whether code in another language, such as Python, computes the measure. The values of such a measure
   /// need not have the same bits in every run. An exception of such code reaches the caller of MeasureSet,
   /// the class that computes all measures of a run, unchanged. Only a std::logic_error from `make` does not:
   /// the constructor of MeasureSet reports it in its diagnostics.
   bool is_foreign = false;
-  FieldTable params;  ///< table of the parameters of a measure of this kind
+  FieldTable params = {};  ///< table of the parameters of a measure of this kind
   /// Whether the measure is computed if the user chooses no measures. True if it is not an alias and all its
   /// parameters have default values.
   bool is_usual() const { return same_as.empty() && std::ranges::all_of(params.defaults(), &Value::given); }
@@ -66,7 +66,8 @@ struct MeasureKind {
   ///
   /// The measure must keep the ids, not the rows (indices in the state tables), because the row of a robot
   /// can change during a run. World::row() returns the present row of a robot.
-  std::unique_ptr<Measure> (*make)(const World& world, const Record& params, std::vector<BodyId> robots);
+  std::unique_ptr<Measure> (*make)(const World& world, const Record& params,
+                                   std::vector<BodyId> robots) = nullptr;
 };
 
 /// Makes a measure kind from a class M, which is derived from Measure. The constructor of M takes (world,

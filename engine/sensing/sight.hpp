@@ -96,11 +96,12 @@ struct SightRay {
   /// Row of the sensor's body. The ray passes through this body and through the bodies that move together
   /// with it (SensingView::same_tree()). Not valid(): the ray passes through no body.
   Row own;
-  std::optional<double> z;  ///< height of the ray, world frame, m; not set: it hits surfaces at any height
+  std::optional<double> z =
+      {};  ///< height of the ray, world frame, m; not set: it hits surfaces at any height
   bool (*stops)(const Returns&) = nullptr;  ///< returns whether a part stops the ray; null: all parts do
   /// Row of a second body that the ray passes through, together with the bodies that move with it. Example:
   /// the body of a lamp towards which the ray points. Not valid(): there is no such body.
-  Row target;
+  Row target = {};
 };
 
 /// Returns the part whose surface a ray hit. Call this only if hit.met() is true.

@@ -17,7 +17,7 @@ struct SightLine {
   double length = 0;
   /// Row (index in the state tables) of a body that the ray passes through, together with the bodies that
   /// move with it (SensingView::same_tree()). Not valid(): there is no such body.
-  Row target;
+  Row target = {};
 };
 
 /// Casts many horizontal rays from one origin. The results equal, bit for bit, those of engine::first_met()

@@ -63,4 +63,9 @@ void throw_hook_error(const World& world, Row row, const BodyType::Device& what)
                                      what.kind->name, world.spec().name(world.body(row)), thrown_text())));
 }
 
+Energy energy_of(const World& world, Row row, const BodyType::Device& device) {
+  return call_hook(world, row, device,
+                   [&] { return device.kind->energy(world.percepts(device), world.slot(row)); });
+}
+
 }  // namespace troupe::engine

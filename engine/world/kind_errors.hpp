@@ -69,4 +69,8 @@ auto call_hook(const World& world, Row row, const BodyType::Device& what, Call&&
   }
 }
 
+/// Returns the result of the hook DeviceKind::energy of a device, called as call_hook() does. The kind of the
+/// device must have this hook.
+Energy energy_of(const World& world, Row row, const BodyType::Device& device);
+
 }  // namespace troupe::engine

@@ -115,17 +115,6 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
     return row, series
 
 
-def _ranges_of(runs: Sequence[int]) -> str:
-    """Returns ascending indices of runs as text, such as "2 to 4, 7"."""
-    ranges: List[List[int]] = []
-    for run in runs:
-        if ranges and run == ranges[-1][1] + 1:
-            ranges[-1][1] = run
-        else:
-            ranges.append([run, run])
-    return ", ".join(str(first) if first == last else f"{first} to {last}" for first, last in ranges)
-
-
 def _check_failures(failed: Dict[int, Exception], runs: int) -> None:
     """Raises the exception of the first failed run if all runs of a series have failed, and warns if some have."""
     if not failed:
@@ -135,7 +124,7 @@ def _check_failures(failed: Dict[int, Exception], runs: int) -> None:
         raise failed[first]
     warnings.warn(
         f"{len(failed)} of {runs} runs failed and have no rows in this series: run{'' if len(failed) == 1 else 's'} "
-        f"{_ranges_of(sorted(failed))}. Run {first}: {failed[first]}", RuntimeWarning, stacklevel=3)
+        f"{_core._runs_text(sorted(failed))}. Run {first}: {failed[first]}", RuntimeWarning, stacklevel=3)
 
 
 def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,

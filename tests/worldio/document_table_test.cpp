@@ -5,7 +5,7 @@
 #include "engine/kinds/kinds.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/registry.hpp"
-#include "worldio/json/kind_keys.hpp"
+#include "worldio/json/kind_checks.hpp"
 #include "worldio/json/world_document.hpp"
 #include "worldio/load.hpp"
 

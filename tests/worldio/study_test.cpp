@@ -177,6 +177,12 @@ TEST_F(StudyFile, NamesOfColumnsAreUnique) {
               ElementsAre(HasSubstr("column \"state_hash\""), HasSubstr("column \"x_mean\"")));
 }
 
+TEST(RunsText, JoinsIndicesThatFollowEachOther) {
+  const std::vector<std::size_t> runs{2, 3, 4, 7, 9, 10};
+  EXPECT_EQ(runs_text(runs), "2 to 4, 7, 9 to 10");
+  EXPECT_EQ(runs_text({}), "");
+}
+
 TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "value": [1]}])"),
               testing::Contains(HasSubstr("study.json:2: error: /parameters/0: missing \"values\"")));

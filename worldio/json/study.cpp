@@ -13,6 +13,7 @@
 #include "worldio/json/measures_json.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -474,6 +475,17 @@ void check_columns(const Study& study, const std::vector<std::string>& measures,
           fmt::format("/parameters/{}: the table of results already has a column \"{}\", that of a measure: "
                       "give this parameter another \"name\"",
                       p, study.parameters[p].name));
+}
+
+std::string runs_text(std::span<const std::size_t> runs) {
+  std::vector<std::string> ranges;
+  for (std::size_t first = 0, last; first < runs.size(); first = last + 1) {
+    last = first;
+    while (last + 1 < runs.size() && runs[last + 1] == runs[last] + 1) ++last;
+    ranges.push_back(first == last ? fmt::to_string(runs[first])
+                                   : fmt::format("{} to {}", runs[first], runs[last]));
+  }
+  return fmt::format("{}", fmt::join(ranges, ", "));
 }
 
 Study load_study(const std::filesystem::path& file, const engine::Registry& registry,

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -101,6 +102,9 @@ std::vector<std::string> measure_columns(const std::vector<std::string>& measure
 /// tables. The other column can be that of a parameter or of another measure, or one that every table has,
 /// such as `seed`. `measures` are the same names as in measure_columns().
 void check_columns(const Study& study, const std::vector<std::string>& measures, Diagnostics& diagnostics);
+
+/// Returns indices of runs, in ascending order, as text for messages, such as "2 to 4, 7".
+std::string runs_text(std::span<const std::size_t> runs);
 
 inline constexpr std::size_t k_most_runs = 1000000;  ///< greatest number of runs of a study
 

@@ -1,4 +1,4 @@
-#include "worldio/json/kind_keys.hpp"
+#include "worldio/json/kind_checks.hpp"
 
 #include "base/diagnostics.hpp"
 #include "engine/kinds/components.hpp"
