@@ -95,6 +95,10 @@ double Measures::value(std::string_view name) {
 
 std::vector<std::byte> Measures::memory() const { return impl_->set.memory(); }
 
-bool Measures::remember(std::span<const std::byte> memory) { return impl_->set.remember(memory); }
+std::vector<std::size_t> Measures::remember(std::span<const std::byte> memory) {
+  return impl_->set.remember(memory);
+}
+
+bool Measures::has_memory(std::size_t column) const { return impl_->set.has_memory(column); }
 
 }  // namespace troupe

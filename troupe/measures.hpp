@@ -70,11 +70,17 @@ class Measures {
   /// which a run can be resumed). Throws a std::runtime_error if a measure of a plug-in now stores another
   /// number of bytes than at first.
   std::vector<std::byte> memory() const;
-  /// Restores the data that memory() returned. This object must have the same measures as the object that
-  /// returned the data. The simulation must be in the state that it had when memory() was called, and this
-  /// object must have been constructed or updated by see() in this state. Returns false, and changes nothing,
-  /// if the number of bytes does not match these measures.
-  bool remember(std::span<const std::byte> memory);
+  /// Restores the data that memory() returned, for each measure of this object that the data contain. They
+  /// contain a measure if the object that returned them had one of the same kind, with the same robots and
+  /// parameters; names of columns do not matter. The simulation must be in the state that it had when
+  /// memory() was called, and this object must have been constructed or updated by see() in this state.
+  ///
+  /// Returns the indices in columns() of the measures that the data do not contain, or contain in another
+  /// size, for example because the bounds of the world have changed. These measures are not changed: those
+  /// that need data about earlier ticks (has_memory()) begin with the current state.
+  std::vector<std::size_t> remember(std::span<const std::byte> memory);
+  /// Whether the measure of a column stores data about earlier ticks. The column must exist.
+  bool has_memory(std::size_t column) const;
 
  private:
   struct Impl;

@@ -31,7 +31,7 @@ namespace {
 constexpr const char* k_spare = "spare";                // key in a header
 constexpr std::string_view k_plugin = "plugin ";        // prefix of keys in a header: plugin NAME
 constexpr const char* k_holds = "holds";                // key in the memories of a checkpoint
-constexpr const char* k_stop_conditions = "stop_when";  // prefix of keys: StopConditions::memory_name()
+constexpr const char* k_stop_conditions = "stop_when";  // key in the memories of a checkpoint
 
 /// Throws InputError for a checkpoint of another version unless `across_versions`. Returns a warning if
 /// another version, or another build of this version, wrote the checkpoint.
@@ -145,8 +145,15 @@ void Simulation::Impl::restore(const worldio::Checkpoint& checkpoint, Diagnostic
   memories = checkpoint.memories();
   watch_for_the_end(diagnostics);
   if (stop) {
-    if (const auto memory = memories.find(stop->memory_name()); memory != memories.end())
-      stop->remember(memory->second);
+    const auto memory = memories.find(k_stop_conditions);
+    for (const std::string& column :
+         stop->remember(memory == memories.end() ? std::span<const std::byte>() : memory->second))
+      if (world->tick() > 0)
+        warnings.push_back(
+            fmt::format("{}: warning: the checkpoint has no data of earlier ticks for the measure \"{}\" of "
+                        "stop_when, which "
+                        "was added or changed: the measure begins at tick {}",
+                        checkpoint.file().string(), column, world->tick()));
     if (world->tick() > 0) stop->ask();
   }
   if (const auto held = memories.find(k_holds);
@@ -335,7 +342,7 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
   if (impl_->stop)
     if (std::vector<std::byte> memory = impl_->stop->memory(); !memory.empty())
-      memories[impl_->stop->memory_name()] = std::move(memory);
+      memories[k_stop_conditions] = std::move(memory);
   if (!impl_->holds.empty()) memories[k_holds] = impl_->holds.memory();
   worldio::write_checkpoint(checkpoint, *impl_->world, *impl_->registry, header, memories);
 }

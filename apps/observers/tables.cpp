@@ -2,12 +2,12 @@
 
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
-#include "base/hash.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 // Keys under which checkpoints contain the starts of tables.
+constexpr const char* k_measures = "measures";  // key of Measures::memory()
 constexpr const char* k_measures_start = "table of measures";
 constexpr const char* k_events_start = "table of events";
 constexpr const char* k_measures_interval = "interval of measures";  // key of the interval, ticks
@@ -75,12 +76,6 @@ void save_start(Simulation& simulation, const std::string& name, const CsvFile& 
   });
 }
 
-/// Returns the key under which a checkpoint stores the data that these measures keep between ticks. Measures
-/// with other columns have another key.
-std::string memory_name(const Measures& measures) {
-  return fmt::format("measures {}", hex(hash_text(header_of(measures))));
-}
-
 /// Returns the first line of a table of measures; empty if the file is no such table.
 std::string columns_of_table(const fs::path& file) {
   std::string line;
@@ -88,32 +83,40 @@ std::string columns_of_table(const fs::path& file) {
   return line.starts_with(k_measures_mark) ? line : "";
 }
 
-/// Returns `measures`. If the run was resumed, the data that they keep from earlier ticks are restored from
-/// the checkpoint. Throws OutputError, which names the table `file`, if the table has other measures, or if
-/// the checkpoint lacks these data.
-Measures remembering(const fs::path& file, const Simulation& simulation, Measures measures) {
-  const auto fail = [&file](std::string_view reason) {
-    throw OutputError(fmt::format("{}: error: {}", file.string(), reason));
-  };
-  const std::string columns = goes_on(file, simulation) ? columns_of_table(file) : "";
+/// Throws OutputError if `file` is a table of other measures than `measures`.
+void check_columns(const fs::path& file, const Measures& measures) {
+  const std::string columns = columns_of_table(file);
   const std::string header = header_of(measures);
-  if (!columns.empty() && columns != header.substr(0, header.find('\n')))  // names may contain line ends
-    fail(fmt::format(
-        "this table cannot be continued: its first line is \"{}\", but the measures of this run "
-        "have the columns \"{}\": repeat the --measure options of the run that wrote the table, or "
-        "give --measures a new file",
-        columns, header));
-  if (const auto saved = simulation.saved_memory(memory_name(measures))) {
-    if (!measures.remember(*saved))
-      fail(
-          "the checkpoint contains measures with the same names as those of this run, but with other "
-          "parameters: give the measures of this run other names (key \"name\")");
-  } else if (goes_on(file, simulation) && !measures.memory().empty()) {
-    fail(
-        "this table cannot be continued: the checkpoint has no data of earlier ticks for the measures of "
-        "this run, because it was saved without them: give --measures a new file");
-  }
-  return measures;
+  if (columns.empty() || columns == header.substr(0, header.find('\n')))
+    return;  // names may contain line ends
+  throw OutputError(fmt::format(
+      "{}: error: this table cannot be continued: its first line is \"{}\", but the measures of this "
+      "run have the columns \"{}\": repeat the --measure options of the run that wrote the table, or "
+      "give --measures a new file",
+      file.string(), columns, header));
+}
+
+/// Restores the data that the measures keep from earlier ticks from the checkpoint from which the run was
+/// resumed. Returns the columns that need such data, but for which the checkpoint has none. Throws
+/// OutputError, which names the table `file`, if the table is continued but has other measures.
+std::vector<std::string> restore(const fs::path& file, const Simulation& simulation, Measures& measures) {
+  if (!simulation.resumed_at_tick()) return {};
+  if (goes_on(file, simulation)) check_columns(file, measures);
+  const auto saved_measures = simulation.saved_memory(k_measures);
+  std::vector<std::size_t> missing =
+      measures.remember(saved_measures ? *saved_measures : std::vector<std::byte>());
+  if (!saved_measures)
+    std::erase_if(missing, [&](std::size_t column) { return !measures.has_memory(column); });
+  if (!missing.empty() && goes_on(file, simulation))
+    throw OutputError(fmt::format(
+        "{}: error: this table cannot be continued: when the checkpoint was saved, \"{}\" was not "
+        "computed, or with other robots or parameters: repeat the --measure options of the run that "
+        "wrote the table, or give --measures a new file",
+        file.string(), measures.columns()[missing.front()]));
+  std::vector<std::string> fresh;
+  for (const std::size_t column : missing)
+    if (measures.has_memory(column)) fresh.push_back(measures.columns()[column]);
+  return fresh;
 }
 
 }  // namespace
@@ -121,19 +124,20 @@ Measures remembering(const fs::path& file, const Simulation& simulation, Measure
 MeasuresTable::MeasuresTable(const fs::path& file, Simulation& simulation, Measures measures,
                              std::uint64_t every)
     : simulation_(simulation),
-      measures_(remembering(file, simulation, std::move(measures))),
+      file_(file),
+      measures_(std::move(measures)),
+      fresh_(restore(file, simulation, measures_)),
       every_(every),
-      memory_name_(memory_name(measures_)),
       csv_(goes_on(file, simulation)
                ? CsvFile(file, header_of(measures_), saved<CsvFile::Start>(simulation, k_measures_start))
                : CsvFile(file, header_of(measures_))) {
-  simulation_.on_save(memory_name_, [this] { return measures_.memory(); });
+  simulation_.on_save(k_measures, [this] { return measures_.memory(); });
   save_start(simulation_, k_measures_start, csv_, 0);  // the line of its tick is written again
   simulation_.on_save(k_measures_interval, [this] { return memory_of(every_); });
 }
 
 MeasuresTable::~MeasuresTable() {
-  simulation_.on_save(memory_name_, nullptr);
+  simulation_.on_save(k_measures, nullptr);
   simulation_.on_save(k_measures_start, nullptr);
   simulation_.on_save(k_measures_interval, nullptr);
 }
@@ -145,6 +149,16 @@ void MeasuresTable::observe(const Simulation& simulation) {
   for (const double value : measures_.values()) csv_.add(value);
   csv_.end_line();
   csv_.flush(simulation.tick());
+}
+
+std::string MeasuresTable::warning() const {
+  if (fresh_.empty()) return {};
+  return fmt::format(
+      "{}: warning: the checkpoint has no data of earlier ticks for \"{}\", which was not computed before, "
+      "or "
+      "with other robots or parameters: the measure{} at tick {}",
+      file_.string(), fmt::join(fresh_, "\", \""), fresh_.size() == 1 ? " begins" : "s begin",
+      *simulation_.resumed_at_tick());
 }
 
 EventsTable::EventsTable(const fs::path& file, Simulation& simulation)

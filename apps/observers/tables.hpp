@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace troupe::apps {
 
@@ -22,8 +23,9 @@ class MeasuresTable : public Observer {
  public:
   /// Creates the table. If the run was resumed from a checkpoint (saved state of a run), continues an
   /// existing table. Some measures need data from earlier ticks, which are then restored from the checkpoint.
-  /// Throws OutputError if the file cannot be written or continued, or if the data in the checkpoint do not
-  /// fit the measures.
+  /// In a new table, a measure without such data in the checkpoint begins at the present tick; warning()
+  /// names it. Throws OutputError if the file cannot be written or continued, for example because its
+  /// measures were computed with other parameters.
   ///
   /// simulation: must outlive this object
   /// every: interval of the lines, ticks, at least 1
@@ -32,12 +34,14 @@ class MeasuresTable : public Observer {
   ~MeasuresTable() override;
 
   void observe(const Simulation& simulation) override;
+  std::string warning() const override;
 
  private:
   Simulation& simulation_;
+  std::filesystem::path file_;
   Measures measures_;
+  std::vector<std::string> fresh_;  // columns that begin at the tick of the checkpoint
   std::uint64_t every_;
-  std::string memory_name_;
   CsvFile csv_;
 };
 

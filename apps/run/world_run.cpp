@@ -13,6 +13,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <exception>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -269,11 +270,18 @@ void WorldRun::fetch_robots() {
   if (simulation_.rank_statistics().is_distributed) simulation_.world().gather();
 }
 
-/// Notifies the observers of the present tick.
+/// Notifies the observers of the present tick. If some of them throw, notifies all others before the first
+/// exception is thrown again, because a checkpoint of this tick may follow (save_at_least()).
 void WorldRun::observe() {
   if (std::ranges::any_of(observers_, [](const auto& observer) { return observer->reads_robots(); }))
     fetch_robots();
-  for (const auto& observer : observers_) observer->observe(simulation_);
+  std::exception_ptr first;
+  for (const auto& observer : observers_) try {
+      observer->observe(simulation_);
+    } catch (const std::runtime_error&) {
+      if (!first) first = std::current_exception();
+    }
+  if (first) std::rethrow_exception(first);
 }
 
 void WorldRun::step() {

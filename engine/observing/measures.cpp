@@ -1,13 +1,17 @@
 #include "engine/observing/measures.hpp"
 
+#include "base/hash.hpp"
 #include "engine/spec/names.hpp"
 #include "engine/world/kind_errors.hpp"
 
 #include <fmt/format.h>
 
+#include <cstring>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 namespace troupe::engine {
 namespace {
@@ -33,6 +37,54 @@ void see_all(World& world, const Parts& parts, const std::vector<std::string>& c
              std::span<const std::unique_ptr<Measure>> measures) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     call_measure(world, *parts[i].kind, columns[i], [&] { measures[i]->see(world); });
+}
+
+// append() writes a value as text. Different values give different texts, because numbers are written
+// exactly, and texts and lists with their lengths.
+void append(std::string& text, std::monostate) { text += ' '; }
+void append(std::string& text, bool x) { text += x ? "1 " : "0 "; }
+void append(std::string& text, std::int64_t x) { text += fmt::format("{} ", x); }
+void append(std::string& text, double x) { text += fmt::format("{} ", x); }
+void append(std::string& text, const std::string& x) { text += fmt::format("{}:{} ", x.size(), x); }
+void append(std::string& text, const Value& value);
+template <class T>
+void append(std::string& text, const std::vector<T>& list) {
+  text += fmt::format("{}:", list.size());
+  for (const T& x : list) append(text, x);
+}
+void append(std::string& text, const Value& value) {
+  text += fmt::format("{}=", value.v.index());
+  std::visit([&text](const auto& x) { append(text, x); }, value.v);
+}
+
+/// Returns a hash of what a measure computes: its kind, its robots and its parameters.
+std::uint64_t identity_of(const MeasureSpec& spec) {
+  std::string text;
+  append(text, spec.kind);
+  append(text, spec.of);
+  append(text, spec.params);
+  return hash_text(text);
+}
+
+/// What precedes the memory of each measure in the result of MeasureSet::memory().
+struct MemoryHead {
+  std::uint64_t identity;
+  std::uint64_t bytes;
+};
+
+/// Returns the memory of the measure with this identity in a result of MeasureSet::memory(). std::nullopt if
+/// there is none.
+std::optional<std::span<const std::byte>> find_memory(std::span<const std::byte> all,
+                                                      std::uint64_t identity) {
+  MemoryHead head{};
+  while (all.size() >= sizeof head) {
+    std::memcpy(&head, all.data(), sizeof head);
+    all = all.subspan(sizeof head);
+    if (head.bytes > all.size()) break;
+    if (head.identity == identity) return all.first(head.bytes);
+    all = all.subspan(head.bytes);
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -96,7 +148,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
       error(fmt::format("measure \"{}\" {}", spec.kind, thrown_text()));
       continue;
     }
-    parts_.push_back({kind, spec.params, std::move(robots), memory_bytes});
+    parts_.push_back({kind, spec.params, std::move(robots), memory_bytes, identity_of(spec)});
     columns_.push_back(std::move(column));
   }
   note_present();
@@ -150,24 +202,26 @@ std::vector<std::byte> MeasureSet::memory() const {
           "no checkpoint with it can be resumed: Measure::memory() must return the same number of "
           "bytes in every call",
           columns_[i], own.size(), parts_[i].memory_bytes));
+    const MemoryHead head{parts_[i].identity, own.size()};
+    const std::span<const std::byte> bytes = std::as_bytes(std::span(&head, 1));
+    all.insert(all.end(), bytes.begin(), bytes.end());
     all.insert(all.end(), own.begin(), own.end());
   }
   return all;
 }
 
-bool MeasureSet::remember(std::span<const std::byte> memory) {
-  std::vector<std::span<std::byte>> all;
-  std::size_t size = 0;
+std::vector<std::size_t> MeasureSet::remember(std::span<const std::byte> memory) {
+  std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    all.push_back(call_measure(world_, *parts_[i].kind, columns_[i], [&] { return measures_[i]->memory(); }));
-    size += all.back().size();
+    const std::span<std::byte> own =
+        call_measure(world_, *parts_[i].kind, columns_[i], [&] { return measures_[i]->memory(); });
+    const auto saved = find_memory(memory, parts_[i].identity);
+    if (saved && saved->size() == own.size())
+      std::ranges::copy(*saved, own.begin());
+    else
+      missing.push_back(i);
   }
-  if (size != memory.size()) return false;
-  for (const std::span<std::byte> own : all) {
-    std::ranges::copy(memory.first(own.size()), own.begin());
-    memory = memory.subspan(own.size());
-  }
-  return true;
+  return missing;
 }
 
 std::size_t count_there(const World& world, std::span<const BodyId> bodies) {

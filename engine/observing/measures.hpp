@@ -73,16 +73,23 @@ class MeasureSet {
   /// which must exist.
   double value(std::size_t column);
 
-  /// Returns the memories of all measures (Measure::memory()), one after another, for a checkpoint (a file
-  /// from which a run is resumed). Throws a std::runtime_error that names the measure if Measure::memory()
-  /// throws, or if the size of a memory has changed since the set was made: such a checkpoint could not be
-  /// resumed.
+  /// Whether the value of a column depends on earlier ticks: its measure has a memory that is not empty.
+  bool has_memory(std::size_t column) const { return parts_[column].memory_bytes > 0; }
+  /// Returns the memories of all measures (Measure::memory()), for a checkpoint (a file from which a run is
+  /// resumed). Each memory is stored with a hash of the kind of the measure, its robots and its parameters.
+  /// Throws a std::runtime_error that names the measure if Measure::memory() throws, or if the size of a
+  /// memory has changed since the set was made: such a checkpoint could not be resumed.
   std::vector<std::byte> memory() const;
-  /// Restores the memories of the measures from a result of memory(). First restore the state of the world in
-  /// which the memories were saved, and call see() or construct the set in that state: otherwise, the next
-  /// call of see() discards the restored memories. `memory` must come from a set with the same specs. Returns
-  /// false and changes nothing if its size is wrong.
-  bool remember(std::span<const std::byte> memory);
+  /// Restores the memories of the measures from a result of memory(), which may come from a set with other
+  /// specs. A memory is restored if its measure had the same kind, robots and parameters; the name of the
+  /// column does not matter. First restore the state of the world in which the memories were saved, and call
+  /// see() or construct the set in that state: otherwise, the next call of see() discards the restored
+  /// memories.
+  ///
+  /// Returns the indices of the columns for which `memory` contains no such measure, also if they have no
+  /// memory, or for which it contains a memory of another size. These measures keep the memories that they
+  /// have.
+  std::vector<std::size_t> remember(std::span<const std::byte> memory);
 
  private:
   struct Part {
@@ -90,6 +97,7 @@ class MeasureSet {
     Record params;
     std::vector<BodyId> robots;
     std::size_t memory_bytes;  // of a new measure
+    std::uint64_t identity;    // identity_of()
   };
   void begin();
   void note_present();  // stores the tick and the seed of the world

@@ -1,7 +1,5 @@
 #include "engine/observing/stop_conditions.hpp"
 
-#include "base/hash.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,11 +38,9 @@ StopConditions::StopConditions(World& world, const Registry& registry, std::span
                                const Tested& tested, Diagnostics& diagnostics)
     : measures_(world, registry, tested.measures, diagnostics, tested.paths),
       values_(tested.measures.size()) {
-  for (const StopSpec& condition : conditions) {
+  for (const StopSpec& condition : conditions)
     conditions_.push_back(
         {column_of(tested.measures, condition.measure), condition.comparison, condition.value});
-    text_ += text_of(condition) + '\n';
-  }
 }
 
 void StopConditions::see() {
@@ -66,6 +62,11 @@ void StopConditions::begin() {
   holding_.reset();
 }
 
-std::string StopConditions::memory_name() const { return fmt::format("stop_when {}", hex(hash_text(text_))); }
+std::vector<std::string> StopConditions::remember(std::span<const std::byte> memory) {
+  std::vector<std::string> missing;
+  for (const std::size_t column : measures_.remember(memory))
+    if (measures_.has_memory(column)) missing.push_back(measures_.columns()[column]);
+  return missing;
+}
 
 }  // namespace troupe::engine

@@ -37,17 +37,14 @@ class StopConditions {
   /// constant is NaN, even if the operator is `!=`.
   std::optional<std::size_t> holding() const { return holding_; }
 
-  /// Name under which a checkpoint (a file from which a run is resumed) stores the result of memory(). The
-  /// name is `stop_when` and a hash of the texts of the conditions, so different lists of conditions have
-  /// different names.
-  std::string memory_name() const;
-  /// memory() returns the memories of the measures (data from earlier ticks), for a checkpoint. remember()
-  /// restores them. The world must then be in the state that MeasureSet::remember() requires. remember()
-  /// returns false and changes nothing if the size of its argument is not that of memory().
-  ///@{
+  /// Returns the memories of the measures (data from earlier ticks), for a checkpoint (a file from which a
+  /// run is resumed).
   std::vector<std::byte> memory() const { return measures_.memory(); }
-  bool remember(std::span<const std::byte> memory) { return measures_.remember(memory); }
-  ///@}
+  /// Restores the memories of the measures from a result of memory(), which may come from other conditions.
+  /// The world must be in the state that MeasureSet::remember() requires. Returns the columns of the measures
+  /// that have a memory (MeasureSet::has_memory()), but for which the argument contains none: they begin with
+  /// the present state.
+  std::vector<std::string> remember(std::span<const std::byte> memory);
 
  private:
   struct Condition {
@@ -68,7 +65,6 @@ class StopConditions {
   std::vector<Condition> conditions_;
   MeasureSet measures_;
   std::vector<double> values_;  // one per column of measures_
-  std::string text_;            // the text of all conditions, for memory_name()
   std::optional<std::size_t> holding_;
 };
 

@@ -242,7 +242,8 @@ class OfState : public OfRobots {
 
  protected:
   /// Mean of term(value) over the robots that are in the world and whose variable (Params) has a value
-  /// (engine::SensedRows::exist()); NaN if there are none. value: the present value of the variable.
+  /// (engine::SensedRows::exist()); NaN if there are none. The mean of equal terms is exactly this term.
+  /// value: the present value of the variable.
   template <class Term>
   double mean_of(World& world, Term&& term) const {
     const std::span<const StateTable> tables = world.tables();
@@ -252,11 +253,20 @@ class OfState : public OfRobots {
     const auto exists = [&](std::size_t i) {
       return world.is_there(row(world, i)) && sensed_rows_[cells_[i].of_sensed_rows].exist(table_row(i));
     };
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < cells_.size(); ++i) count += exists(i);
-    return mean_of_some(world, count, exists, [&](std::size_t i) {
+    const auto term_of = [&](std::size_t i) {
       return term(tables[cells_[i].table].number(table_row(i), cells_[i].field, column_));
-    });
+    };
+    std::size_t count = 0;
+    double least = std::numeric_limits<double>::infinity();
+    double greatest = -least;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (!exists(i)) continue;
+      ++count;
+      least = std::min(least, term_of(i));
+      greatest = std::max(greatest, term_of(i));
+    }
+    const double mean = mean_of_some(world, count, exists, term_of);
+    return least <= greatest ? std::clamp(mean, least, greatest) : mean;  // as rounding may move it outside
   }
 
  private:

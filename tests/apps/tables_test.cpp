@@ -1,6 +1,8 @@
 #include "tests/apps/program.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -303,8 +305,9 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
   EXPECT_THAT(
       lines_of(outcome.err),
       ElementsAre(
-          "m.csv: error: this table cannot be continued: the checkpoint has no data of earlier ticks for the "
-          "measures of this run, because it was saved without them: give --measures a new file"));
+          "m.csv: error: this table cannot be continued: when the checkpoint was saved, \"coverage\" was not "
+          "computed, or with other robots or parameters: repeat the --measure options of the run that wrote "
+          "the table, or give --measures a new file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(
@@ -313,6 +316,65 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
       "measures of this run have the columns \"tick,time_s,order\": repeat the --measure options of the "
       "run that wrote the table, or give --measures a new file\n");
   EXPECT_EQ(read("m.csv"), before);
+}
+
+TEST_F(Tables, RecogniseMeasuresByWhatTheyCompute) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  const auto near = [](const char* radius_m) {
+    return fmt::format(R"({{"kind": "neighbours", "radius_m": {}}})", radius_m);
+  };
+  run({"--for", "2", "--checkpoint", "c.h5", "--measures", "m.csv", "--measure", "coverage,stalls",
+       "--measure", near("1")});
+  const auto resumed = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"resume", "c.h5", "--for", "3", "--quiet", "--measures"});
+    return troupe(more);
+  };
+  const std::string coverage = cells_of(lines_of(read("m.csv")).back())[2];
+  ASSERT_GT(number_of(coverage), 0);
+  // Another list of measures, or another name, does not change what a measure remembers.
+  EXPECT_EQ(resumed({"n.csv", "--measure", "stalls,displacement", "--measure",
+                     R"({"kind": "coverage", "name": "seen"})"})
+                .err,
+            "");
+  EXPECT_EQ(cells_of(lines_of(read("n.csv"))[1])[4], coverage);
+
+  const std::string before = read("m.csv");
+  const Outcome wider = resumed({"m.csv", "--measure", "coverage,stalls", "--measure", near("3")});
+  EXPECT_EQ(wider.code, 2);
+  EXPECT_THAT(wider.err,
+              StartsWith("m.csv: error: this table cannot be continued: when the checkpoint was saved, "
+                         "\"neighbours\" was not computed, or with other robots or parameters: "));
+  EXPECT_EQ(read("m.csv"), before);
+
+  const Outcome fresh = troupe({"resume", "c.h5", "--for", "3", "--measures", "p.csv", "--measure",
+                                "path_length,stalls", "--threads", "1"});
+  EXPECT_EQ(fresh.code, 0);
+  EXPECT_THAT(fresh.err,
+              HasSubstr("p.csv: warning: the checkpoint has no data of earlier ticks for "
+                        "\"path_length_m\", which was not computed before, or with other robots or "
+                        "parameters: the measure begins at tick 20\n"));
+}
+
+TEST_F(Tables, AreCompleteIfTheRunEndsBecauseAnotherOutputFailed) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  const std::vector<std::string> tables{"--measures",      "m.csv", "--measure", "path_length",
+                                        "--measure-every", "0",     "--events",  "e.csv"};
+  const auto with_tables = [&](std::vector<std::string> options) {
+    options.insert(options.end(), tables.begin(), tables.end());
+    return options;
+  };
+  run(with_tables({"--for", "90"}));
+  const std::string measures = read("m.csv");
+  const std::string events = read("e.csv");
+  const Outcome failed = troupe_with_file_limit(
+      with_tables({"run", "room.world", "--for", "90", "--hash-log", "h.log", "--checkpoint", "c.h5"}),
+      70000);
+  EXPECT_EQ(failed.code, 1);
+  EXPECT_THAT(failed.err, HasSubstr("h.log: error: writing failed at tick "));
+  const Outcome resumed = troupe(with_tables({"resume", "c.h5", "--for", "90", "--quiet"}));
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(read("m.csv"), measures);
+  EXPECT_EQ(read("e.csv"), events);
 }
 
 TEST_F(Tables, KeepTheirPeriodWhenTheRunIsResumed) {

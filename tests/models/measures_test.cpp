@@ -23,6 +23,7 @@ using engine::MeasureSpec;
 using engine::World;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr std::size_t k_minibots = test::k_slow_build ? 60 : 1500;  // several blocks of a sum
 constexpr double k_edge_m = test::k_slow_build ? 6 : 20;
@@ -395,15 +396,34 @@ TEST(Measures, GoOnWithWhatTheyRememberedAsIfTheyHadNeverStopped) {
   const std::vector<std::byte> memory = whole.memory();
   MeasureSet resumed = measures(world, all_specs());
   EXPECT_NE(resumed.values(), whole.values());
-  EXPECT_TRUE(resumed.remember(memory));
+  EXPECT_THAT(resumed.remember(memory), IsEmpty());
   for (int tick = 0; tick < 3; ++tick) {
     EXPECT_EQ(resumed.values(), whole.values());
     step_at_random(world, draw);
     whole.see();
     resumed.see();
   }
-  EXPECT_FALSE(resumed.remember(std::span(memory).first(memory.size() - 1)));
-  EXPECT_FALSE(measures(world, {spec("stalls")}).remember(memory));
+}
+
+TEST(Measures, AreRecognisedByTheirKindRobotsAndParameters) {
+  World world = crowd().world();
+  const auto covered = [&](double cell, const char* of) {
+    MeasureSpec measure = spec("coverage", of);
+    measure.params = test::record(test::registry().measure("coverage")->params, {{"cell", cell}});
+    return measure;
+  };
+  const MeasureSet saved = measures(world, {spec("stalls"), covered(0.5, ""), covered(1, "minibot")});
+  const std::vector<std::byte> memory = saved.memory();
+  MeasureSpec named = covered(1, "minibot");
+  named.name = "seen";
+  MeasureSet others = measures(world, {named, covered(1, ""), covered(0.5, "minibot"), spec("stalls"),
+                                       spec("order"), covered(0.5, "")});
+  EXPECT_THAT(others.remember(memory), ElementsAre(1, 2, 4));
+  EXPECT_TRUE(others.has_memory(1));
+  EXPECT_FALSE(others.has_memory(4)) << "order";
+  MeasureSet of_part = measures(world, {spec("stalls"), covered(1, "minibot")});
+  EXPECT_THAT(of_part.remember(std::span(memory).first(memory.size() - 1)), ElementsAre(1)) << "cut off";
+  EXPECT_THAT(of_part.remember({}), ElementsAre(0, 1));
 }
 
 /// A measure whose memory grows by one number per tick, which a measure must not do.
@@ -744,6 +764,16 @@ TEST(Measures, StateMeanLeavesOutSensorsThatDoNotRun) {
   resting.step();
   EXPECT_TRUE(std::isnan(value(resting, ranges("state_mean", "f"))));
   EXPECT_TRUE(std::isnan(value(resting, ranges("state_variance", "f"))));
+}
+
+TEST(Measures, TheMeanOfEqualValuesIsTheirValueAndTheirVarianceIs0) {
+  test::SceneBuilder scene;
+  const TypeId robot = scene.robot("robot", {test::box(0.2, 0.2)});
+  for (int i = 0; i < 3; ++i) scene.body(fmt::format("r{}", i), robot, {0.1, 2.0 * i, 0, 0});
+  World world = scene.world();  // the mean of three times 0.1, rounded, is 0.10000000000000002
+  const auto of_x = [](const char* kind) { return spec(kind, "", {{"component", "pose"}, {"field", "x"}}); };
+  EXPECT_EQ(value(world, of_x("state_mean")), 0.1);
+  EXPECT_EQ(value(world, of_x("state_variance")), 0);
 }
 
 TEST(Measures, CoverageOfAWorldWithoutBoundsIsOfTheGroundAtTheStart) {

@@ -275,6 +275,35 @@ TEST_F(StopWhen, WhatIsRememberedOfTheWayIsInTheCheckpoint) {
   EXPECT_EQ(longer.stopped(), "displacement > 10");
 }
 
+TEST_F(StopWhen, AChangedConditionKeepsWhatItsMeasureRemembers) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  const fs::path file = world(R"("stop_when": ["coverage >= 0.1"])");
+  SimulationOptions farther;
+  farther.set = {{"/stop_when", R"(["coverage >= 0.2"])"}};
+  Simulation straight(file, farther);
+  straight.run_for(100);
+  Simulation first(file);
+  first.run_for(100);
+  EXPECT_EQ(first.stopped(), "coverage >= 0.1");
+  first.save(folder_ / "run.h5");
+  ResumeOptions options;
+  options.set = farther.set;
+  Simulation resumed = Simulation::resume(folder_ / "run.h5", options);
+  EXPECT_THAT(resumed.warnings(), IsEmpty());
+  EXPECT_FALSE(resumed.stopped());
+  resumed.run_for(100);
+  EXPECT_EQ(resumed.tick(), straight.tick());
+  // A measure with other parameters begins again, and this is said.
+  options.set = {{"/stop_when", R"([{"measure": {"kind": "coverage", "cell_m": 0.5}, "is": ">= 0.9"}])"}};
+  const Simulation finer = Simulation::resume(folder_ / "run.h5", options);
+  EXPECT_THAT(
+      finer.warnings(),
+      ElementsAre(HasSubstr(fmt::format(
+          "run.h5: warning: the checkpoint has no data of earlier ticks for the measure \"coverage\" of "
+          "stop_when, which was added or changed: the measure begins at tick {}",
+          first.tick()))));
+}
+
 TEST_F(StopWhen, WhatIsWrongIsToldWithItsPlace) {
   const auto error_of = [&](const std::string& keys) {
     try {
