@@ -1,8 +1,9 @@
 #include "worldio/partial_file.hpp"
 
+#include "worldio/file_lock.hpp"
+
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -99,12 +100,13 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
       return taken;
     };
     if (!is_regular(descriptor)) return give_up(Taken::no);
-    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-      if (errno == EWOULDBLOCK) return give_up(Taken::no);
+    const FileLock lock = lock_file(descriptor);
+    if (lock == FileLock::held) return give_up(Taken::no);
+    if (lock == FileLock::unavailable) {
       unlink(partial.c_str());  // without locks, the name must contain the process id
       return give_up(Taken::no_locks);
     }
-    if (!is_called(descriptor, partial)) {  // another writer renamed or removed it before flock()
+    if (!is_called(descriptor, partial)) {  // another writer renamed or removed it before lock_file()
       close(descriptor);
       continue;
     }

@@ -86,6 +86,7 @@ std::map<std::size_t, std::string> make_runs(const worldio::Study& study,
         error = "unknown exception (not derived from std::exception)";
       }
       const std::lock_guard lock(mutex);
+      if (write_error) return;
       if (error) failed.emplace(runs[i], *error);
       try {
         if (error) journal.add_failure(runs[i], *error);

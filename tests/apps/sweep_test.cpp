@@ -2,7 +2,26 @@
 #include "tests/apps/program.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
 #include <limits>
+#include <utility>
+
+namespace {
+int flock_error = 0;  // the error of flock() in this process; 0: the file system has locks
+}  // namespace
+
+/// Replaces the function of the C library, to test a file system without locks.
+extern "C" int flock(int descriptor, int operation) noexcept {
+  if (flock_error == 0) return static_cast<int>(syscall(SYS_flock, descriptor, operation));
+  errno = flock_error;
+  return -1;
+}
 
 namespace troupe::apps {
 namespace {
@@ -328,6 +347,66 @@ TEST_F(Sweep, JournalsKeepValuesThatAreNotFinite) {
   journal.replace(journal.find("\"nan\""), 5, "null");
   write("runs-1-of-1.jsonl", journal);
   EXPECT_THAT(values(), ElementsAre(k_infinity, -k_infinity, ::testing::IsNan(), 0.1));
+}
+
+TEST_F(Sweep, AResultThatCannotBeWrittenLeavesNoPartOfALine) {
+  const std::filesystem::path file = journal_file(path("."), 1, 1);
+  SweepJournal journal(file, "the study");
+  journal.add({.run = 0});
+  const std::string before = read("runs-1-of-1.jsonl");
+  rlimit usual{};
+  getrlimit(RLIMIT_FSIZE, &usual);
+  rlimit full_disk = usual;
+  full_disk.rlim_cur = before.size() + 10;  // a part of the line fits
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &full_disk);
+  std::string error;
+  try {
+    journal.add({.run = 1});
+  } catch (const std::runtime_error& thrown) {
+    error = thrown.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &usual);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_THAT(error,
+              EndsWith("runs-1-of-1.jsonl: error: the result of run 1 cannot be written: File too large"));
+  EXPECT_EQ(read("runs-1-of-1.jsonl"), before);
+  journal.add({.run = 2});
+  const SweepResults results = read_journals(path("."), "the study", {.runs = 3, .values = 0});
+  EXPECT_THAT(results.outcomes, SizeIs(2));
+  EXPECT_TRUE(results.outcomes.contains(2));
+}
+
+TEST_F(Sweep, AFullDiskEndsTheSweepWhichCanBeContinued) {
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "whole"}).code, 0);
+  const std::vector<std::string> lines = lines_of(read("whole/runs-1-of-1.jsonl"));
+  const std::size_t fits = lines[0].size() + 3 * lines[1].size();
+  const Outcome full = troupe_with_file_limit({"sweep", "study.json", "-o", "out", "--threads", "3"}, fits);
+  EXPECT_EQ(full.code, 1);
+  EXPECT_THAT(full.err, HasSubstr(" cannot be written: File too large"));
+  EXPECT_THAT(read("out/runs-1-of-1.jsonl"), EndsWith("}\n"));
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  EXPECT_EQ(table("out"), table("whole"));
+}
+
+TEST_F(Sweep, OnlyALockOfAnotherProcessIsAnError) {
+  const std::filesystem::path file = journal_file(path("."), 1, 1);
+  const SweepJournal journal(file, "the study");
+  const auto open_again = [&] { const SweepJournal again(file, "the study"); };
+  EXPECT_THAT(open_again, ::testing::ThrowsMessage<std::runtime_error>(
+                              HasSubstr("another process is running this part of the study")));
+  for (const int error : {ENOSYS, EOPNOTSUPP, ENOLCK}) {
+    flock_error = error;
+    EXPECT_NO_THROW(open_again());
+    flock_error = 0;
+  }
+}
+
+TEST_F(Sweep, AJournalThatCannotBeReadIsAnError) {
+  std::filesystem::create_directories(path("out/runs-2-of-2.jsonl"));  // reading a folder fails
+  const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("out/runs-2-of-2.jsonl: error: cannot be read: "));
 }
 
 TEST_F(Sweep, LongErrorsAreCutInHdf5) {
