@@ -133,6 +133,12 @@ void PartialFile::write(std::span<const std::byte> bytes) {
 
 void PartialFile::sync() { check(fsync(descriptor_)); }
 
+void PartialFile::commit_to_disk() {
+  sync();
+  commit();
+  sync_folder_of(file_);
+}
+
 void PartialFile::commit() {
   // Some file systems report a full disk only on close. Closing a duplicate of the descriptor also reports
   // this error, and keeps the lock until the file has its final name.
@@ -141,6 +147,14 @@ void PartialFile::commit() {
     static_cast<void>(fchmod(descriptor_, static_cast<mode_t>(*permissions_)));
   check(std::rename(partial_.c_str(), file_.c_str()));
   close(std::exchange(descriptor_, -1));
+}
+
+void sync_folder_of(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  static_cast<void>(fsync(descriptor));
+  close(descriptor);
 }
 
 }  // namespace troupe::worldio

@@ -3,6 +3,7 @@
 #include "apps/outputs.hpp"
 #include "base/number_text.hpp"
 #include "worldio/file_lock.hpp"
+#include "worldio/partial_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -142,6 +143,7 @@ SweepJournal::SweepJournal(const fs::path& file, std::string_view study) : file_
     for (const std::string& line : lines) whole += line.size() + 1;
     if (ftruncate(descriptor_, static_cast<off_t>(whole)) != 0) refuse_output(file, reason());
     if (lines.empty() && !write_all(descriptor_, head_of(study) + "\n")) refuse_output(file, reason());
+    worldio::sync_folder_of(file);
   } catch (...) {
     close(descriptor_);
     throw;

@@ -50,13 +50,16 @@ SweepResults saved_results(const Study& study, const SweepIdentity& identity, co
   return read_journals(folder, identity.text, {.runs = study.run_count(), .values = values});
 }
 
-/// Returns the indices of the runs of this part (--part) that are not finished yet.
+/// Returns the indices of the runs of this part (--part) that are not finished yet, or whose rows for
+/// series.csv are missing.
 std::vector<std::size_t> runs_to_make(const Study& study, const SweepOptions& options,
                                       const SweepIdentity& identity) {
   const auto done = saved_results(study, identity, options.folder).outcomes;
   std::vector<std::size_t> runs;
   for (std::size_t r = options.part - 1; r < study.run_count(); r += options.parts)
-    if (!done.contains(r) || (study.series && !fs::exists(series_file(options.folder, r)))) runs.push_back(r);
+    if (const auto found = done.find(r);
+        found == done.end() || (study.series && !series_rows(options.folder, found->second)))
+      runs.push_back(r);
   return runs;
 }
 

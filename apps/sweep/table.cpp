@@ -16,6 +16,8 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <sstream>
+#include <string_view>
 #include <system_error>
 #include <variant>
 
@@ -48,6 +50,9 @@ Column parameter_column(const std::string& name, const Texts& values) {
   return {name, std::move(texts)};
 }
 
+/// Returns a simulated time as the tables contain it, s.
+double rounded_time(double time_s) { return number_of<double>(time_cell(time_s)).value_or(time_s); }
+
 /// Returns the columns of the table, with one cell per run.
 std::vector<Column> columns_of(const SweepTable& table) {
   constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
@@ -66,7 +71,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
     index.push_back(r);
     seeds.push_back(is_there ? found->second.seed : run.seed.value_or(0));
     ticks.push_back(is_there ? found->second.ticks : 0);
-    times.push_back(is_there ? found->second.time_s : k_none);
+    times.push_back(is_there ? rounded_time(found->second.time_s) : k_none);
     conditions.push_back(is_there ? found->second.stopped_by : "");
     hashes.push_back(is_there ? found->second.state_hash : "");
     errors.push_back(failed == table.results.failed.end() ? "" : failed->second);
@@ -88,8 +93,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
 }
 
 std::string cell_of(const Column& column, std::size_t row) {
-  if (const auto* numbers = std::get_if<Numbers>(&column.cells))
-    return std::isnan((*numbers)[row]) ? "nan" : fmt::format("{}", (*numbers)[row]);
+  if (const auto* numbers = std::get_if<Numbers>(&column.cells)) return number_cell((*numbers)[row]);
   if (const auto* counts = std::get_if<Counts>(&column.cells)) return fmt::format("{}", (*counts)[row]);
   return csv_cell(std::get<Texts>(column.cells)[row]);
 }
@@ -139,9 +143,27 @@ fs::path series_file(const fs::path& folder, std::size_t run) {
   return folder / "series" / fmt::format("{}.csv", run);
 }
 
+std::optional<std::string> series_rows(const fs::path& folder, const SweepOutcome& outcome) {
+  const std::optional<std::string> text = worldio::read_file(series_file(folder, outcome.run));
+  if (!text || !text->ends_with('\n')) return std::nullopt;
+  const std::string run = fmt::format("{},", outcome.run);
+  std::string rows, time;
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t end = std::min(line.find(',', std::min(run.size(), line.size())), line.size());
+    if (!line.starts_with(run)) return std::nullopt;
+    const auto time_s = number_of<double>(std::string_view(line).substr(run.size(), end - run.size()));
+    if (!time_s) return std::nullopt;
+    time = time_cell(*time_s);
+    rows.append(run).append(time).append(line, end).append(1, '\n');
+  }
+  if (time != time_cell(outcome.time_s)) return std::nullopt;
+  return rows;
+}
+
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values) {
-  fmt::format_to(std::back_inserter(rows), "{},{}", run, time_s);
-  for (const double value : values) rows += std::isnan(value) ? ",nan" : fmt::format(",{}", value);
+  fmt::format_to(std::back_inserter(rows), "{},{}", run, time_cell(time_s));
+  for (const double value : values) rows.append(1, ',').append(number_cell(value));
   rows += '\n';
 }
 
@@ -154,16 +176,15 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
     for (const std::string& measure : measures) head += "," + csv_cell(measure);
     write(head + "\n");
     for (const auto& [run, outcome] : table.results.outcomes) {  // in the order of runs
-      const std::optional<std::string> rows = worldio::read_file(series_file(folder, run));
+      const std::optional<std::string> rows = series_rows(folder, outcome);
       if (!rows)
-        throw OutputError(
-            fmt::format("{}: error: the file with the samples of run {} cannot be read: repeat the command, "
-                        "which makes the run again if the file is missing",
-                        series_file(folder, run).string(), run));
+        throw OutputError(fmt::format(
+            "{}: error: the file with the samples of run {} is missing, incomplete or unreadable: "
+            "repeat the command, which makes the run again",
+            series_file(folder, run).string(), run));
       write(*rows);
     }
-    whole.sync();
-    whole.commit();
+    whole.commit_to_disk();
   } catch (const std::system_error& error) {
     refuse_output(file, error.code().message());
   }

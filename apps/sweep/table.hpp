@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,8 +38,8 @@ bool is_start_of_results(std::string_view start);
 inline constexpr std::string_view k_series_mark = "run,time_s";
 /// Writes the file series.csv in `folder`: the table `run,time_s,MEASURES...`. It has one row for each time
 /// at which the measures of a run were computed (Study::measure_every_s). The rows come from the files of the
-/// finished runs, which series_file() names. Replaces series.csv only when the new table is complete. Throws
-/// OutputError if the file of a finished run is missing or writing fails.
+/// finished runs (series_rows()). Replaces series.csv only when the new table is complete. Throws OutputError
+/// if the rows of a finished run are missing or writing fails.
 ///
 /// measures: names of the columns of measures, as Measures::columns() returns them
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,
@@ -46,6 +47,11 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
 /// Returns the path of the file that has the rows of one run for write_series(). This file has no line of
 /// column names. run: index of the run in the study
 std::filesystem::path series_file(const std::filesystem::path& folder, std::size_t run);
+/// Returns the rows of a finished run for write_series(), from the file that series_file() names.
+/// std::nullopt if the file cannot be read, has lines that are no rows of this run, or does not end with the
+/// row of the last tick, because the file was damaged, for example by a power loss. Times that an earlier
+/// version wrote without rounding are rounded as by time_cell().
+std::optional<std::string> series_rows(const std::filesystem::path& folder, const SweepOutcome& outcome);
 /// Appends one row of the table of write_series() to the text `rows`.
 ///
 /// run: index of the run in the study

@@ -69,6 +69,12 @@ def _number(text: str) -> Optional[float]:
         return None
 
 
+def rounded_time_s(time_s: float) -> float:
+    """Returns a simulated time as the tables of `troupe` contain it: rounded to 12 significant digits, so that the same
+    time in runs with different lengths of ticks is one number."""
+    return float(f"{time_s:.12g}")
+
+
 def _order(value: _Key) -> List[Tuple[int, float, str]]:
     """Returns a sort key for the values of parameters: numbers come first, in ascending order, and then texts."""
     numbers = [_number(part) for part in value]
@@ -162,6 +168,7 @@ def series_by(folder: _File, measure: Optional[str] = None,
         if number is None or time_s is None or row[0] not in table.rows:
             raise PlotError(f"{series_file}: error: this is not the series of the sweep in table.csv: a run is not in "
                             "that table, or a value is not a number")
+        time_s = rounded_time_s(time_s)  # earlier versions wrote times without rounding
         key = table.key_of(row[0], names)
         sampled.setdefault(key, {}).setdefault(row[0], []).append(time_s)
         if not math.isnan(number):

@@ -121,7 +121,7 @@ TEST_F(Sweep, KeepsTheSeriesOfEachRun) {
   ASSERT_THAT(lines, SizeIs(1 + 6 * 5));  // at 0, 0.3, 0.6, 0.9 and 1 s
   EXPECT_EQ(lines[0], "run,time_s,path_length_m,stalls");
   EXPECT_EQ(lines[1], "0,0,0,0");
-  EXPECT_THAT(lines[2], StartsWith("0,0.3"));
+  EXPECT_THAT(lines[2], StartsWith("0,0.3,"));  // not 0.30000000000000004
   EXPECT_THAT(lines[5], StartsWith("0,1,"));
   EXPECT_THAT(lines[30], StartsWith("5,1,"));
   // The last look of a run is its row in the table.
@@ -145,6 +145,40 @@ TEST_F(Sweep, TheSeriesIsTheSameOnAnyThreadsInAnyPartsAndAfterACut) {
   std::filesystem::remove(path("one/series/0.csv"));
   EXPECT_EQ(troupe({"sweep", "series.json", "-o", "one"}).code, 0);
   EXPECT_EQ(read("one/series.csv"), whole);
+}
+
+TEST_F(Sweep, DamagedRowsOfARunAreMadeAgain) {
+  write("series.json", with_series());
+  ASSERT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+  const std::string whole = read("out/series.csv");
+  const std::string rows = read("out/series/4.csv");
+  const std::size_t last = rows.rfind('\n', rows.size() - 2) + 1;
+  std::string other = rows;
+  other.replace(last, 1, "3");
+  for (const std::string& damaged : {std::string(), rows.substr(0, last), rows.substr(0, rows.size() - 1),
+                                     std::string(rows.size(), '\0'), other}) {
+    write("out/series/4.csv", damaged);
+    std::filesystem::remove(path("out/series.csv"));
+    EXPECT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+    EXPECT_EQ(read("out/series.csv"), whole);
+  }
+}
+
+// Earlier versions did not round them.
+TEST_F(Sweep, TimesAreRoundedAlsoInRowsOfEarlierVersions) {
+  std::string study = with_series();
+  study.replace(study.find("\"for_s\": 1"), 10, "\"for_s\": 0.3");
+  write("series.json", study);
+  ASSERT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+  EXPECT_THAT(lines_of(table("out"))[1], StartsWith("0,2,1,3,0.3,"));
+  const std::string whole = read("out/series.csv");
+  const std::string journal = read("out/runs-1-of-1.jsonl");
+  std::string rows = read("out/series/0.csv");
+  write("out/series/0.csv", rows.replace(rows.find("0,0.3,"), 6, "0,0.30000000000000004,"));
+  std::filesystem::remove(path("out/series.csv"));
+  EXPECT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+  EXPECT_EQ(read("out/series.csv"), whole);
+  EXPECT_EQ(read("out/runs-1-of-1.jsonl"), journal);  // no run was made again
 }
 
 /// What the python3 that the program starts is handed.

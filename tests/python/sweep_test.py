@@ -70,6 +70,12 @@ class Sweep(unittest.TestCase):
         last = series.groupby("run")["coverage"].last()
         self.assertEqual(list(last), list(troupe.sweep(STUDY)["coverage"]))
 
+    def test_times_are_rounded(self):
+        study = {**STUDY, "world": {**WORLD, "tick_s": 0.1}, "for_s": 0.7, "measure_every_s": 0.1}
+        self.assertNotEqual(3 * 0.1, 0.3)
+        self.assertEqual(sorted(set(troupe.sweep(study, series=True)["time_s"])), [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7])
+        self.assertEqual(set(troupe.sweep(study)["time_s"]), {0.7})
+
     def test_a_study_may_contain_numpy_values(self):
         values = STUDY["parameters"][0]["values"]
         numpy = {**STUDY, "for_s": np.float64(STUDY["for_s"]), "parameters": [{**STUDY["parameters"][0], "values": np.array(values)}]}
@@ -231,6 +237,10 @@ class Plot(unittest.TestCase):
         self.assertEqual(lines[("2",)], [(0.0, 1.0, math.sqrt(2), 2), (1.0, 2.0, math.sqrt(2), 2)])
         self.assertEqual(lines[("10",)], [(0.0, 4.0, 0.0, 1), (1.0, 5.0, 0.0, 1)])  # runs without values at a time are not counted
         self.assertEqual(troupe.plot.series_by(self.folder, "order", "robots")[2], lines)
+
+    def test_times_of_earlier_versions_are_rounded(self):
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0.30000000000000004,1\n1,0.3,3\n")
+        self.assertEqual(troupe.plot.series_by(self.folder)[2], {("2",): [(0.3, 2, math.sqrt(2), 2)]})
 
     def test_names_of_parameters_may_contain_commas(self):
         (self.folder / "table.csv").write_text(
