@@ -12,6 +12,7 @@
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
 #include "worldio/json/study.hpp"
+#include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
@@ -161,6 +162,7 @@ void prepare_folder(const SweepOptions& options, bool has_series) {
     check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
   stop_on_signals();
   fs::create_directories(has_series ? options.folder / "series" : options.folder);
+  worldio::sync_folder_of(options.folder);
 }
 
 /// Prints how the sweep ended, and writes the tables if all runs of the study are done.

@@ -37,17 +37,41 @@ struct Column {
   std::variant<Numbers, Counts, Texts> cells;  // one per run
 };
 
-/// Returns the column of a parameter. values: the JSON text of its value in each run. If all texts are
-/// numbers, the column contains numbers, else texts.
-Column parameter_column(const std::string& name, const Texts& values) {
+/// Whether `number`, which was read from `text`, is the number in the text. A whole number above 2^53 may
+/// have no equal double; fractions are rounded in any case.
+bool is_exact(const std::string& text, double number) {
+  return text.find_first_not_of("-0123456789") != text.npos || fmt::format("{:.0f}", number) == text;
+}
+
+/// Returns a column with the values of a parameter or with seeds. values: the JSON text of the value in each
+/// run, or "nan" for an unknown seed. If all texts are numbers, the column contains numbers, else texts. It
+/// also contains texts if a whole number would be rounded.
+Column column_of(const std::string& name, const Texts& values) {
   Numbers numbers;
+  Counts counts;
   Texts texts;
   for (const std::string& value : values) {
     texts.push_back(shown_value(value));
-    if (const auto number = number_of<double>(value)) numbers.push_back(*number);
+    if (const auto number = number_of<double>(value); number && is_exact(value, *number))
+      numbers.push_back(*number);
+    if (const auto count = number_of<std::uint64_t>(value)) counts.push_back(*count);
   }
   if (numbers.size() == texts.size()) return {name, std::move(numbers)};
+  if (counts.size() == texts.size()) return {name, std::move(counts)};
   return {name, std::move(texts)};
+}
+
+/// Returns the column of the seeds. A seed is unknown (std::nullopt) if the study gives no seeds and the run
+/// failed.
+Column seed_column(const std::vector<std::optional<std::uint64_t>>& seeds) {
+  Counts known;
+  Texts texts;
+  for (const std::optional<std::uint64_t>& seed : seeds) {
+    if (seed) known.push_back(*seed);
+    texts.push_back(seed ? fmt::to_string(*seed) : "nan");
+  }
+  if (known.size() == seeds.size()) return {"seed", std::move(known)};
+  return column_of("seed", texts);
 }
 
 /// Returns a simulated time as the tables contain it, s.
@@ -57,7 +81,8 @@ double rounded_time(double time_s) { return number_of<double>(time_cell(time_s))
 std::vector<Column> columns_of(const SweepTable& table) {
   constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
   const std::size_t runs = table.study.run_count();
-  Counts index, seeds, ticks;
+  Counts index, ticks;
+  std::vector<std::optional<std::uint64_t>> seeds;
   Numbers times;
   Texts conditions, hashes, errors;
   std::vector<Texts> values(table.study.parameters.size());
@@ -69,7 +94,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
     const auto failed = table.results.failed.find(r);
     const bool is_there = found != table.results.outcomes.end();
     index.push_back(r);
-    seeds.push_back(is_there ? found->second.seed : run.seed.value_or(0));
+    seeds.push_back(is_there ? found->second.seed : run.seed);
     ticks.push_back(is_there ? found->second.ticks : 0);
     times.push_back(is_there ? rounded_time(found->second.time_s) : k_none);
     conditions.push_back(is_there ? found->second.stopped_by : "");
@@ -80,8 +105,8 @@ std::vector<Column> columns_of(const SweepTable& table) {
   }
   std::vector<Column> columns{{"run", std::move(index)}};
   for (std::size_t p = 0; p < table.study.parameters.size(); ++p)
-    columns.push_back(parameter_column(table.study.parameters[p].name, values[p]));
-  columns.push_back({"seed", std::move(seeds)});
+    columns.push_back(column_of(table.study.parameters[p].name, values[p]));
+  columns.push_back(seed_column(seeds));
   columns.push_back({"ticks", std::move(ticks)});
   columns.push_back({"time_s", std::move(times)});
   for (std::size_t m = 0; m < measures.size(); ++m)

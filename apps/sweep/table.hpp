@@ -27,9 +27,9 @@ std::string shown_value(const std::string& json);
 
 /// Writes a table with one row per run, in the order of the runs in the study. The columns are
 /// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas.read_csv() reads the
-/// table without options. For a failed run, `ticks` is 0, and `seed` is 0 if the study gives no seed; the
-/// other results are `nan` or empty. Replaces the file only when the new table is complete. Throws
-/// OutputError if writing fails.
+/// table without options. For a failed run, `ticks` is 0, and `seed` is `nan` if the study gives no seed;
+/// the other results are `nan` or empty. A whole number that has no equal double is written as in the study.
+/// Replaces the file only when the new table is complete. Throws OutputError if writing fails.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
 /// Whether a file that begins with the text `start` is a table of write_csv(). The text must contain the
 /// first line of the file.
@@ -60,9 +60,12 @@ std::optional<std::string> series_rows(const std::filesystem::path& folder, cons
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);
 
 /// Writes the table of write_csv() to an HDF5 file (docs/sweeps.md). Each column is a dataset in the group
-/// /table. The dataset /columns has the names of the columns, in their order. Replaces the file only when the
-/// new file is complete. HDF5 stores all texts of a column with the length of the longest; therefore an error
-/// of more than 200 bytes is cut there, and ends in "...". Throws OutputError if writing fails.
+/// /table. A column of numbers has doubles, but `run`, `seed` (if all are known), `ticks` and a parameter
+/// with whole numbers that have no equal double have unsigned 64-bit integers. If such a parameter also has
+/// negative numbers or fractions, the column has texts. The dataset /columns has the names of the columns, in
+/// their order. Replaces the file only when the new file is complete. HDF5 stores all texts of a column with
+/// the length of the longest; therefore an error of more than 200 bytes is cut there, and ends in "...".
+/// Throws OutputError if writing fails.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace troupe::apps

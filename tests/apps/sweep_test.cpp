@@ -265,6 +265,44 @@ TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
   EXPECT_THAT(lines[4], AllOf(StartsWith("3,5000,1,0,nan,nan,nan,nan,nan,,,"), HasSubstr("placed")));
 }
 
+TEST_F(Sweep, TheSeedOfAFailedRunWithoutSeedsIsUnknown) {
+  std::string world(k_world);
+  write("w.json", world.insert(1, R"("seed": 7, )"));
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"],
+    "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [2, 5000]}]})");
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 1);
+  const std::vector<std::string> lines = lines_of(table("out"));
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_THAT(lines[1], StartsWith("0,2,7,10,1,"));
+  EXPECT_THAT(lines[2], StartsWith("1,5000,nan,0,nan,nan,,,"));
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  EXPECT_THAT(worldio::Hdf5File::open(path("out/table.h5")).group("table").dataset("seed").read<double>(),
+              ElementsAre(7, ::testing::IsNan()));
+}
+
+TEST_F(Sweep, LargeWholeNumbersAreNotRounded) {
+  const auto columns = [&](const std::string& values) {
+    write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"],
+      "parameters": [{"set": "/seed", "name": "first", "values": [)" +
+                            values + "]}]}");
+    std::filesystem::remove_all(path("out"));
+    EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+    return lines_of(table("out"));
+  };
+  std::vector<std::string> lines = columns("18446744073709551615, 9007199254740993");
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_THAT(lines[1], StartsWith("0,18446744073709551615,18446744073709551615,10,"));
+  EXPECT_THAT(lines[2], StartsWith("1,9007199254740993,9007199254740993,10,"));
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  EXPECT_THAT(
+      worldio::Hdf5File::open(path("out/table.h5")).group("table").dataset("first").read<std::uint64_t>(),
+      ElementsAre(18446744073709551615u, 9007199254740993u));
+  lines = columns("7, 9007199254740992");
+  EXPECT_THAT(lines[2], StartsWith("1,9007199254740992,9007199254740992,10,"));
+  EXPECT_THAT(worldio::Hdf5File::open(path("out/table.h5")).group("table").dataset("first").read<double>(),
+              ElementsAre(7, 9007199254740992.0));
+}
+
 TEST_F(Sweep, AnErrorOfSeveralRunsIsPrintedOnce) {
   std::string world(k_world);
   world.replace(world.find("[[-4, -4], [4, 4]]"), 18, "[[0, 0], [0.1, 0.1]]");  // there is room for one robot

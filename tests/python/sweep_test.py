@@ -197,6 +197,8 @@ except KeyboardInterrupt:
         del study["seeds"]
         self.assertEqual(list(troupe.sweep(study)["seed"]), [7, 7])
         self.assertEqual(set(troupe.sweep(study, series=True)["seed"]), {7})
+        study["parameters"] = [{**STUDY["parameters"][0], "values": [2, 100000]}]
+        self.assertEqual(list(troupe.sweep(study)["seed"].isna()), [False, True])  # that of a failed run is unknown
 
     def test_columns_have_different_names(self):
         def study(parameter, *measures):
