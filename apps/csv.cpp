@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <iterator>
@@ -64,13 +63,7 @@ void CsvFile::separate() {
 
 CsvFile& CsvFile::add(double number) {
   separate();
-  if (std::isnan(number)) {  // of either sign
-    pending_ += "nan";
-    return *this;
-  }
-  std::array<char, 32> text;  // the longest is -2.2250738585072014e-308
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), number).ptr;
-  pending_.append(text.data(), end);
+  pending_ += number_cell(number);
   return *this;
 }
 
@@ -112,5 +105,11 @@ std::string csv_cell(std::string_view text) {
   }
   return quoted + '"';
 }
+
+std::string number_cell(double number) {
+  return std::isnan(number) ? "nan" : fmt::format("{}", number);  // fmt writes -nan for some NaNs
+}
+
+std::string time_cell(double time_s) { return fmt::format("{:.12g}", time_s); }
 
 }  // namespace troupe::apps

@@ -39,8 +39,7 @@ class CsvFile {
   /// - The length or the hash of the first lines differs from `start`.
   CsvFile(const std::filesystem::path& file, std::string_view header, const std::optional<Start>& start);
 
-  /// Appends a number as a cell to the current line. A double is written as the shortest text that reads back
-  /// as the same number, or as `inf`, `-inf` or `nan`.
+  /// Appends a number as a cell to the current line, a double as number_cell() writes it.
   CsvFile& add(double number);
   CsvFile& add(std::uint64_t number);
   /// Appends a cell, in quotes if necessary (csv_cell()).
@@ -73,5 +72,12 @@ class CsvFile {
 /// Returns a text as a cell of a table. If the text contains a comma, a quote or a line break, the cell is in
 /// quotes, with each quote doubled (RFC 4180).
 std::string csv_cell(std::string_view text);
+/// Returns a number as a cell of a table: the shortest text that reads back as the same number, or `inf`,
+/// `-inf` or `nan`. Numbers with an absolute value from 0.0001 to below 1e16 have no exponent.
+std::string number_cell(double number);
+/// Returns a simulated time, in s, as a cell of a table, rounded to 12 significant digits. Without rounding,
+/// tick 66 would be at 6.6000000000000005 s if ticks are 0.1 s long, and the same time could have different
+/// texts in worlds with different lengths of ticks.
+std::string time_cell(double time_s);
 
 }  // namespace troupe::apps

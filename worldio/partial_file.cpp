@@ -1,8 +1,9 @@
 #include "worldio/partial_file.hpp"
 
+#include "worldio/file_lock.hpp"
+
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -99,12 +100,13 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
       return taken;
     };
     if (!is_regular(descriptor)) return give_up(Taken::no);
-    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-      if (errno == EWOULDBLOCK) return give_up(Taken::no);
+    const FileLock lock = lock_file(descriptor);
+    if (lock == FileLock::held) return give_up(Taken::no);
+    if (lock == FileLock::unavailable) {
       unlink(partial.c_str());  // without locks, the name must contain the process id
       return give_up(Taken::no_locks);
     }
-    if (!is_called(descriptor, partial)) {  // another writer renamed or removed it before flock()
+    if (!is_called(descriptor, partial)) {  // another writer renamed or removed it before lock_file()
       close(descriptor);
       continue;
     }
@@ -131,6 +133,12 @@ void PartialFile::write(std::span<const std::byte> bytes) {
 
 void PartialFile::sync() { check(fsync(descriptor_)); }
 
+void PartialFile::commit_to_disk() {
+  sync();
+  commit();
+  sync_folder_of(file_);
+}
+
 void PartialFile::commit() {
   // Some file systems report a full disk only on close. Closing a duplicate of the descriptor also reports
   // this error, and keeps the lock until the file has its final name.
@@ -139,6 +147,14 @@ void PartialFile::commit() {
     static_cast<void>(fchmod(descriptor_, static_cast<mode_t>(*permissions_)));
   check(std::rename(partial_.c_str(), file_.c_str()));
   close(std::exchange(descriptor_, -1));
+}
+
+void sync_folder_of(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  static_cast<void>(fsync(descriptor));
+  close(descriptor);
 }
 
 }  // namespace troupe::worldio

@@ -22,7 +22,7 @@ namespace troupe::worldio {
 /// file is in its folder and replaces it, and the link remains. A link to a file that does not exist is
 /// replaced. A file that replaces another has the same permission bits.
 ///
-/// The constructor, write(), sync() and commit() throw std::system_error on failure; the error has the
+/// The constructor, write(), sync() and both commits throw std::system_error on failure; the error has the
 /// reason, but no path. The constructor also throws if NAME exists and is not a regular file.
 class PartialFile {
  public:
@@ -47,6 +47,9 @@ class PartialFile {
   /// Renames the partial file to NAME and closes it. An existing file NAME is replaced. After commit(), do
   /// not call write(), sync() or commit().
   void commit();
+  /// Like sync() and commit(), and also flushes the folder of NAME to the disk: after a power loss, NAME
+  /// still exists and is complete.
+  void commit_to_disk();
 
  private:
   /// The result of take(), which tries to use `partial` as the temporary name:
@@ -62,5 +65,9 @@ class PartialFile {
   std::optional<std::filesystem::perms> permissions_;  // of the replaced file
   int descriptor_ = -1;
 };
+
+/// Flushes the folder of a file to the disk (fsync), if the file system supports this, so that the name of
+/// the file is on the disk. The content of the file must be on the disk already. Ignores errors.
+void sync_folder_of(const std::filesystem::path& file);
 
 }  // namespace troupe::worldio

@@ -39,10 +39,6 @@ std::string header_of(const Measures& measures) {
   return header;
 }
 
-/// Returns the time of a tick as text, rounded to 12 digits. Without rounding, tick 66 would be at
-/// 6.6000000000000005 s if ticks are 0.1 s long.
-std::string time_text(double time_s) { return fmt::format("{:.12g}", time_s); }
-
 /// Whether the table `file` is continued: the run was resumed from a checkpoint, and the file exists.
 bool goes_on(const fs::path& file, const Simulation& simulation) {
   std::error_code ignored;
@@ -145,7 +141,7 @@ MeasuresTable::~MeasuresTable() {
 void MeasuresTable::observe(const Simulation& simulation) {
   measures_.see();
   if (simulation.tick() % every_ != 0) return;
-  csv_.add(simulation.tick()).add(time_text(simulation.time_s()));
+  csv_.add(simulation.tick()).add(time_cell(simulation.time_s()));
   for (const double value : measures_.values()) csv_.add(value);
   csv_.end_line();
   csv_.flush(simulation.tick());
@@ -176,7 +172,7 @@ void EventsTable::observe(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   for (const engine::Event& event : watch_.see(world)) {
     const Pose pose = world.pose(event.body);
-    csv_.add(world.tick()).add(time_text(world.time_s())).add(engine::event_name(event.type));
+    csv_.add(world.tick()).add(time_cell(world.time_s())).add(engine::event_name(event.type));
     csv_.add(world.spec().name(event.body)).add(std::uint64_t{event.body.value});
     csv_.add(pose.x).add(pose.y).add(pose.heading);
     if (event.other.valid())

@@ -2,11 +2,12 @@
 
 #include "apps/outputs.hpp"
 #include "base/number_text.hpp"
+#include "worldio/file_lock.hpp"
+#include "worldio/partial_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -38,13 +39,28 @@ std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {
                   file.string()));
 }
 
-/// Returns the lines of a file, except a last line without a line break, which is incomplete.
+/// Returns the lines of a file, except a last line without a line break, which is incomplete. Throws
+/// OutputError if the file cannot be read.
 std::vector<std::string> whole_lines(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);)
     if (!stream.eof()) lines.push_back(line);
+  if (!stream.is_open() || stream.bad())
+    throw OutputError(fmt::format("{}: error: cannot be read: {}", file.string(), reason()));
   return lines;
+}
+
+/// Appends all bytes of a text to a file. Returns false, with the reason in errno, if writing fails; a part
+/// of the text may then be in the file.
+bool write_all(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = write(descriptor, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
 }
 
 /// Returns a value of a result in JSON, which has no numbers for infinities and NaN: they become texts.
@@ -118,7 +134,7 @@ SweepJournal::SweepJournal(const fs::path& file, std::string_view study) : file_
   descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, k_mode);
   if (descriptor_ < 0) refuse_output(file, reason());
   try {
-    if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
+    if (worldio::lock_file(descriptor_) == worldio::FileLock::held)
       throw OutputError(fmt::format(
           "{}: error: another process is running this part of the study: wait until it ends", file.string()));
     const std::vector<std::string> lines = whole_lines(file);
@@ -126,11 +142,8 @@ SweepJournal::SweepJournal(const fs::path& file, std::string_view study) : file_
     std::size_t whole = 0;
     for (const std::string& line : lines) whole += line.size() + 1;
     if (ftruncate(descriptor_, static_cast<off_t>(whole)) != 0) refuse_output(file, reason());
-    if (lines.empty()) {
-      const std::string head = head_of(study) + "\n";
-      if (write(descriptor_, head.data(), head.size()) != static_cast<ssize_t>(head.size()))
-        refuse_output(file, reason());
-    }
+    if (lines.empty() && !write_all(descriptor_, head_of(study) + "\n")) refuse_output(file, reason());
+    worldio::sync_folder_of(file);
   } catch (...) {
     close(descriptor_);
     throw;
@@ -148,11 +161,14 @@ void SweepJournal::add_failure(std::size_t run, const std::string& error) {
 
 void SweepJournal::append(std::size_t run, std::string line) {
   line += '\n';
-  errno = ENOSPC;  // a partial write sets no errno
-  if (write(descriptor_, line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
-      fsync(descriptor_) != 0)
-    throw std::runtime_error(
-        fmt::format("{}: error: the result of run {} cannot be written: {}", file_.string(), run, reason()));
+  const off_t start = lseek(descriptor_, 0, SEEK_END);
+  if (start >= 0 && write_all(descriptor_, line) && fsync(descriptor_) == 0) return;
+  const std::string why = reason();
+  // A part of the line, for example on a full disk, would be joined with the line of a later call. If it
+  // cannot be removed here, the constructor of the next sweep removes it.
+  [[maybe_unused]] const bool is_removed = start >= 0 && ftruncate(descriptor_, start) == 0;
+  throw std::runtime_error(
+      fmt::format("{}: error: the result of run {} cannot be written: {}", file_.string(), run, why));
 }
 
 SweepResults read_journals(const fs::path& folder, std::string_view study, const SweepSize& size) {

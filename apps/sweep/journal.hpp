@@ -42,8 +42,8 @@ struct SweepSize {
 class SweepJournal {
  public:
   /// Opens or creates a journal, and removes an incomplete last line. Throws OutputError if an existing
-  /// journal belongs to another `study`, if the file cannot be written, or if another process writes the
-  /// journal.
+  /// journal belongs to another `study`, if the file cannot be read or written, or if another process writes
+  /// the journal. On a file system without locks, another process that writes the journal is not detected.
   ///
   /// study: a text that identifies the study, its world and the version of the program; a new journal stores
   /// it
@@ -53,7 +53,7 @@ class SweepJournal {
   SweepJournal& operator=(const SweepJournal&) = delete;
 
   /// Appends the result of a finished run. When add() returns, the result is on the disk. Throws
-  /// std::runtime_error if writing fails.
+  /// std::runtime_error if writing fails; the journal then has no part of the result.
   void add(const SweepOutcome& outcome);
   /// Appends the error of a failed run, whose index in the study is `run`. Like add(), it returns when the
   /// error is on the disk, and throws std::runtime_error if writing fails.
@@ -68,8 +68,8 @@ class SweepJournal {
 
 /// Returns the results in all journals of a folder, which must exist. If a run failed and a later call of
 /// `troupe sweep` finished it, the error is left out. An incomplete last line of a journal is ignored. Throws
-/// OutputError if a journal belongs to another `study`, has a damaged line, or has a line that does not fit
-/// `size`.
+/// OutputError if a journal cannot be read, belongs to another `study`, has a damaged line, or has a line
+/// that does not fit `size`.
 ///
 /// study: the text that identifies the study, as for SweepJournal
 SweepResults read_journals(const std::filesystem::path& folder, std::string_view study,

@@ -3,7 +3,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/sweep/one_run.hpp"
 #include "apps/sweep/table.hpp"
-#include "worldio/whole_file.hpp"
+#include "worldio/partial_file.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -49,11 +50,13 @@ class Count {
   bool visible_;
 };
 
-/// Writes the samples of a run, `rows`, to the file that series_file() names. Throws std::runtime_error if
-/// writing fails.
+/// Writes the samples of a run, `rows`, to the file that series_file() names, on the disk. Throws
+/// std::runtime_error if writing fails.
 void keep_series(const std::filesystem::path& file, const std::string& rows) {
   try {
-    worldio::write_whole(file, {rows});
+    worldio::PartialFile out(file);
+    out.write(std::as_bytes(std::span(rows)));
+    out.commit_to_disk();
   } catch (const std::system_error& error) {
     throw std::runtime_error(
         fmt::format("{}: error: writing failed: {}", file.string(), error.code().message()));
@@ -86,12 +89,13 @@ std::map<std::size_t, std::string> make_runs(const worldio::Study& study,
         error = "unknown exception (not derived from std::exception)";
       }
       const std::lock_guard lock(mutex);
+      if (write_error) return;
       if (error) failed.emplace(runs[i], *error);
       try {
         if (error) journal.add_failure(runs[i], *error);
         if (!made) continue;
-        // The rows are written before the entry in the journal, so that they exist for every run in the
-        // journal.
+        // The rows are on the disk before the entry in the journal, so that they exist for every run in the
+        // journal, even after a power loss.
         if (study.series) keep_series(series_file(options.folder, runs[i]), made->series);
         journal.add(made->outcome);
         count.add_one();

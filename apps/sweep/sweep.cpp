@@ -12,6 +12,7 @@
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
 #include "worldio/json/study.hpp"
+#include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
@@ -50,13 +51,16 @@ SweepResults saved_results(const Study& study, const SweepIdentity& identity, co
   return read_journals(folder, identity.text, {.runs = study.run_count(), .values = values});
 }
 
-/// Returns the indices of the runs of this part (--part) that are not finished yet.
+/// Returns the indices of the runs of this part (--part) that are not finished yet, or whose rows for
+/// series.csv are missing.
 std::vector<std::size_t> runs_to_make(const Study& study, const SweepOptions& options,
                                       const SweepIdentity& identity) {
   const auto done = saved_results(study, identity, options.folder).outcomes;
   std::vector<std::size_t> runs;
   for (std::size_t r = options.part - 1; r < study.run_count(); r += options.parts)
-    if (!done.contains(r) || (study.series && !fs::exists(series_file(options.folder, r)))) runs.push_back(r);
+    if (const auto found = done.find(r);
+        found == done.end() || (study.series && !series_rows(options.folder, found->second)))
+      runs.push_back(r);
   return runs;
 }
 
@@ -158,6 +162,7 @@ void prepare_folder(const SweepOptions& options, bool has_series) {
     check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
   stop_on_signals();
   fs::create_directories(has_series ? options.folder / "series" : options.folder);
+  worldio::sync_folder_of(options.folder);
 }
 
 /// Prints how the sweep ended, and writes the tables if all runs of the study are done.

@@ -16,6 +16,8 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <sstream>
+#include <string_view>
 #include <system_error>
 #include <variant>
 
@@ -35,24 +37,52 @@ struct Column {
   std::variant<Numbers, Counts, Texts> cells;  // one per run
 };
 
-/// Returns the column of a parameter. values: the JSON text of its value in each run. If all texts are
-/// numbers, the column contains numbers, else texts.
-Column parameter_column(const std::string& name, const Texts& values) {
+/// Whether `number`, which was read from `text`, is the number in the text. A whole number above 2^53 may
+/// have no equal double; fractions are rounded in any case.
+bool is_exact(const std::string& text, double number) {
+  return text.find_first_not_of("-0123456789") != text.npos || fmt::format("{:.0f}", number) == text;
+}
+
+/// Returns a column with the values of a parameter or with seeds. values: the JSON text of the value in each
+/// run, or "nan" for an unknown seed. If all texts are numbers, the column contains numbers, else texts. It
+/// also contains texts if a whole number would be rounded.
+Column column_of(const std::string& name, const Texts& values) {
   Numbers numbers;
+  Counts counts;
   Texts texts;
   for (const std::string& value : values) {
     texts.push_back(shown_value(value));
-    if (const auto number = number_of<double>(value)) numbers.push_back(*number);
+    if (const auto number = number_of<double>(value); number && is_exact(value, *number))
+      numbers.push_back(*number);
+    if (const auto count = number_of<std::uint64_t>(value)) counts.push_back(*count);
   }
   if (numbers.size() == texts.size()) return {name, std::move(numbers)};
+  if (counts.size() == texts.size()) return {name, std::move(counts)};
   return {name, std::move(texts)};
 }
+
+/// Returns the column of the seeds. A seed is unknown (std::nullopt) if the study gives no seeds and the run
+/// failed.
+Column seed_column(const std::vector<std::optional<std::uint64_t>>& seeds) {
+  Counts known;
+  Texts texts;
+  for (const std::optional<std::uint64_t>& seed : seeds) {
+    if (seed) known.push_back(*seed);
+    texts.push_back(seed ? fmt::to_string(*seed) : "nan");
+  }
+  if (known.size() == seeds.size()) return {"seed", std::move(known)};
+  return column_of("seed", texts);
+}
+
+/// Returns a simulated time as the tables contain it, s.
+double rounded_time(double time_s) { return number_of<double>(time_cell(time_s)).value_or(time_s); }
 
 /// Returns the columns of the table, with one cell per run.
 std::vector<Column> columns_of(const SweepTable& table) {
   constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
   const std::size_t runs = table.study.run_count();
-  Counts index, seeds, ticks;
+  Counts index, ticks;
+  std::vector<std::optional<std::uint64_t>> seeds;
   Numbers times;
   Texts conditions, hashes, errors;
   std::vector<Texts> values(table.study.parameters.size());
@@ -64,9 +94,9 @@ std::vector<Column> columns_of(const SweepTable& table) {
     const auto failed = table.results.failed.find(r);
     const bool is_there = found != table.results.outcomes.end();
     index.push_back(r);
-    seeds.push_back(is_there ? found->second.seed : run.seed.value_or(0));
+    seeds.push_back(is_there ? found->second.seed : run.seed);
     ticks.push_back(is_there ? found->second.ticks : 0);
-    times.push_back(is_there ? found->second.time_s : k_none);
+    times.push_back(is_there ? rounded_time(found->second.time_s) : k_none);
     conditions.push_back(is_there ? found->second.stopped_by : "");
     hashes.push_back(is_there ? found->second.state_hash : "");
     errors.push_back(failed == table.results.failed.end() ? "" : failed->second);
@@ -75,8 +105,8 @@ std::vector<Column> columns_of(const SweepTable& table) {
   }
   std::vector<Column> columns{{"run", std::move(index)}};
   for (std::size_t p = 0; p < table.study.parameters.size(); ++p)
-    columns.push_back(parameter_column(table.study.parameters[p].name, values[p]));
-  columns.push_back({"seed", std::move(seeds)});
+    columns.push_back(column_of(table.study.parameters[p].name, values[p]));
+  columns.push_back(seed_column(seeds));
   columns.push_back({"ticks", std::move(ticks)});
   columns.push_back({"time_s", std::move(times)});
   for (std::size_t m = 0; m < measures.size(); ++m)
@@ -88,8 +118,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
 }
 
 std::string cell_of(const Column& column, std::size_t row) {
-  if (const auto* numbers = std::get_if<Numbers>(&column.cells))
-    return std::isnan((*numbers)[row]) ? "nan" : fmt::format("{}", (*numbers)[row]);
+  if (const auto* numbers = std::get_if<Numbers>(&column.cells)) return number_cell((*numbers)[row]);
   if (const auto* counts = std::get_if<Counts>(&column.cells)) return fmt::format("{}", (*counts)[row]);
   return csv_cell(std::get<Texts>(column.cells)[row]);
 }
@@ -139,9 +168,27 @@ fs::path series_file(const fs::path& folder, std::size_t run) {
   return folder / "series" / fmt::format("{}.csv", run);
 }
 
+std::optional<std::string> series_rows(const fs::path& folder, const SweepOutcome& outcome) {
+  const std::optional<std::string> text = worldio::read_file(series_file(folder, outcome.run));
+  if (!text || !text->ends_with('\n')) return std::nullopt;
+  const std::string run = fmt::format("{},", outcome.run);
+  std::string rows, time;
+  std::istringstream lines(*text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t end = std::min(line.find(',', std::min(run.size(), line.size())), line.size());
+    if (!line.starts_with(run)) return std::nullopt;
+    const auto time_s = number_of<double>(std::string_view(line).substr(run.size(), end - run.size()));
+    if (!time_s) return std::nullopt;
+    time = time_cell(*time_s);
+    rows.append(run).append(time).append(line, end).append(1, '\n');
+  }
+  if (time != time_cell(outcome.time_s)) return std::nullopt;
+  return rows;
+}
+
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values) {
-  fmt::format_to(std::back_inserter(rows), "{},{}", run, time_s);
-  for (const double value : values) rows += std::isnan(value) ? ",nan" : fmt::format(",{}", value);
+  fmt::format_to(std::back_inserter(rows), "{},{}", run, time_cell(time_s));
+  for (const double value : values) rows.append(1, ',').append(number_cell(value));
   rows += '\n';
 }
 
@@ -154,16 +201,15 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
     for (const std::string& measure : measures) head += "," + csv_cell(measure);
     write(head + "\n");
     for (const auto& [run, outcome] : table.results.outcomes) {  // in the order of runs
-      const std::optional<std::string> rows = worldio::read_file(series_file(folder, run));
+      const std::optional<std::string> rows = series_rows(folder, outcome);
       if (!rows)
-        throw OutputError(
-            fmt::format("{}: error: the file with the samples of run {} cannot be read: repeat the command, "
-                        "which makes the run again if the file is missing",
-                        series_file(folder, run).string(), run));
+        throw OutputError(fmt::format(
+            "{}: error: the file with the samples of run {} is missing, incomplete or unreadable: "
+            "repeat the command, which makes the run again",
+            series_file(folder, run).string(), run));
       write(*rows);
     }
-    whole.sync();
-    whole.commit();
+    whole.commit_to_disk();
   } catch (const std::system_error& error) {
     refuse_output(file, error.code().message());
   }

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,9 +27,9 @@ std::string shown_value(const std::string& json);
 
 /// Writes a table with one row per run, in the order of the runs in the study. The columns are
 /// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas.read_csv() reads the
-/// table without options. For a failed run, `ticks` is 0, and `seed` is 0 if the study gives no seed; the
-/// other results are `nan` or empty. Replaces the file only when the new table is complete. Throws
-/// OutputError if writing fails.
+/// table without options. For a failed run, `ticks` is 0, and `seed` is `nan` if the study gives no seed;
+/// the other results are `nan` or empty. A whole number that has no equal double is written as in the study.
+/// Replaces the file only when the new table is complete. Throws OutputError if writing fails.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
 /// Whether a file that begins with the text `start` is a table of write_csv(). The text must contain the
 /// first line of the file.
@@ -37,8 +38,8 @@ bool is_start_of_results(std::string_view start);
 inline constexpr std::string_view k_series_mark = "run,time_s";
 /// Writes the file series.csv in `folder`: the table `run,time_s,MEASURES...`. It has one row for each time
 /// at which the measures of a run were computed (Study::measure_every_s). The rows come from the files of the
-/// finished runs, which series_file() names. Replaces series.csv only when the new table is complete. Throws
-/// OutputError if the file of a finished run is missing or writing fails.
+/// finished runs (series_rows()). Replaces series.csv only when the new table is complete. Throws OutputError
+/// if the rows of a finished run are missing or writing fails.
 ///
 /// measures: names of the columns of measures, as Measures::columns() returns them
 void write_series(const SweepTable& table, const std::vector<std::string>& measures,
@@ -46,6 +47,11 @@ void write_series(const SweepTable& table, const std::vector<std::string>& measu
 /// Returns the path of the file that has the rows of one run for write_series(). This file has no line of
 /// column names. run: index of the run in the study
 std::filesystem::path series_file(const std::filesystem::path& folder, std::size_t run);
+/// Returns the rows of a finished run for write_series(), from the file that series_file() names.
+/// std::nullopt if the file cannot be read, has lines that are no rows of this run, or does not end with the
+/// row of the last tick, because the file was damaged, for example by a power loss. Times that an earlier
+/// version wrote without rounding are rounded as by time_cell().
+std::optional<std::string> series_rows(const std::filesystem::path& folder, const SweepOutcome& outcome);
 /// Appends one row of the table of write_series() to the text `rows`.
 ///
 /// run: index of the run in the study
@@ -54,9 +60,12 @@ std::filesystem::path series_file(const std::filesystem::path& folder, std::size
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values);
 
 /// Writes the table of write_csv() to an HDF5 file (docs/sweeps.md). Each column is a dataset in the group
-/// /table. The dataset /columns has the names of the columns, in their order. Replaces the file only when the
-/// new file is complete. HDF5 stores all texts of a column with the length of the longest; therefore an error
-/// of more than 200 bytes is cut there, and ends in "...". Throws OutputError if writing fails.
+/// /table. A column of numbers has doubles, but `run`, `seed` (if all are known), `ticks` and a parameter
+/// with whole numbers that have no equal double have unsigned 64-bit integers. If such a parameter also has
+/// negative numbers or fractions, the column has texts. The dataset /columns has the names of the columns, in
+/// their order. Replaces the file only when the new file is complete. HDF5 stores all texts of a column with
+/// the length of the longest; therefore an error of more than 200 bytes is cut there, and ends in "...".
+/// Throws OutputError if writing fails.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 
 }  // namespace troupe::apps

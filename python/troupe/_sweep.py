@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 
 from . import _core
 from ._json import text_of
+from .plot import rounded_time_s
 
 if TYPE_CHECKING:
     import pandas
@@ -96,7 +97,7 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
     def look() -> None:
         looks.append(list(measures.values()))
         if study["series"]:
-            series.append({**head, "seed": seed, "time_s": simulation.time_s, **dict(zip(measures.columns, looks[-1]))})
+            series.append({**head, "seed": seed, "time_s": rounded_time_s(simulation.time_s), **dict(zip(measures.columns, looks[-1]))})
 
     look()
     while simulation.tick < end and not simulation.stopped:
@@ -106,7 +107,7 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
         measures.see()
         if simulation.tick % every == 0 or simulation.tick == end or simulation.stopped:
             look()
-    row: Dict[str, Any] = {**head, "seed": seed, "ticks": simulation.tick, "time_s": simulation.time_s}
+    row: Dict[str, Any] = {**head, "seed": seed, "ticks": simulation.tick, "time_s": rounded_time_s(simulation.time_s)}
     for k, column in enumerate(measures.columns):
         for statistic in study["statistics"]:
             row[_column(column, statistic)] = _statistic(statistic, [values[k] for values in looks])

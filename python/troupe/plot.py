@@ -21,6 +21,7 @@ _Points = List[Tuple[float, float, float, int]]
 # The colours of Okabe and Ito, which colour-blind readers can distinguish, and black.
 COLORS = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#000000", "#f0e442")
 MOST_LINES = 12
+LARGEST = 1e300  # largest value in a plot: matplotlib computes limits of the axes that exceed the values
 LABEL_WIDTH = 36  # most characters in a line of the label of the y axis: a longer line would not fit
 OWN_COLUMNS = ("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "error")
 
@@ -31,13 +32,16 @@ class PlotError(ValueError):
 
 
 def _read(file: str) -> Tuple[List[str], List[List[str]]]:
+    longest = csv.field_size_limit(sys.maxsize)  # an error of a run may be longer than the default limit
     try:
         with open(file, newline="", encoding="utf-8") as stream:
             rows = list(csv.reader(stream))
     except FileNotFoundError:
         raise PlotError(f"{file}: error: there is no such file: give the folder of a completed sweep") from None
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise PlotError(f"{file}: error: cannot be read: {error}") from None
+    finally:
+        csv.field_size_limit(longest)
     if not rows or any(len(row) != len(rows[0]) for row in rows):
         raise PlotError(f"{file}: error: this is not a table of a sweep: it is empty, or its lines have different "
                         "numbers of columns")
@@ -67,6 +71,12 @@ def _number(text: str) -> Optional[float]:
         return float(text)
     except ValueError:
         return None
+
+
+def rounded_time_s(time_s: float) -> float:
+    """Returns a simulated time as the tables of `troupe` contain it: rounded to 12 significant digits, so that the same
+    time in runs with different lengths of ticks is one number."""
+    return float(f"{time_s:.12g}")
 
 
 def _order(value: _Key) -> List[Tuple[int, float, str]]:
@@ -119,10 +129,18 @@ def _check_lines(lines: Mapping[_Key, object], measure: str, names: Sequence[str
 
 
 def _average(numbers: Sequence[float]) -> Tuple[float, float, int]:
-    """Returns the mean, the sample standard deviation (0 for one number) and how many numbers there are."""
-    mean = math.fsum(numbers) / len(numbers)
-    spread = math.fsum((number - mean) ** 2 for number in numbers)
-    return mean, math.sqrt(spread / max(len(numbers) - 1, 1)), len(numbers)
+    """Returns the mean, the sample standard deviation (0 for one number) and how many numbers there are. With infinite
+    numbers, the deviation is NaN, and the mean is infinite, or NaN if the numbers have both signs. The deviation is
+    infinite if it exceeds the largest float."""
+    count = len(numbers)
+    if not all(map(math.isfinite, numbers)):
+        return sum(numbers) / count, math.nan, count
+    try:
+        mean = math.fsum(numbers) / count
+    except OverflowError:  # of the sum, not of the mean
+        mean = math.fsum(number / count for number in numbers)
+    # The squares of large deviations are infinite; hypot() scales them.
+    return mean, math.hypot(*(number - mean for number in numbers)) / math.sqrt(max(count - 1, 1)), count
 
 
 def series_by(folder: _File, measure: Optional[str] = None,
@@ -162,6 +180,7 @@ def series_by(folder: _File, measure: Optional[str] = None,
         if number is None or time_s is None or row[0] not in table.rows:
             raise PlotError(f"{series_file}: error: this is not the series of the sweep in table.csv: a run is not in "
                             "that table, or a value is not a number")
+        time_s = rounded_time_s(time_s)  # earlier versions wrote times without rounding
         key = table.key_of(row[0], names)
         sampled.setdefault(key, {}).setdefault(row[0], []).append(time_s)
         if not math.isnan(number):
@@ -214,12 +233,24 @@ def final_by(folder: _File, over: str, measure: Optional[str] = None,
 
 def _positions(lines: Mapping[_Key, Sequence[Tuple[str, float, float, int]]]) -> Tuple[Dict[str, float], bool]:
     """Returns the position on the x axis of each value of a parameter, and whether these are the values themselves:
-    values that are not all finite numbers are placed side by side, in the order of their lines."""
+    values that are not all numbers up to LARGEST are placed side by side, in the order of their lines."""
     values = sorted({(value,) for points in lines.values() for value, *_ in points}, key=_order)
     numbers = [_number(value[0]) for value in values]
-    if all(number is not None and math.isfinite(number) for number in numbers):
+    if all(number is not None and abs(number) <= LARGEST for number in numbers):
         return {value[0]: number for value, number in zip(values, numbers) if number is not None}, True
     return {value[0]: float(i) for i, value in enumerate(values)}, False
+
+
+def _finite(lines: Mapping[_Key, _Points], measure: str) -> Dict[_Key, _Points]:
+    """Returns the points whose means are finite, and the lines that have such points. Raises PlotError if there are none,
+    or if a point is too large for a plot."""
+    finite = {key: [point for point in points if math.isfinite(point[1])] for key, points in lines.items()}
+    finite = {key: points for key, points in finite.items() if points}
+    if not finite:
+        raise PlotError(f'error: the measure "{measure}" has only infinite values, which a plot cannot show')
+    if any(abs(mean) + deviation > LARGEST for points in finite.values() for _, mean, deviation, _ in points):
+        raise PlotError(f'error: the measure "{measure}" has values above {LARGEST:g}, which a plot cannot show')
+    return finite
 
 
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
@@ -227,8 +258,9 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter of
     the x axis, for the results at the end of the runs as final_by() reads them; None: the time, for the series that
     series_by() reads. folder, measure, by: as in these functions. out: name of the file; None: MEASURE.png or
-    MEASURE-over-PARAMETER.png in the folder. title: title of the plot; None: no title. Raises PlotError in the cases of these functions, if the name has
-    another ending, and if the file cannot be written; raises ImportError if matplotlib is missing."""
+    MEASURE-over-PARAMETER.png in the folder. title: title of the plot; None: no title. Points with an infinite
+    mean are left out. Raises PlotError in the cases of these functions, if all means are infinite, if a value exceeds
+    1e300, if the name has another ending, and if the file cannot be written; raises ImportError if matplotlib is missing."""
     ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
     if over is None:
         measure, names, lines = series_by(folder, measure, by)
@@ -238,6 +270,7 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         lines = {key: [(positions[value], mean, deviation, runs) for value, mean, deviation, runs in points]
                  for key, points in final.items()}
         ticks = None if are_numbers else positions
+    lines = _finite(lines, measure)
     default = f"{measure}.png" if over is None else f"{measure}-over-{over}.png".replace(os.sep, "-")
     file = os.fspath(out) if out else os.path.join(folder, default)
     if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):

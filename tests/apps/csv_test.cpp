@@ -20,14 +20,18 @@ TEST_F(Csv, NumbersAreTheShortestThatAreReadBackAlike) {
   const std::filesystem::path file = folder_ / "t.csv";
   CsvFile csv(file, "tick,a");
   csv.add(std::uint64_t{18446744073709551615u}).add(0.1).add(0.1 + 0.2).add(12.0).add(-0.0).add(1e-300);
-  csv.add(-std::numeric_limits<double>::denorm_min()).add(std::nextafter(1.0, 2.0));
+  csv.add(-std::numeric_limits<double>::denorm_min()).add(std::nextafter(1.0, 2.0)).add(1e5).add(0.0001);
   csv.add(std::nan("")).add(-std::nan("")).add(std::numeric_limits<double>::infinity());
   csv.end_line();
   csv.flush(0);
-  EXPECT_EQ(
-      content(file),
-      "tick,a\n18446744073709551615,0.1,0.30000000000000004,12,-0,1e-300,-5e-324,1.0000000000000002,nan,"
-      "nan,inf\n");
+  EXPECT_EQ(content(file),
+            "tick,a\n18446744073709551615,0.1,0.30000000000000004,12,-0,1e-300,-5e-324,1.0000000000000002,"
+            "100000,0.0001,nan,nan,inf\n");
+}
+
+TEST_F(Csv, TimesAreRounded) {
+  EXPECT_EQ(time_cell(3 * 0.1), "0.3");
+  EXPECT_EQ(time_cell(120), "120");
 }
 
 TEST_F(Csv, TextsStandInQuotesWhereTheyNeedThem) {

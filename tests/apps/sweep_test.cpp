@@ -2,7 +2,26 @@
 #include "tests/apps/program.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
 #include <limits>
+#include <utility>
+
+namespace {
+int flock_error = 0;  // the error of flock() in this process; 0: the file system has locks
+}  // namespace
+
+/// Replaces the function of the C library, to test a file system without locks.
+extern "C" int flock(int descriptor, int operation) noexcept {
+  if (flock_error == 0) return static_cast<int>(syscall(SYS_flock, descriptor, operation));
+  errno = flock_error;
+  return -1;
+}
 
 namespace troupe::apps {
 namespace {
@@ -102,7 +121,7 @@ TEST_F(Sweep, KeepsTheSeriesOfEachRun) {
   ASSERT_THAT(lines, SizeIs(1 + 6 * 5));  // at 0, 0.3, 0.6, 0.9 and 1 s
   EXPECT_EQ(lines[0], "run,time_s,path_length_m,stalls");
   EXPECT_EQ(lines[1], "0,0,0,0");
-  EXPECT_THAT(lines[2], StartsWith("0,0.3"));
+  EXPECT_THAT(lines[2], StartsWith("0,0.3,"));  // not 0.30000000000000004
   EXPECT_THAT(lines[5], StartsWith("0,1,"));
   EXPECT_THAT(lines[30], StartsWith("5,1,"));
   // The last look of a run is its row in the table.
@@ -126,6 +145,40 @@ TEST_F(Sweep, TheSeriesIsTheSameOnAnyThreadsInAnyPartsAndAfterACut) {
   std::filesystem::remove(path("one/series/0.csv"));
   EXPECT_EQ(troupe({"sweep", "series.json", "-o", "one"}).code, 0);
   EXPECT_EQ(read("one/series.csv"), whole);
+}
+
+TEST_F(Sweep, DamagedRowsOfARunAreMadeAgain) {
+  write("series.json", with_series());
+  ASSERT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+  const std::string whole = read("out/series.csv");
+  const std::string rows = read("out/series/4.csv");
+  const std::size_t last = rows.rfind('\n', rows.size() - 2) + 1;
+  std::string other = rows;
+  other.replace(last, 1, "3");
+  for (const std::string& damaged : {std::string(), rows.substr(0, last), rows.substr(0, rows.size() - 1),
+                                     std::string(rows.size(), '\0'), other}) {
+    write("out/series/4.csv", damaged);
+    std::filesystem::remove(path("out/series.csv"));
+    EXPECT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+    EXPECT_EQ(read("out/series.csv"), whole);
+  }
+}
+
+// Earlier versions did not round them.
+TEST_F(Sweep, TimesAreRoundedAlsoInRowsOfEarlierVersions) {
+  std::string study = with_series();
+  study.replace(study.find("\"for_s\": 1"), 10, "\"for_s\": 0.3");
+  write("series.json", study);
+  ASSERT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+  EXPECT_THAT(lines_of(table("out"))[1], StartsWith("0,2,1,3,0.3,"));
+  const std::string whole = read("out/series.csv");
+  const std::string journal = read("out/runs-1-of-1.jsonl");
+  std::string rows = read("out/series/0.csv");
+  write("out/series/0.csv", rows.replace(rows.find("0,0.3,"), 6, "0,0.30000000000000004,"));
+  std::filesystem::remove(path("out/series.csv"));
+  EXPECT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+  EXPECT_EQ(read("out/series.csv"), whole);
+  EXPECT_EQ(read("out/runs-1-of-1.jsonl"), journal);  // no run was made again
 }
 
 /// What the python3 that the program starts is handed.
@@ -210,6 +263,44 @@ TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
   const std::vector<std::string> lines = lines_of(table("out"));
   ASSERT_THAT(lines, SizeIs(7));
   EXPECT_THAT(lines[4], AllOf(StartsWith("3,5000,1,0,nan,nan,nan,nan,nan,,,"), HasSubstr("placed")));
+}
+
+TEST_F(Sweep, TheSeedOfAFailedRunWithoutSeedsIsUnknown) {
+  std::string world(k_world);
+  write("w.json", world.insert(1, R"("seed": 7, )"));
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"],
+    "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [2, 5000]}]})");
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 1);
+  const std::vector<std::string> lines = lines_of(table("out"));
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_THAT(lines[1], StartsWith("0,2,7,10,1,"));
+  EXPECT_THAT(lines[2], StartsWith("1,5000,nan,0,nan,nan,,,"));
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  EXPECT_THAT(worldio::Hdf5File::open(path("out/table.h5")).group("table").dataset("seed").read<double>(),
+              ElementsAre(7, ::testing::IsNan()));
+}
+
+TEST_F(Sweep, LargeWholeNumbersAreNotRounded) {
+  const auto columns = [&](const std::string& values) {
+    write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"],
+      "parameters": [{"set": "/seed", "name": "first", "values": [)" +
+                            values + "]}]}");
+    std::filesystem::remove_all(path("out"));
+    EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+    return lines_of(table("out"));
+  };
+  std::vector<std::string> lines = columns("18446744073709551615, 9007199254740993");
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_THAT(lines[1], StartsWith("0,18446744073709551615,18446744073709551615,10,"));
+  EXPECT_THAT(lines[2], StartsWith("1,9007199254740993,9007199254740993,10,"));
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  EXPECT_THAT(
+      worldio::Hdf5File::open(path("out/table.h5")).group("table").dataset("first").read<std::uint64_t>(),
+      ElementsAre(18446744073709551615u, 9007199254740993u));
+  lines = columns("7, 9007199254740992");
+  EXPECT_THAT(lines[2], StartsWith("1,9007199254740992,9007199254740992,10,"));
+  EXPECT_THAT(worldio::Hdf5File::open(path("out/table.h5")).group("table").dataset("first").read<double>(),
+              ElementsAre(7, 9007199254740992.0));
 }
 
 TEST_F(Sweep, AnErrorOfSeveralRunsIsPrintedOnce) {
@@ -328,6 +419,66 @@ TEST_F(Sweep, JournalsKeepValuesThatAreNotFinite) {
   journal.replace(journal.find("\"nan\""), 5, "null");
   write("runs-1-of-1.jsonl", journal);
   EXPECT_THAT(values(), ElementsAre(k_infinity, -k_infinity, ::testing::IsNan(), 0.1));
+}
+
+TEST_F(Sweep, AResultThatCannotBeWrittenLeavesNoPartOfALine) {
+  const std::filesystem::path file = journal_file(path("."), 1, 1);
+  SweepJournal journal(file, "the study");
+  journal.add({.run = 0});
+  const std::string before = read("runs-1-of-1.jsonl");
+  rlimit usual{};
+  getrlimit(RLIMIT_FSIZE, &usual);
+  rlimit full_disk = usual;
+  full_disk.rlim_cur = before.size() + 10;  // a part of the line fits
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &full_disk);
+  std::string error;
+  try {
+    journal.add({.run = 1});
+  } catch (const std::runtime_error& thrown) {
+    error = thrown.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &usual);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_THAT(error,
+              EndsWith("runs-1-of-1.jsonl: error: the result of run 1 cannot be written: File too large"));
+  EXPECT_EQ(read("runs-1-of-1.jsonl"), before);
+  journal.add({.run = 2});
+  const SweepResults results = read_journals(path("."), "the study", {.runs = 3, .values = 0});
+  EXPECT_THAT(results.outcomes, SizeIs(2));
+  EXPECT_TRUE(results.outcomes.contains(2));
+}
+
+TEST_F(Sweep, AFullDiskEndsTheSweepWhichCanBeContinued) {
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "whole"}).code, 0);
+  const std::vector<std::string> lines = lines_of(read("whole/runs-1-of-1.jsonl"));
+  const std::size_t fits = lines[0].size() + 3 * lines[1].size();
+  const Outcome full = troupe_with_file_limit({"sweep", "study.json", "-o", "out", "--threads", "3"}, fits);
+  EXPECT_EQ(full.code, 1);
+  EXPECT_THAT(full.err, HasSubstr(" cannot be written: File too large"));
+  EXPECT_THAT(read("out/runs-1-of-1.jsonl"), EndsWith("}\n"));
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  EXPECT_EQ(table("out"), table("whole"));
+}
+
+TEST_F(Sweep, OnlyALockOfAnotherProcessIsAnError) {
+  const std::filesystem::path file = journal_file(path("."), 1, 1);
+  const SweepJournal journal(file, "the study");
+  const auto open_again = [&] { const SweepJournal again(file, "the study"); };
+  EXPECT_THAT(open_again, ::testing::ThrowsMessage<std::runtime_error>(
+                              HasSubstr("another process is running this part of the study")));
+  for (const int error : {ENOSYS, EOPNOTSUPP, ENOLCK}) {
+    flock_error = error;
+    EXPECT_NO_THROW(open_again());
+    flock_error = 0;
+  }
+}
+
+TEST_F(Sweep, AJournalThatCannotBeReadIsAnError) {
+  std::filesystem::create_directories(path("out/runs-2-of-2.jsonl"));  // reading a folder fails
+  const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("out/runs-2-of-2.jsonl: error: cannot be read: "));
 }
 
 TEST_F(Sweep, LongErrorsAreCutInHdf5) {

@@ -70,6 +70,12 @@ class Sweep(unittest.TestCase):
         last = series.groupby("run")["coverage"].last()
         self.assertEqual(list(last), list(troupe.sweep(STUDY)["coverage"]))
 
+    def test_times_are_rounded(self):
+        study = {**STUDY, "world": {**WORLD, "tick_s": 0.1}, "for_s": 0.7, "measure_every_s": 0.1}
+        self.assertNotEqual(3 * 0.1, 0.3)
+        self.assertEqual(sorted(set(troupe.sweep(study, series=True)["time_s"])), [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7])
+        self.assertEqual(set(troupe.sweep(study)["time_s"]), {0.7})
+
     def test_a_study_may_contain_numpy_values(self):
         values = STUDY["parameters"][0]["values"]
         numpy = {**STUDY, "for_s": np.float64(STUDY["for_s"]), "parameters": [{**STUDY["parameters"][0], "values": np.array(values)}]}
@@ -191,6 +197,8 @@ except KeyboardInterrupt:
         del study["seeds"]
         self.assertEqual(list(troupe.sweep(study)["seed"]), [7, 7])
         self.assertEqual(set(troupe.sweep(study, series=True)["seed"]), {7})
+        study["parameters"] = [{**STUDY["parameters"][0], "values": [2, 100000]}]
+        self.assertEqual(list(troupe.sweep(study)["seed"].isna()), [False, True])  # that of a failed run is unknown
 
     def test_columns_have_different_names(self):
         def study(parameter, *measures):
@@ -231,6 +239,10 @@ class Plot(unittest.TestCase):
         self.assertEqual(lines[("2",)], [(0.0, 1.0, math.sqrt(2), 2), (1.0, 2.0, math.sqrt(2), 2)])
         self.assertEqual(lines[("10",)], [(0.0, 4.0, 0.0, 1), (1.0, 5.0, 0.0, 1)])  # runs without values at a time are not counted
         self.assertEqual(troupe.plot.series_by(self.folder, "order", "robots")[2], lines)
+
+    def test_times_of_earlier_versions_are_rounded(self):
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0.30000000000000004,1\n1,0.3,3\n")
+        self.assertEqual(troupe.plot.series_by(self.folder)[2], {("2",): [(0.3, 2, math.sqrt(2), 2)]})
 
     def test_names_of_parameters_may_contain_commas(self):
         (self.folder / "table.csv").write_text(
@@ -308,6 +320,35 @@ class Plot(unittest.TestCase):
         with self.assertRaisesRegex(troupe.plot.PlotError, 'unknown measure "path"'):
             troupe.plot.series_by(self.folder, "path")
 
+    def test_large_and_infinite_values_are_averaged(self):
+        def point(*values):
+            rows = [f"{run},0,{value}\n" for run, value in enumerate(values)]
+            (self.folder / "series.csv").write_text("run,time_s,order\n" + "".join(rows))
+            return troupe.plot.series_by(self.folder)[2][("2",)][0][1:]
+
+        self.assertEqual(point(1e200, -1e200), (0, math.hypot(1e200, 1e200), 2))
+        self.assertEqual(point(1.5e308, 1.5e308), (1.5e308, 0, 2))
+        self.assertEqual(repr(point("inf", 1)), "(inf, nan, 2)")
+        self.assertEqual(repr(point("inf", "-inf")), "(nan, nan, 2)")
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_infinite_values_are_left_out_of_a_picture(self):
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0,inf\n1,0,-inf\n0,1,inf\n1,1,1\n0,2,1e200\n1,2,3\n")
+        self.assertTrue(pathlib.Path(troupe.plot.draw(self.folder)).exists())
+        for value, text in (("inf", "only infinite values"), ("-1.5e308", "values above 1e\\+300")):
+            (self.folder / "table.csv").write_text(TABLE.replace(",1,1,,", f",1,{value},,").replace("1,3,,", f"1,{value},,")
+                                                   .replace("1,5,,", f"1,{value},,"))
+            (self.folder / "series.csv").write_text(f"run,time_s,order\n0,0,{value}\n1,0,{value}\n")
+            for over in (None, "robots"):
+                with self.assertRaisesRegex(troupe.plot.PlotError, f'the measure "order" has {text}'):
+                    troupe.plot.draw(self.folder, over=over)
+
+    def test_a_long_error_of_a_run_is_read(self):
+        (self.folder / "table.csv").write_text(TABLE + f"4,10,3,0,nan,nan,,,{'x' * 200000}\n")
+        limit = troupe.plot.csv.field_size_limit()
+        self.assertEqual(len(troupe.plot.series_by(self.folder)[2]), 2)
+        self.assertEqual(troupe.plot.csv.field_size_limit(), limit)
+
     def test_what_is_wrong_is_one_message(self):
         def message(*arguments, **named):
             with self.assertRaises(troupe.plot.PlotError) as raised:
@@ -323,6 +364,8 @@ class Plot(unittest.TestCase):
         self.assertIn("its lines have different numbers of columns", message())
         (self.folder / "series.csv").write_text("run,time_s,order\n7,1,2\n")
         self.assertIn("this is not the series of the sweep", message())
+        with unittest.mock.patch.object(troupe.plot.csv, "reader", side_effect=troupe.plot.csv.Error("line contains NUL")):
+            self.assertIn("table.csv: error: cannot be read: line contains NUL", message())
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_a_picture_is_drawn(self):

@@ -234,13 +234,17 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
                   "the study sets the end of each run: remove this parameter or \"for_s\""));
   EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
   EXPECT_THAT(wrong(R"("statistics": ["median"])"), ElementsAre(HasSubstr("known: last, max, mean, min")));
-  EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("already in the list")));
+  EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("already contains")));
   EXPECT_THAT(wrong(R"("seeds": [])"), ElementsAre(HasSubstr("at least one seed")));
   EXPECT_THAT(wrong(R"("seeds": [9007199254740991])"), IsEmpty());
   EXPECT_THAT(
       wrong(R"("seeds": [9007199254740992])"),
       ElementsAre(
           "study.json:2: error: /seeds/0: must be from 0 to 9007199254740991, found 9007199254740992"));
+  EXPECT_THAT(wrong(R"("seeds": {"from": 9007199254740990, "count": 2})"), IsEmpty());
+  EXPECT_THAT(wrong(R"("seeds": {"from": 9007199254740990, "count": 3})"),
+              ElementsAre("study.json:2: error: /seeds: the last seed would be 9007199254740992, but the "
+                          "largest seed is 9007199254740991: reduce \"from\" or \"count\""));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [1, 2147483648]}], "samples": 2)"),
               IsEmpty());
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [0, 2147483648]}], "samples": 2)"),
@@ -254,6 +258,27 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   Diagnostics nowhere;
   load_study("nowhere.json", make_registry(), nowhere);
   EXPECT_THAT(findings(nowhere), ElementsAre("nowhere.json: error: there is no such file"));
+}
+
+TEST_F(StudyFile, EqualRunsAreAnError) {
+  EXPECT_THAT(
+      wrong("\"seeds\": [1, 2,\n1]"),
+      ElementsAre("study.json:3: error: /seeds/2: the list already contains this entry: remove one of "
+                  "the two"));
+  EXPECT_THAT(
+      wrong("\"parameters\": [{\"set\": \"/x\", \"values\": [100000, \"a\",\n1e5, true, {}, 1,\n\"a\"]}]"),
+      ElementsAre("study.json:3: error: /parameters/0/values/2: the list already contains this entry: "
+                  "remove one of the two",
+                  HasSubstr("study.json:4: error: /parameters/0/values/6: ")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [0.5, "0.5", 0.25, [1], [2], "1", 1]}])"),
+              IsEmpty());
+  EXPECT_THAT(
+      wrong(R"("parameters": [{"set": "/x", "from": 2, "to": 2, "steps": 3}])"),
+      ElementsAre("study.json:2: error: /parameters/0: \"from\" and \"to\" are both 2, so 3 runs would "
+                  "be equal: give different numbers, or one number as \"values\""));
+  // The entries of a list that samples choose from may have weights.
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": ["a", "a", "b"]}], "samples": 9)"), IsEmpty());
+  EXPECT_THAT(wrong(R"("samples": 9, "seeds": [3, 3])"), ElementsAre(HasSubstr("/seeds/1: ")));
 }
 
 }  // namespace

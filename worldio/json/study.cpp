@@ -95,6 +95,15 @@ std::string option_text(const JsonNode& node) {
 
 std::string option_text(double value) { return option_text(json_node(value)); }
 
+/// Returns a text that is the same for equal values: 100000 and 1e5 are equal.
+std::string text_of_equals(const JsonNode& node) {
+  const auto* number = std::get_if<double>(&node.value);
+  return number && *number == std::trunc(*number) ? fmt::format("{:.0f}", *number) : option_text(node);
+}
+
+/// The error for an entry of a list of seeds, values or statistics that the list already contains.
+constexpr std::string_view k_twice = "the list already contains this entry: remove one of the two";
+
 using Choice = Study::Choice;
 using ChoiceKind = Choice::Kind;
 
@@ -143,14 +152,15 @@ class StudyReader {
       if (const std::string* world = read_text(JsonCursor(root, "world", *node), "the path of a world file"))
         study_.world = file_.parent_path() / *world;
     if (const Value end = read_field(object, k_for); end.given()) study_.for_s = end.number();
+    // Before the parameters: a list of values may contain equal values only if the study has samples.
+    if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
+      study_.samples = static_cast<std::size_t>(samples.integer());
     each(object, "parameters", [&](const JsonCursor& at) { read_parameter(at); });
     read_seeds(object);
     read_measures(object);
     if (const Value seed = read_field(object, k_random_seed); seed.given())
       study_.random_seed = static_cast<std::uint64_t>(seed.integer());
     if (const Value series = read_field(object, k_series); series.given()) study_.series = series.boolean();
-    if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
-      study_.samples = static_cast<std::size_t>(samples.integer());
     object.finish();
     check_effects(root);
     if (!diagnostics.has_errors()) check_runs(root);
@@ -177,9 +187,9 @@ class StudyReader {
   }
 
   void read_parameter(const JsonCursor& at);
-  static Choice read_choice(JsonObject& object);
-  static Choice read_list_of_values(const JsonCursor& at);
-  static Choice read_steps(JsonObject& object);
+  Choice read_choice(JsonObject& object) const;
+  Choice read_list_of_values(const JsonCursor& at) const;
+  Choice read_steps(JsonObject& object) const;
   static Choice read_interval(const JsonCursor& at, ChoiceKind kind);
   void read_seeds(JsonObject& object);
   void read_measures(JsonObject& object);
@@ -220,7 +230,7 @@ void StudyReader::read_parameter(const JsonCursor& at) {
   study_.parameters.push_back(std::move(parameter));
 }
 
-Choice StudyReader::read_choice(JsonObject& object) {
+Choice StudyReader::read_choice(JsonObject& object) const {
   constexpr std::array<std::string_view, 5> k_ways{"values", "steps", "uniform", "log_uniform", "integers"};
   std::string_view way;
   for (const std::string_view one : k_ways) {
@@ -242,17 +252,23 @@ Choice StudyReader::read_choice(JsonObject& object) {
                                                   : ChoiceKind::integers);
 }
 
-Choice StudyReader::read_list_of_values(const JsonCursor& at) {
+Choice StudyReader::read_list_of_values(const JsonCursor& at) const {
   Choice choice;
+  std::set<std::string> known;
   const JsonNode::List* list = read_list(at);
   if (list && (list->empty() || list->size() > k_most_runs))
     at.error(fmt::format("expected a list of 1 to {} values, found {}", k_most_runs, list->size()));
   else if (list)
-    for (const JsonNode& value : *list) choice.values.push_back(option_text(value));
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      const JsonNode& value = (*list)[i];
+      if (!known.insert(text_of_equals(value)).second && !study_.samples)
+        JsonCursor(at, i, value).error(std::string(k_twice));
+      choice.values.push_back(option_text(value));
+    }
   return choice;
 }
 
-Choice StudyReader::read_steps(JsonObject& object) {
+Choice StudyReader::read_steps(JsonObject& object) const {
   Choice choice;
   const std::optional<Steps> given = read_all<Steps>(object);
   if (!given) return choice;
@@ -263,6 +279,11 @@ Choice StudyReader::read_steps(JsonObject& object) {
   if (!std::isfinite(choice.high - choice.low))
     object.at().error(
         "\"from\" and \"to\" differ by more than 1.8e308, the largest number that can be represented");
+  else if (choice.low == choice.high && !study_.samples)
+    object.at().error(fmt::format(
+        "\"from\" and \"to\" are both {}, so {} runs would be equal: give different numbers, or one number "
+        "as \"values\"",
+        plain_number(choice.low), choice.steps));
   return choice;
 }
 
@@ -297,9 +318,13 @@ void StudyReader::read_seeds(JsonObject& object) {
   if (!node) return;
   const JsonCursor at(object.at(), "seeds", *node);
   if (node->list()) {
+    std::set<std::int64_t> known;
     for (std::size_t i = 0; i < node->list()->size(); ++i) {
-      const Value seed = read_value(JsonCursor(at, i, (*node->list())[i]), whole("seed", 0, k_most_seed, ""));
-      if (seed.given()) study_.seeds.push_back(static_cast<std::uint64_t>(seed.integer()));
+      const JsonCursor entry(at, i, (*node->list())[i]);
+      const Value seed = read_value(entry, whole("seed", 0, k_most_seed, ""));
+      if (!seed.given()) continue;
+      if (!known.insert(seed.integer()).second) entry.error(std::string(k_twice));
+      study_.seeds.push_back(static_cast<std::uint64_t>(seed.integer()));
     }
     if (node->list()->empty()) at.expected("at least one seed");
     return;
@@ -309,6 +334,10 @@ void StudyReader::read_seeds(JsonObject& object) {
   const std::optional<SeedRange> seeds = read_all<SeedRange>(range);
   range.finish();
   if (!seeds) return;
+  constexpr auto k_last = static_cast<std::int64_t>(k_most_seed);
+  if (const std::int64_t last = seeds->from + seeds->count - 1; last > k_last)
+    return at.error(fmt::format(
+        "the last seed would be {}, but the largest seed is {}: reduce \"from\" or \"count\"", last, k_last));
   for (std::int64_t i = 0; i < seeds->count; ++i)
     study_.seeds.push_back(static_cast<std::uint64_t>(seeds->from + i));
 }
@@ -326,7 +355,7 @@ void StudyReader::read_measures(JsonObject& object) {
     const auto statistic =
         static_cast<Statistic>(std::ranges::find(k_statistics, name.text()) - k_statistics.begin());
     if (std::ranges::find(study_.statistics, statistic) != study_.statistics.end())
-      at.error("this statistic is already in the list: remove one of the two entries");
+      at.error(std::string(k_twice));
     study_.statistics.push_back(statistic);
   });
   if (study_.statistics.empty()) study_.statistics.push_back(Statistic::last);

@@ -6,9 +6,7 @@
 #include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
@@ -74,16 +72,6 @@ Content content_of(const fs::path& file) {
   return content;
 }
 
-/// Flushes the folder of a file to the disk (fsync), if the file system supports this, so that the name of
-/// the file is on the disk. The content of the file must be on the disk already.
-void sync_folder_of(const fs::path& file) {
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  static_cast<void>(fsync(descriptor));
-  close(descriptor);
-}
-
 }  // namespace
 
 void write_sealed(const fs::path& file, std::string_view kind, unsigned layout,
@@ -100,9 +88,7 @@ void write_sealed(const fs::path& file, std::string_view kind, unsigned layout,
     PartialFile out(file);
     out.write(std::as_bytes(std::span(text)));
     out.write(rest);
-    out.sync();
-    out.commit();
-    sync_folder_of(out.target());
+    out.commit_to_disk();
   } catch (const std::system_error& error) {
     refuse(error.code().message());
   }
