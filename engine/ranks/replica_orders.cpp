@@ -47,13 +47,14 @@ void Replica::follow(Order order, MessageReader message) {
       return;
     }
     case Order::set: {
+      const auto tick = message.get<std::uint64_t>();
       SettingSpec setting;
       setting.type = message.get<TypeId>();
       setting.of = message.get<SettingSpec::Of>();
       setting.index = message.get<std::uint32_t>();
       message.require(has_params(world_.spec().types, setting));
       setting.params = get_record(message);
-      if (const Result<> done = world_.set(setting, registry_); !done)
+      if (const Result<> done = world_.set_at(tick, setting, registry_); !done)
         throw std::logic_error(
             fmt::format("internal error: rank {}: {}; this is no error of your input: please report it",
                         transport_.rank(), done.error().text));
@@ -150,6 +151,7 @@ void Replica::restart(std::uint64_t seed, std::span<const BodySpec> bodies) {
 void Replica::set(const SettingSpec& setting) {
   if (!leads()) return;
   MessageWriter message = message_of(Order::set);
+  message.put(world_.tick());  // the other ranks may still have the tick of an earlier state (is_touched_)
   message.put(setting.type);
   message.put(setting.of);
   message.put(setting.index);

@@ -288,6 +288,14 @@ class World {
   ///
   /// is_in_tick   whether the interventions of the present tick have already been applied
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
+  /// Makes the change of set() at the tick that rank 0 has. Replica calls this on the other ranks after a
+  /// call of set() on rank 0. If the program has replaced the state on rank 0, for example by restore(), this
+  /// rank may be at another tick: the function then sets the tick and applies the settings of earlier ticks,
+  /// so that the change follows the same interventions as on rank 0. adopt() must follow in this case. Unlike
+  /// set(), the function may be called while the state of this rank is incomplete.
+  ///
+  /// tick   tick() of rank 0
+  Result<> set_at(std::uint64_t tick, const SettingSpec& setting, const Registry& registry);
   /// Removes the rows of `leaving`, and then adds those of `coming` after the remaining rows. Halo
   /// (engine/ranks/halo.hpp) calls this, also during a tick. Afterwards, the first `own` rows are the own
   /// rows, which this rank computes (WorldState::own_rows). The rows after them are copies of rows of other
@@ -763,6 +771,7 @@ class World {
                     std::uint32_t trial) const;
   bool is_setting(const Experiment::Intervention& intervention) const;
   TypeSpec type_at(TypeId type, std::size_t count) const;
+  Result<> insert_setting(const SettingSpec& setting, const Registry& registry);
   void swap_settings(std::size_t count);
   void swap_settings_back(std::size_t count);
   void forget_settings();

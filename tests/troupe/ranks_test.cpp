@@ -312,6 +312,96 @@ TEST_F(DistributedRanks, ResumeWhatOthersSaved) {
   }
 }
 
+/// Saves a run of k_rangers, with an intervention `set` at 0.5 s, after 10 ticks, and resumes it on several
+/// ranks.
+class RanksThatResume : public DistributedRanks {
+ protected:
+  static constexpr std::uint64_t k_ticks = 10;
+
+  void save(std::string_view drive, std::string_view drive_at_half_a_second) const {
+    std::string text(k_rangers);
+    constexpr std::string_view k_drive = R"({"kind": "diff"})";
+    text.replace(text.find(k_drive), k_drive.size(), drive);
+    text.insert(text.rfind('}'),
+                std::string(R"(, "at": [{"time_s": 0.5, "set": {"type": "wanderer", "drive": )") +
+                    std::string(drive_at_half_a_second) + "}}]");
+    SimulationOptions options;
+    options.threads = 1;
+    Simulation simulation(write("rangers.json", text), options);
+    for (std::uint64_t i = 0; i < k_ticks; ++i) simulation.step();
+    simulation.save(file_);
+  }
+  Simulation resume(const Team& team, const std::vector<std::pair<std::string, std::string>>& set) const {
+    ResumeOptions options;
+    options.threads = team.threads;
+    options.ranks = team.ranks;
+    options.rank_seed = team.seed;
+    options.distribute = team.distribute;
+    options.set = set;
+    return Simulation::resume(file_, options);
+  }
+  /// The JSON pointer of a parameter of the drive of the wanderers, for ResumeOptions::set.
+  std::string pointer(std::string_view parameter) const {
+    const Simulation simulation = Simulation::resume(file_);
+    const std::vector<engine::TypeSpec>& types = simulation.world().spec().types;
+    const auto type = std::ranges::find(types, "wanderer", &engine::TypeSpec::name);
+    return "/types/" + std::to_string(type - types.begin()) + "/drive/params/" + std::string(parameter);
+  }
+  using Program = std::function<void(Simulation& simulation)>;
+  std::vector<std::string> log_of(Simulation simulation, const Program& program) const {
+    program(simulation);
+    std::vector<std::string> lines{simulation.hash_log_line()};
+    for (std::uint64_t i = 0; i < k_ticks; ++i) {
+      simulation.step();
+      lines.push_back(simulation.hash_log_line());
+    }
+    lines.push_back(simulation.parameters("wanderer"));
+    return lines;
+  }
+  void expect_same(const std::vector<std::pair<std::string, std::string>>& set,
+                   const Program& program) const {
+    const std::vector<std::string> expected = log_of(resume({}, set), program);
+    EXPECT_NE(expected, log_of(resume({}, {}), [](Simulation&) {})) << "the settings change nothing";
+    for (const bool distribute : {false, true})
+      for (const Team& team : {Team{2, 1, 3, distribute}, Team{3, 1, 4, distribute}}) {
+        Simulation resumed = resume(team, set);
+        EXPECT_EQ(resumed.rank_statistics().is_distributed, distribute);
+        EXPECT_EQ(log_of(std::move(resumed), program), expected) << team.ranks << " ranks, " << distribute;
+      }
+  }
+
+  const fs::path file_ = folder_ / "run.h5";
+};
+
+constexpr std::string_view k_slower = R"({"drive": {"velocity_max_x_mps": 0.02}})";
+
+TEST_F(RanksThatResume, SetAParameterThatAnEarlierInterventionHasSet) {
+  save(R"({"kind": "diff"})", R"({"velocity_max_x_mps": 0.05})");
+  const std::vector<std::pair<std::string, std::string>> slower{{pointer("velocity_max_x_mps"), "0.02"}};
+  expect_same(slower, [](Simulation&) {});
+  expect_same({}, [](Simulation& simulation) { simulation.set("wanderer", k_slower); });
+  expect_same(slower, [](Simulation& simulation) {
+    simulation.find("w3").set_pose({4.5, 4.5, 0, 1});
+    simulation.set("wanderer", R"({"drive": {"velocity_max_x_mps": 0.07}})");
+    static_cast<void>(simulation.rank_counts());
+    simulation.set("wanderer", R"({"drive": {"velocity_max_x_mps": 0.03}})");
+  });
+}
+
+TEST_F(RanksThatResume, SetAParameterThatIsValidOnlyAfterAnEarlierIntervention) {
+  save(R"({"kind": "diff", "velocity_max_x_mps": 0.03})", R"({"velocity_max_x_mps": 0.06})");
+  expect_same({{pointer("velocity_min_x_mps"), "0.05"}}, [](Simulation&) {});
+}
+
+// The settings of the run, and those of the resumed run, are gone at tick 0 of a reset.
+TEST_F(RanksThatResume, ForgetTheirSettingsWithAReset) {
+  save(R"({"kind": "diff"})", R"({"velocity_max_x_mps": 0.05})");
+  expect_same({}, [](Simulation& simulation) {
+    simulation.set("wanderer", k_slower);
+    simulation.reset();
+  });
+}
+
 // A program may keep spans and references across steps, which another rank computes or must learn of.
 TEST_F(RanksOfAProgram, ShowNewStateThroughOldReferences) {
   constexpr std::string_view k_lamps = R"({
