@@ -299,6 +299,28 @@ TEST_F(Checkpoint, GoesOnOtherwiseWithWhatIsSet) {
   EXPECT_EQ(slower.find("r1").speed().forward, -0.1);
 }
 
+// The interventions of the tick have been applied before the callback, and a resumed run would repeat them.
+TEST_F(Checkpoint, IsNotSavedInACallbackOfBeforeTick) {
+  Simulation simulation(write("room.json", k_room));
+  std::string error;
+  simulation.before_tick([&](Simulation& s) {
+    try {
+      s.save(file_);
+    } catch (const std::logic_error& refusal) {
+      error = refusal.what();
+    }
+  });
+  simulation.step();
+  EXPECT_THAT(error, StartsWith("save() is not allowed in a callback of before_tick(), because a run that is "
+                                "resumed from the checkpoint would repeat the interventions of this tick"));
+  EXPECT_FALSE(fs::exists(file_));
+  simulation.before_tick([](Simulation&) { throw std::runtime_error("not today"); });
+  EXPECT_THROW(simulation.step(), std::runtime_error);
+  simulation.reset();
+  simulation.save(file_);
+  EXPECT_EQ(Simulation::resume(file_).tick(), 0u);
+}
+
 TEST_F(Checkpoint, WhatIsSetReplacesEarlierInterventions) {
   Simulation straight(write("room.json", k_room));
   straight.set("bot", R"({"drive": {"velocity_min_x_mps": -0.4}})");

@@ -12,6 +12,7 @@
 #include "tests/troupe/golden_hashes.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,6 +32,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -281,7 +283,20 @@ constexpr std::string_view k_rangers = R"({
   "populations": [{"name": "w", "type": "wanderer", "count": 60, "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}}]
 })";
 
-class DistributedRanks : public test::ScratchTest {};
+class DistributedRanks : public test::ScratchTest {
+ protected:
+  using Counts = std::tuple<std::int64_t, std::int64_t, double>;  // stalled, out of bounds, mean displacement
+  static Counts counts_in(const fs::path& checkpoint) {
+    const auto file = worldio::Hdf5File::open(checkpoint);
+    const worldio::Hdf5Group meta = file.group("meta");
+    return {meta.integer("stalled"), meta.integer("held_at_bounds"), meta.number("mean_displacement_m")};
+  }
+  static Counts counts_of(const Simulation& simulation) {
+    const engine::World& world = simulation.world();
+    return {static_cast<std::int64_t>(world.stalled_count()),
+            static_cast<std::int64_t>(world.out_of_bounds_count()), world.mean_displacement()};
+  }
+};
 
 TEST_F(DistributedRanks, ResumeWhatOthersSaved) {
   const fs::path world = write("rangers.json", k_rangers);
@@ -297,9 +312,13 @@ TEST_F(DistributedRanks, ResumeWhatOthersSaved) {
   options.distribute = true;
   Simulation saved(world, options);
   EXPECT_TRUE(saved.rank_statistics().is_distributed);
-  for (int i = 0; i < 10; ++i) saved.step();
-  saved.world().gather();
+  Simulation straight_at_10(world, one);
+  for (int i = 0; i < 10; ++i) {
+    saved.step();
+    straight_at_10.step();
+  }
   saved.save(file);
+  EXPECT_EQ(counts_in(file), counts_of(straight_at_10));
   for (const unsigned ranks : {1u, 2u, 5u}) {
     ResumeOptions resume;
     resume.threads = 1;
