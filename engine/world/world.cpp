@@ -356,6 +356,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   } catch (const StepError&) {
     throw;
   } catch (...) {  // a kind, or the ray grid, has refused the new bodies: the world returns to the old ones
+    if (replica_) replica_->note_rejection();
     Diagnostics none(state_.spec.files);
     std::swap(diagnostics, none);
     begin_with(old_seed, old);

@@ -672,6 +672,66 @@ TEST_F(RanksOfAProgram, GoOnAfterARestartThatTheGridRefuses) {
   EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
 }
 
+/// The kind `led`, whose hook `bind_world` rejects worlds with a body far away, on all ranks or on all ranks
+/// but 0.
+struct PickyLed {
+  static inline std::atomic<Unlucky> rejects = Unlucky::all;
+  static inline std::thread::id rank_0;
+
+  static engine::Registry registry() {
+    engine::Registry registry = make_registry();
+    rank_0 = std::this_thread::get_id();
+    std::ranges::find(registry.devices, "led", &engine::DeviceKind::name)->bind_world =
+        [](std::any&, const engine::WorldSpec& spec) -> Result<> {
+      const bool is_far = std::ranges::any_of(
+          spec.bodies, [](const engine::BodySpec& body) { return body.pose_world_body.x > 1000; });
+      if (is_far && (rejects == Unlucky::all || std::this_thread::get_id() != rank_0))
+        return Error{"is too far from home"};
+      return {};
+    };
+    return registry;
+  }
+  /// Restarts the simulation with the robot w0 far away. Returns the error; empty if there is none.
+  static std::string restart_far_away(Simulation& simulation) {
+    engine::World& world = simulation.world();
+    std::vector<engine::BodySpec> bodies = world.spec().bodies;
+    bodies[world.find("w0").index()].pose_world_body.x = 2000;
+    try {
+      world.restart(7, bodies, simulation.registry());
+    } catch (const std::logic_error& error) {
+      return error.what();
+    }
+    return {};
+  }
+};
+
+TEST_F(RanksOfLeds, GoOnAfterARestartThatAKindRejects) {
+  PickyLed::rejects = Unlucky::all;
+  Simulation one = load(1, {}, PickyLed::registry());
+  Simulation three = load(3, {}, PickyLed::registry());
+  for (Simulation* simulation : {&one, &three}) {
+    simulation->step();
+    EXPECT_THAT(PickyLed::restart_far_away(*simulation), HasSubstr("is too far from home"));
+    static_cast<void>(simulation->rank_counts());  // the other ranks answer after they have tried to restart
+    simulation->step();
+  }
+  EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
+}
+
+TEST_F(RanksOfLeds, EndAfterARestartThatOnlyOneRankRejects) {
+  PickyLed::rejects = Unlucky::other_ranks;
+  Simulation simulation = load(2, {}, PickyLed::registry());
+  simulation.step();
+  EXPECT_EQ(PickyLed::restart_far_away(simulation), "");
+  try {
+    simulation.step();
+    ADD_FAILURE();
+  } catch (const std::exception& error) {
+    EXPECT_THAT(error.what(), HasSubstr("rank 1 failed: an error that did not occur on rank 0"));
+    EXPECT_THAT(error.what(), HasSubstr("is too far from home"));
+  }
+}
+
 // The callback of rank 0 reads data of the ranks that have already failed in this tick.
 TEST_F(RanksOfLeds, ReportAnErrorThatOtherRanksHadBeforeTheCallback) {
   const std::string more =
