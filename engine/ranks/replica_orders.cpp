@@ -41,7 +41,8 @@ void Replica::follow(Order order, MessageReader message) {
         body.pose_world_body = message.get<Pose>();
         body.color = message.get<Color>();
       }
-      // If the new bodies are rejected, rank 0 also throws the error, and all worlds return to the old bodies.
+      // If the new bodies are rejected, rank 0 also throws the error, and all worlds return to the old
+      // bodies.
       try {
         ignore_step_error([&] { world_.restart(seed, bodies, registry_); });
       } catch (const InputError& error) {
