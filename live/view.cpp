@@ -392,6 +392,7 @@ void View::Impl::publish() {
   const std::shared_ptr<Picture> picture = connections_->spare_picture();
   if (!picture) return;  // the server still uses all pictures; before_tick() tries again
   picture->number = ++pictures_;
+  simulation_.world().gather_distributed();
   take(simulation_.world(), order_, has_colors_, shown_parts_, *picture);
   picture->state = members_of(state());
   picture->own.clear();

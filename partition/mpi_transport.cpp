@@ -85,14 +85,24 @@ struct MpiTransport::Impl {
   }
   /// Calls is_over() until it returns true. other(): returns the rank for which this rank waits. Calls fail()
   /// if the wait takes longer than limit_s.
+  ///
+  /// A pass of the loop counts for at most k_longest_pass_s: it takes longer only if the process is
+  /// suspended, for example with the whole job, and the other ranks then need time to answer.
   template <class IsOver, class Other>
   void wait(IsOver&& is_over, Other&& other) {
+    constexpr double k_longest_pass_s = 1;
     if (is_over()) return;
     const double start = mpi.seconds();
-    while (!is_over()) {
+    double before = start;
+    double counted = 0;
+    while (true) {
       progress();
       sched_yield();
-      if (mpi.seconds() - start > limit_s)
+      const double now = mpi.seconds();
+      counted += std::min(now - before, k_longest_pass_s);
+      before = now;
+      if (is_over()) break;  // after the clock was read: an answer may have come meanwhile
+      if (counted > limit_s)
         fail(fmt::format(
             "waited {:g} s for {}, which does not answer: see the output of that rank, or give a longer "
             "--rank-limit",

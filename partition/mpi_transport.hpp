@@ -38,7 +38,7 @@ class MpiTransport : public Transport {
 
   const std::string& library() const;  ///< name and version of the MPI library
   /// Sets the longest time that receive() and complete_sending() wait, s, wall time. Before the first call
-  /// there is no limit.
+  /// there is no limit. Time in which this process is suspended does not count, except for up to 1 s.
   void set_limit(double seconds);
   /// Sets the names of the hosts of all ranks, indexed by rank, for the texts of errors.
   void set_hosts(std::vector<std::string> hosts);

@@ -33,6 +33,18 @@ std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
   return engine::ticks_until(seconds, tick_s);
 }
 
+/// Sets a flag while an object of this class exists: while callbacks run.
+class Calling {
+ public:
+  explicit Calling(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Calling() { flag_ = false; }
+  Calling(const Calling&) = delete;
+  Calling& operator=(const Calling&) = delete;
+
+ private:
+  bool& flag_;
+};
+
 }  // namespace
 
 void Simulation::Impl::refuse_in_callbacks(std::string_view what) const {
@@ -84,6 +96,7 @@ void Simulation::step() {
   if (!check_fp_environment()) restore_fp_environment();
   if (impl_->before_tick || !impl_->holds.empty())
     impl_->world->before_tick([this] {
+      const Calling calling(impl_->in_before_tick);
       if (impl_->before_tick) impl_->before_tick(*this);
       impl_->holds.apply(*this);
     });
@@ -93,11 +106,6 @@ void Simulation::step() {
   if (impl_->stop) impl_->stop->see();
   if (impl_->recording) impl_->recording->observe(*this);
   if (impl_->on_tick.empty()) return;
-  struct Calling {
-    bool& flag;
-    explicit Calling(bool& f) : flag(f) { flag = true; }
-    ~Calling() { flag = false; }
-  };
   const Calling calling(impl_->in_callbacks);
   for (const auto& callback : impl_->on_tick) callback(*this);
 }

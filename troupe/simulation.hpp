@@ -580,8 +580,10 @@ class Simulation {
   void on_tick(std::function<void(Simulation&)> callback);
   /// Sets the callback that is called in every step at the end of the phase intervene, after the
   /// interventions and faults of the world file. tick() is then still the number of the previous tick. The
-  /// callback may do everything that a program may do between two steps, and may call act(). It must not call
-  /// step() or reset(); Troupe does not check this. If the callback throws, step() passes the exception on,
+  /// callback may do everything that a program may do between two steps, except save(), and may call act().
+  /// In the callback, save() throws std::logic_error, because a run that is resumed from the checkpoint would
+  /// repeat the interventions and faults of this tick. The callback must not call step() or reset(); Troupe
+  /// does not check this. If the callback throws, step() passes the exception on,
   /// and the state is then incomplete, as described at step(). A second call replaces the callback; a null
   /// callback removes it.
   void before_tick(std::function<void(Simulation&)> callback);
@@ -622,8 +624,10 @@ class Simulation {
   ///
   /// Throws std::runtime_error, `run.h5: error: ...`, if the file cannot be written, if it is a file that the
   /// simulation was read from (world, image, plug-in, ...), if the ending of its name is that of another
-  /// format than HDF5 (.csv, .html, .json, .mp4, .pdf, .png or .svg), or if the build has no HDF5. Passes on
-  /// exceptions of callbacks of on_save().
+  /// format than HDF5 (.csv, .html, .json, .mp4, .pdf, .png or .svg), or if the build has no HDF5. Throws
+  /// std::logic_error in a callback of before_tick(). Passes on exceptions of callbacks of on_save().
+  ///
+  /// If the robots are distributed among ranks (SimulationOptions::distribute), fetches all robots.
   void save(const std::filesystem::path& checkpoint) const;
 
   /// Sets a callback that provides data of the program for the checkpoint, such as the state of an observer.

@@ -75,7 +75,6 @@ void Checkpointing::save_at_least(const Simulation& simulation) {
 }
 
 void Checkpointing::save(const Simulation& simulation) {
-  if (simulation.rank_statistics().is_distributed) simulation.world().gather();
   simulation.save(file_);
   saved_ = simulation.tick();
 }

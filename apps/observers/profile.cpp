@@ -97,11 +97,14 @@ void Profile::observe(const Simulation& simulation) {
     add_span(std::string(phase_name(static_cast<Phase>(i))), phases_[i], k_this_process, k_tick_track,
              fmt::format("\"tick\":{}{}", tick_, load(static_cast<Phase>(i))));
   write_tasks(simulation.rank_work());
-  const Statistics statistics = simulation.statistics();
-  add_counter("state bytes", whole.end, statistics.state_bytes);
   add_counter("resident bytes", whole.end, resident_bytes());
-  add_counter("robots", whole.end, statistics.robots);
-  add_counter("stalled", whole.end, statistics.stalled);
+  // statistics() of distributed robots would fetch the robots of all ranks.
+  if (!simulation.rank_statistics().is_distributed) {
+    const Statistics statistics = simulation.statistics();
+    add_counter("state bytes", whole.end, statistics.state_bytes);
+    add_counter("robots", whole.end, statistics.robots);
+    add_counter("stalled", whole.end, statistics.stalled);
+  }
   flush();
 }
 

@@ -46,7 +46,9 @@ struct ProfileLimits {
 ///   the robots of the rank. It shows these three durations one after the other, from the time at which the
 ///   phase sense began on rank 0. The true start times are unknown, because the clocks of processes differ.
 ///
-/// Counters show memory and numbers of robots. Each phase of a tick has two arguments, unless it ran no task:
+/// Counters show memory and numbers of robots. If the robots are distributed among the ranks
+/// (SimulationOptions::distribute), the only counter is the resident memory of rank 0, because the others
+/// need the robots of all ranks. Each phase of a tick has two arguments, unless it ran no task:
 ///
 /// - `busy_us` is the time that all workers together spent in tasks, microseconds.
 /// - `imbalance` is the time of the busiest worker, divided by the mean over all workers. It is 1 if the work

@@ -40,6 +40,12 @@ using partition::MessageReader;
 using partition::MessageWriter;
 using partition::MpiTransport;
 
+/// An error that all ranks have, because rank 0 has found it and told the other ranks. Only rank 0 prints it.
+class AgreedError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 std::string module_file(const std::string& mpi) { return "libtroupe_mpi_" + mpi + ".so"; }
 
 /// Returns the file of the module (a shared library) that connects Troupe with the MPI of the launcher. The
@@ -127,18 +133,23 @@ std::chrono::duration<double> grace(double limit_s) {
   return std::chrono::duration<double>(std::clamp(limit_s / 10, 5.0, 60.0));
 }
 
-/// Ends the process if the object is not destroyed within a time limit after its construction. A thread
-/// watches the limit; when the limit has run out, the thread prints that `error` took longer than the limit,
-/// and ends the process. error: what is limited, as the subject of this sentence. limit_s: the limit, s;
-/// above k_longest_s: no limit.
+/// Ends the process if the object is not destroyed within a time limit after its construction. Time in which
+/// the process is suspended does not count. A thread watches the limit; when the limit has run out, the
+/// thread prints that `error` took longer than the limit, and ends the process. error: what is limited, as
+/// the subject of this sentence. limit_s: the limit, s; above k_longest_s: no limit.
 class EndsWithin {
  public:
   EndsWithin(double limit_s, unsigned rank, std::string error) {
     if (limit_s > k_longest_s) return;
     thread_ = std::thread([this, limit_s, rank, error = std::move(error)] {
       std::unique_lock lock(mutex_);
-      if (changed_.wait_for(lock, std::chrono::duration<double>(limit_s), [this] { return is_over_; }))
-        return;
+      // In pieces: a process that is suspended during a piece, for example with the whole job, has the rest
+      // of the limit when it continues.
+      constexpr double k_piece_s = 1;
+      for (double left_s = limit_s; left_s > 0; left_s -= k_piece_s) {
+        const std::chrono::duration<double> piece(std::min(left_s, k_piece_s));
+        if (changed_.wait_for(lock, piece, [this] { return is_over_; })) return;
+      }
       end_at_once(rank, fmt::format("{} took longer than {:g} s (--rank-limit)", error, limit_s));
     });
   }
@@ -188,7 +199,7 @@ void finish(MpiTransport& transport, unsigned nodes, double limit_s) {
   transport.finish();
 }
 
-/// Compares the program, its version and its arguments on all ranks. Throws InputError on all ranks if they
+/// Compares the program, its version and its arguments on all ranks. Throws AgreedError on all ranks if they
 /// differ. Returns the host names of the ranks, by rank. limit_s: the longest time that ending the connection
 /// may take, s
 std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
@@ -242,7 +253,7 @@ std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
   }
   if (!difference.empty()) {
     finish(transport, nodes_of(hosts), limit_s);
-    throw InputError(difference);
+    throw AgreedError(difference);
   }
   return hosts;
 }
@@ -322,13 +333,17 @@ ExitCode on_processes(MpiTransport& transport, const std::vector<std::string>& h
   return run(simulation);
 }
 
-/// Prints an error that occurs on all ranks. Only rank 0 prints it. The other ranks wait for two seconds,
-/// because a launcher ends all processes, also rank 0, as soon as one of them has ended with an error.
+/// Called on ranks other than 0 before they end with an error that rank 0 may have too. Waits for two
+/// seconds, because a launcher ends all processes, also rank 0, as soon as one of them has ended with an
+/// error.
+void let_rank_0_print() { std::this_thread::sleep_for(std::chrono::seconds(2)); }
+
+/// Prints an error that may occur on all ranks. Rank 0 prints it at once. The other ranks print it after
+/// let_rank_0_print(): if rank 0 has the same error, most launchers have ended these processes by then.
 void print_common_error(unsigned rank, std::string_view text) {
-  if (rank == 0)
-    fmt::print(stderr, "{}", text);
-  else
-    std::this_thread::sleep_for(std::chrono::seconds(2));
+  if (rank == 0) return fmt::print(stderr, "{}", text);
+  let_rank_0_print();
+  fmt::print(stderr, "rank {} on {}: {}", rank, host(), text);
 }
 
 /// Throws InputError if the launcher started more processes than Transport allows.
@@ -346,7 +361,13 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
   try {
     check_number(launcher);
     return work();
-  } catch (const InputError& error) {  // the same error on all ranks
+  } catch (const AgreedError& error) {
+    if (launcher.rank == 0)
+      fmt::print(stderr, "{}\n", error.what());
+    else
+      let_rank_0_print();
+    return k_bad_input;
+  } catch (const InputError& error) {  // on all ranks, or on this rank alone
     print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const partition::RankError& error) {
@@ -413,8 +434,12 @@ bool is_refused_on_ranks(std::string_view command) {
 }
 
 void print_common_error(std::string_view text) {
-  const std::optional<Launcher> launcher = find_launcher();
-  print_common_error(launcher ? launcher->rank : 0, text);
+  unsigned rank = 0;
+  try {
+    if (const std::optional<Launcher> launcher = find_launcher()) rank = launcher->rank;
+  } catch (const InputError&) {  // ignored: srun has started several processes without --mpi, and no ranks
+  }
+  print_common_error(rank, text);
 }
 
 }  // namespace troupe::apps

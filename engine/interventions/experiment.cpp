@@ -687,6 +687,22 @@ TypeSpec World::type_at(TypeId type, std::size_t count) const {
 Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   require_whole();
   require_unfrozen();
+  const Result<> done = insert_setting(setting, registry);
+  if (done && replica_ != nullptr) replica_->set(setting);
+  return done;
+}
+
+Result<> World::set_at(std::uint64_t tick, const SettingSpec& setting, const Registry& registry) {
+  if (tick != state_.now.tick) {
+    state_.now.tick = tick;
+    derive_experiment();
+  }
+  return insert_setting(setting, registry);
+}
+
+/// Inserts a setting after the interventions of the present tick. Applies it, unless interventions of this
+/// tick are still due.
+Result<> World::insert_setting(const SettingSpec& setting, const Registry& registry) {
   Experiment& e = experiment_;
   std::vector<InterventionSpec>& at = state_.spec.experiment.at;
   const auto setting_of = [&](const Experiment::Intervention& each) -> const SettingSpec* {
@@ -729,7 +745,6 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   // Otherwise the setting is applied now.
   if (place == e.next) swap_setting(e.interventions[e.next++]);
   find_due();
-  if (replica_ != nullptr) replica_->set(setting);
   return {};
 }
 

@@ -281,7 +281,8 @@ struct DeviceKind {
   /// Names of the joints that the device moves; the list is empty if it moves none. If the device moves only
   /// one joint, the name of this joint may be empty.
   std::vector<std::string_view> joints = {};
-  /// Whether the device can pick up other bodies (World::attach()).
+  /// Whether the device can pick up or release other bodies. If false, World::attach() and World::release()
+  /// throw std::logic_error in the hook `apply` of this kind.
   bool carries = false;
   /// Whether the device is a drive device: it moves a part of the body, in the same way as a drive moves the
   /// whole body. The command struct of a drive device must be a Command (command_fields()), and its state

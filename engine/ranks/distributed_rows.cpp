@@ -154,10 +154,11 @@ bool DistributedRows::prepare_motions(std::span<const std::uint64_t> times) {
   return !times.empty();
 }
 
-/// The rows of a device are on some ranks only, so a hook may throw on these ranks alone. In a tick without
-/// joint motions, no hook is called.
+/// The rows of a device are on some ranks only, so a hook may throw on these ranks alone. If no device has
+/// the hook, and in a tick without joint motions, no hook is called. Without the hook, has_asked_ may differ
+/// between ranks.
 void DistributedRows::report_joints(const std::function<void()>& work) {
-  if (!has_asked_) return work();
+  if (!reports_joints_ || !has_asked_) return work();
   error_.attempt(post_.rank, work);
   error_.agree(post_);
 }

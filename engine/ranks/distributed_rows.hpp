@@ -79,7 +79,7 @@ class DistributedRows final : public RankRows {
   bool must_distribute_ = false;
   bool is_on_rank_0_ = false;  // until redistribute(): rank 0 has all rows, and the other ranks have none
   // Of this tick, on the ranks whose messages are read: the longest motion of a body, m, and whether a device
-  // has asked a joint to move.
+  // has asked a joint to move. Without the hook joints_moved, has_asked_ knows only the devices of this rank.
   double longest_ = 0;
   bool has_asked_ = false;
 };

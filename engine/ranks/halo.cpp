@@ -27,6 +27,18 @@ constexpr double k_slack_m = 1e-3;
 // ticks.
 constexpr double k_skin_motions = 16;
 
+/// Appends the data that a table has for a row, if it has any.
+void put_table_row(const World& world, const StateTable& table, Row row, MessageWriter& message) {
+  if (const std::optional<std::size_t> at = world.find_in(table, row))
+    message.put_bytes({table.row(*at), table.row_bytes()});
+}
+
+/// Reads what put_table_row() has appended for the same table and row, and overwrites the data of the row.
+void get_table_row(const World& world, StateTable& table, Row row, MessageReader& message) {
+  if (const std::optional<std::size_t> at = world.find_in(table, row))
+    message.get_bytes({table.row(*at), table.row_bytes()});
+}
+
 /// The place of the row's body (class Halo, `owners`), m, world frame.
 Vec2 place_of(const World& world, Row row) { return world.transform(world.root(row)).position; }
 
@@ -483,9 +495,7 @@ void Halo::prepare_motions(double longest, bool distributes, std::span<const Gue
 
 void Halo::put_shown(unsigned to, MessageWriter& message) const {
   for (const std::uint32_t r : shown_rows_[to])
-    for (const std::size_t t : sent_)
-      if (const std::optional<std::size_t> at = world_.find_in(tables_[t], Row(r)))
-        message.put_bytes({tables_[t].row(*at), tables_[t].row_bytes()});
+    for (const std::size_t t : sent_) put_table_row(world_, tables_[t], Row(r), message);
   if (!links_.any()) return;
   for (const std::uint32_t r : shown_rows_[to])
     for (std::size_t j = 0; j < world_.type(Row(r)).joints.size(); ++j) {
@@ -497,9 +507,7 @@ void Halo::put_shown(unsigned to, MessageWriter& message) const {
 
 void Halo::get_seen(unsigned from, MessageReader& message) {
   for (const std::uint32_t r : seen_rows_[from])
-    for (const std::size_t t : sent_)
-      if (const std::optional<std::size_t> at = world_.find_in(tables_[t], Row(r)))
-        message.get_bytes({tables_[t].row(*at), tables_[t].row_bytes()});
+    for (const std::size_t t : sent_) get_table_row(world_, tables_[t], Row(r), message);
   if (!links_.any()) return;
   for (const std::uint32_t r : seen_rows_[from])
     for (std::uint32_t j = 0; j < world_.type(Row(r)).joints.size(); ++j)
@@ -557,17 +565,11 @@ unsigned Halo::owner(BodyId body) const {
 }
 
 void Halo::put_state(MessageWriter& message, BodyId body) const {
-  const Row row = world_.row(body);
-  for (StateTable& table : tables_)
-    if (const std::optional<std::size_t> at = world_.find_in(table, row))
-      message.put_bytes({table.row(*at), table.row_bytes()});
+  for (const StateTable& table : tables_) put_table_row(world_, table, world_.row(body), message);
 }
 
 void Halo::get_state(MessageReader& message, BodyId body) {
-  const Row row = world_.row(body);
-  for (StateTable& table : tables_)
-    if (const std::optional<std::size_t> at = world_.find_in(table, row))
-      message.get_bytes({table.row(*at), table.row_bytes()});
+  for (StateTable& table : tables_) get_table_row(world_, table, world_.row(body), message);
 }
 
 std::uint64_t Halo::hash(std::span<const std::uint32_t> rows, std::span<const std::uint8_t> is_known) const {

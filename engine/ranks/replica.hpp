@@ -103,8 +103,8 @@ class Replica {
 
   /// On ranks other than 0: carries out an order of rank 0. `order` is one of the orders from Order::step to
   /// Order::counts; for any other order, the function throws std::logic_error. If a tick, World::reset() or
-  /// World::restart() fails with a StepError, or World::restart() with an InputError, this function does not
-  /// throw it, because rank 0 reports it.
+  /// World::restart() fails with a StepError, or if World::restart() rejects the new bodies, this function
+  /// does not throw the error, because rank 0 reports it.
   ///
   /// message: the rest of the message, after its head (begin_message())
   void follow(Order order, partition::MessageReader message);
@@ -184,6 +184,9 @@ class Replica {
   /// Called by World::restart(): on rank 0, orders the other ranks to restart their worlds with this seed and
   /// with the poses and colours of `bodies`.
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies);
+  /// Called by World::restart() on all ranks: the new bodies were rejected, and the world returns to the old
+  /// ones. If this does not happen on all ranks, the ranks end in the next tick.
+  void note_rejection() { ++rejections_; }
   /// Called by World::set() after the change: on rank 0, orders the other ranks to make the same change.
   void set(const SettingSpec& setting);
   /// Returns the hashes of the state: each rank computes the hashes of its own rows, and rank 0 adds them up.
@@ -226,6 +229,7 @@ class Replica {
   void get_changes(partition::MessageReader& message, bool is_in_tick);
   void take_all();
   void require_whole() const;
+  void require_equal_rejections(std::uint64_t rejections) const;
   RankCounts own_counts() const;
   Hashes own_hashes();
   [[noreturn]] void fail();
@@ -246,7 +250,8 @@ class Replica {
   std::vector<std::uint32_t> requests_;   // one per rank: the last result of ReplicaOptions::requests
   std::uint64_t rebalanced_ = 0;
   std::vector<std::uint32_t> order_;  // result of own_of()
-  std::string unreported_;            // the last StepError that follow() has not thrown
+  std::string unreported_;            // the last error that follow() has not thrown
+  std::uint64_t rejections_ = 0;      // calls of note_rejection()
 
   // The program has changed the state of rank 0 since the other ranks received it.
   std::atomic<bool> is_touched_ = false;

@@ -29,6 +29,7 @@ void Replica::follow(Order order, MessageReader message) {
   switch (order) {
     case Order::step:
       has_callback_ = message.get<bool>();
+      require_equal_rejections(message.get<std::uint64_t>());
       get_changes(message, false);
       require_whole();
       return ignore_step_error([&] { world_.step(); });
@@ -40,20 +41,26 @@ void Replica::follow(Order order, MessageReader message) {
         body.pose_world_body = message.get<Pose>();
         body.color = message.get<Color>();
       }
+      // If the new bodies are rejected, rank 0 also throws the error, and all worlds return to the old
+      // bodies.
       try {
         ignore_step_error([&] { world_.restart(seed, bodies, registry_); });
-      } catch (const InputError&) {  // rank 0 also throws it; both worlds have returned to the old bodies
+      } catch (const InputError& error) {
+        unreported_ = error.what();
+      } catch (const std::logic_error& error) {
+        unreported_ = error.what();
       }
       return;
     }
     case Order::set: {
+      const auto tick = message.get<std::uint64_t>();
       SettingSpec setting;
       setting.type = message.get<TypeId>();
       setting.of = message.get<SettingSpec::Of>();
       setting.index = message.get<std::uint32_t>();
       message.require(has_params(world_.spec().types, setting));
       setting.params = get_record(message);
-      if (const Result<> done = world_.set(setting, registry_); !done)
+      if (const Result<> done = world_.set_at(tick, setting, registry_); !done)
         throw std::logic_error(
             fmt::format("internal error: rank {}: {}; this is no error of your input: please report it",
                         transport_.rank(), done.error().text));
@@ -96,6 +103,18 @@ void Replica::require_whole() const {
     throw std::logic_error(fmt::format(
         "an error that did not occur on rank 0, so its cause differs between ranks: {}", unreported_));
   }
+}
+
+/// Throws if rank 0 and this rank have not rejected the bodies of the same calls of World::restart(): their
+/// worlds would have different bodies. rejections: note_rejection() calls on rank 0
+void Replica::require_equal_rejections(std::uint64_t rejections) const {
+  if (rejections == rejections_) return;
+  throw std::logic_error(
+      rejections < rejections_
+          ? fmt::format("an error that did not occur on rank 0, so its cause differs between ranks: {}",
+                        unreported_)
+          : "an error of rank 0 in World::restart() did not occur on this rank, so its cause differs between "
+            "ranks");
 }
 
 void Replica::gather() {
@@ -150,6 +169,7 @@ void Replica::restart(std::uint64_t seed, std::span<const BodySpec> bodies) {
 void Replica::set(const SettingSpec& setting) {
   if (!leads()) return;
   MessageWriter message = message_of(Order::set);
+  message.put(world_.tick());  // the other ranks may still have the tick of an earlier state (is_touched_)
   message.put(setting.type);
   message.put(setting.of);
   message.put(setting.index);

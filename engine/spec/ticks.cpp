@@ -3,15 +3,9 @@
 #include <algorithm>
 
 namespace troupe::engine {
-namespace {
-
-constexpr double k_most = 1e15;  // ticks: far more than any run has, and exact in a double
-
-}  // namespace
-
 std::uint64_t ticks_until(double end_s, double tick_s) {
   const double quotient = end_s / tick_s;
-  if (quotient >= k_most) return static_cast<std::uint64_t>(k_most);
+  if (quotient >= static_cast<double>(k_most_ticks)) return k_most_ticks;
   const double ticks = quotient - 1e-9 * std::max(1.0, quotient);
   if (!(ticks > 0)) return 0;
   const auto whole = static_cast<std::uint64_t>(ticks);

@@ -356,6 +356,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   } catch (const StepError&) {
     throw;
   } catch (...) {  // a kind, or the ray grid, has refused the new bodies: the world returns to the old ones
+    if (replica_) replica_->note_rejection();
     Diagnostics none(state_.spec.files);
     std::swap(diagnostics, none);
     begin_with(old_seed, old);
@@ -410,12 +411,7 @@ std::vector<BodyId> World::subscribed() const {
 std::uint64_t World::hash(const StateTable& table) {
   require_whole();
   gather();
-  constexpr std::size_t k_block = 1024;  // rows per task
-  std::atomic<std::uint64_t> sum = 0;
-  parallel_.for_batches(table.rows(), k_block, [&](std::size_t first, std::size_t end) {
-    sum.fetch_add(table.hash_rows(first, end), std::memory_order_relaxed);
-  });
-  return sum;
+  return hash_of(parallel_, table, {0, table.rows()});
 }
 
 Hashes World::hashes() {

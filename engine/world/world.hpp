@@ -288,6 +288,14 @@ class World {
   ///
   /// is_in_tick   whether the interventions of the present tick have already been applied
   void adopt(std::uint64_t tick, const Fill& fill, bool is_in_tick);
+  /// Makes the change of set() at the tick that rank 0 has. Replica calls this on the other ranks after a
+  /// call of set() on rank 0. If the program has replaced the state on rank 0, for example by restore(), this
+  /// rank may be at another tick: the function then sets the tick and applies the settings of earlier ticks,
+  /// so that the change follows the same interventions as on rank 0. adopt() must follow in this case. Unlike
+  /// set(), the function may be called while the state of this rank is incomplete.
+  ///
+  /// tick   tick() of rank 0
+  Result<> set_at(std::uint64_t tick, const SettingSpec& setting, const Registry& registry);
   /// Removes the rows of `leaving`, and then adds those of `coming` after the remaining rows. Halo
   /// (engine/ranks/halo.hpp) calls this, also during a tick. Afterwards, the first `own` rows are the own
   /// rows, which this rank computes (WorldState::own_rows). The rows after them are copies of rows of other
@@ -443,16 +451,25 @@ class World {
   /// Attaches the body `cargo` to the body `carrier`. From then on, the cargo keeps its present pose relative
   /// to a joint of the carrier: the joint with the index `joint` in BodyType::joints. If `joint` is k_rigid,
   /// the cargo keeps its pose relative to the carrier itself. Both bodies must be in the world. Only
-  /// DeviceKind::apply may call this.
+  /// DeviceKind::apply of a kind that sets DeviceKind::carries may call this. In `apply` of another kind, the
+  /// call throws std::logic_error, because the effects on trees that may change are applied in groups if the
+  /// rows are distributed among ranks (SharedEffects).
   ///
   /// Returns false and changes nothing in these cases:
   /// - The cargo is already carried.
   /// - The cargo is the carrier, or carries the carrier, directly or through others.
   /// - The carrier has no device that can carry bodies (DeviceKind::carries).
-  bool attach(Row cargo, Row carrier, std::int32_t joint) { return links_.attach(cargo, carrier, joint); }
+  bool attach(Row cargo, Row carrier, std::int32_t joint) {
+    require_carries("attach()");
+    return links_.attach(cargo, carrier, joint);
+  }
   /// Detaches a body from its carrier; its pose stays. Does nothing if the body is not carried. Only
-  /// DeviceKind::apply may call this.
-  void release(Row cargo) { links_.release(cargo); }
+  /// DeviceKind::apply of a kind that sets DeviceKind::carries may call this. In `apply` of another kind, the
+  /// call throws std::logic_error, as attach() does.
+  void release(Row cargo) {
+    require_carries("release()");
+    links_.release(cargo);
+  }
 
   // ---- births and deaths: engine/world/lives.cpp
   /// Whether bodies of this world can be born or die. They can if the world has reserves, if a device or an
@@ -644,6 +661,7 @@ class World {
  private:
   [[noreturn]] static void throw_frozen();
   [[noreturn]] void throw_half_made() const;
+  void require_carries(std::string_view call) const;
   /// Exists while work changes the state. The destructor sets is_half_made_ if the work threw an exception,
   /// and clears it otherwise.
   class Completion {
@@ -763,6 +781,7 @@ class World {
                     std::uint32_t trial) const;
   bool is_setting(const Experiment::Intervention& intervention) const;
   TypeSpec type_at(TypeId type, std::size_t count) const;
+  Result<> insert_setting(const SettingSpec& setting, const Registry& registry);
   void swap_settings(std::size_t count);
   void swap_settings_back(std::size_t count);
   void forget_settings();
@@ -814,6 +833,7 @@ class World {
   // State, and counters.
   bool is_half_made_ = false;  // a step threw: only reset(), restart() and restore() are allowed
   bool is_frozen_ = false;     // an object Frozen exists
+  bool may_carry_ = true;      // false while the hook `apply` of a kind without `carries` is running
   std::uint64_t beams_ = 0;
   std::uint64_t conflict_rounds_ = 0;
 

@@ -15,6 +15,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
+using ::testing::Pair;
 using ::testing::SizeIs;
 
 constexpr const char* k_hospital = TROUPE_SOURCE_DIR "/worlds/hospital.json";
@@ -154,6 +155,13 @@ TEST_F(Profiles, CountMemoryAndRobots) {
   EXPECT_LE(trace.counters.at("state bytes").back(), 300u * 300);
   EXPECT_GT(trace.counters.at("resident bytes").back(), 1u << 20);
   EXPECT_FALSE(trace.json.at("otherData").contains("left_out"));
+}
+
+// Counts of robots would need the robots of all ranks after each tick.
+TEST_F(Profiles, CountNoDistributedRobots) {
+  const Trace trace = this->trace({"--for", "0.3", "--ranks", "2", "--distribute"});
+  EXPECT_THAT(trace.counters, ElementsAre(Pair("resident bytes", SizeIs(3))));
+  EXPECT_THAT(trace.of_ranks, SizeIs(3 * 2 * 3));
 }
 
 TEST_F(Profiles, ShowTheTicksThatWereAskedFor) {

@@ -1217,6 +1217,42 @@ TEST_F(HaloOfARoom, RobotsCarryOneAnotherAcrossBorders) {
              expected);
 }
 
+// Otherwise, a rank could apply an effect on a tree that another effect of the tick has changed elsewhere.
+TEST_F(HaloOfARoom, AKindThatDoesNotDeclareThatItCarriesMustNotAttachOrRelease) {
+  std::string room = halo_room(140, 4);
+  const std::string_view before = R"("wanderer": {)";
+  room.insert(room.find(before) + before.size(), R"("devices": [{"name": "hook", "kind": "hook"}], )");
+  SimulationOptions options;
+  options.threads = 1;
+  for (const bool attaches : {true, false}) {
+    DeviceKind hook = Hook::kind();
+    hook.carries = false;
+    if (!attaches)
+      hook.apply = [](World& world, const std::any&, const Effect& effect) {
+        world.release(world.row(effect.target));
+      };
+    Registry registry = test::registry();
+    registry.devices.push_back(hook);
+    const Simulation simulation(write("room.json", room), options, registry);
+    const auto error_of = [](World& world) {
+      try {
+        halo_log(world, 10);
+      } catch (const StepError& error) {
+        return std::string(error.what());
+      }
+      return std::string("no error");
+    };
+    World whole = whole_world(simulation);
+    const std::string expected = error_of(whole);
+    EXPECT_THAT(expected, HasSubstr("device \"hook\" (hook) of \"w"));
+    EXPECT_THAT(expected, HasSubstr(fmt::format("threw: World::{} was called by a kind that does not declare "
+                                                "that it can carry bodies: set DeviceKind::carries to true",
+                                                attaches ? "attach()" : "release()")));
+    HaloRanks ranks(simulation, {3, 1, {}, {}});
+    EXPECT_EQ(error_of(ranks.world()), expected);
+  }
+}
+
 class HaloOfHooks : public HaloOfARoom {
  protected:
   /// The room of halo_room(), with further robots in a square that carry others.
@@ -1437,6 +1473,31 @@ TEST_F(HaloOfARoom, AJointHookThatThrowsEndsTheTickOnAllRanks) {
     StuckActuator::throws_for = simulation.world().find("s" + std::to_string(robot));
     expect_same_error(simulation, 4 + robot % 3, StuckActuator::throws_at, "the arm is stuck");
   }
+}
+
+/// Two robots with an arm, far from each other. Only one of them moves its arm.
+constexpr std::string_view k_one_waver = R"({"troupe": 1, "types": {
+  "still": {"size_m": [0.3, 0.17, 0.2], "drive": {"kind": "diff"}, "devices": [
+    {"name": "arm", "kind": "actuator", "axis": [1, 0, 0], "max_position": 0.25, "max_speed": 0.8,
+     "size_m": [0.2, 0.05, 0.1], "pose": {"x_m": 0.1}}]},
+  "waver": {"extends": "still", "controller":
+    {"kind": "operate", "orders": [{"at_s": 0, "device": "arm", "order": "go_to", "value": 0.25}]}}},
+  "models": [{"name": "s", "type": "still", "pose": {"x_m": 20}},
+             {"name": "w", "type": "waver", "pose": {"x_m": -20}}]})";
+
+// The ranks do not tell one another whether arms move, because no device wants to know which joints moved.
+TEST_F(HaloOfARoom, OnlyTheJointsOfOneRankMoveAndNoKindHasTheHook) {
+  Registry registry = test::registry();
+  std::ranges::find(registry.devices, "actuator", &DeviceKind::name)->joints_moved = nullptr;
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("waver.json", std::string(k_one_waver)), options, registry);
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  World whole = whole_world(simulation);
+  halo_log(whole, 4);
+  EXPECT_GT(whole.joint_state(whole.row(whole.find("w")), 0).x, 0);
+  EXPECT_EQ(whole.joint_state(whole.row(whole.find("s")), 0).x, 0);
+  expect_same_bits(simulation, 4, {{2, 1, {}, {}}, {3, 1, 5, {}}});
 }
 
 class HaloOfAWorld : public ::testing::TestWithParam<std::string_view> {};

@@ -27,6 +27,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 // Requests whose order in time matters. tests/view_test.py tests `troupe view` as a whole.
@@ -110,10 +111,20 @@ class Viewer {
   int socket_;
 };
 
+Simulation make_world(std::string text, unsigned ranks = 1, bool distribute = false) {
+  SimulationOptions options;
+  options.threads = 1;
+  options.mortal = true;
+  options.ranks = ranks;
+  options.distribute = distribute;
+  return Simulation::from_text(std::move(text), "w.json", options);
+}
+
 /// A world that a view shows on a thread of its own.
 class Shown {
  public:
-  explicit Shown(const std::filesystem::path& folder) {
+  explicit Shown(const std::filesystem::path& folder, Simulation world = make_world(k_one_bot))
+      : simulation(std::move(world)) {
     View::Options options{.rate = 20, .folder = folder, .is_over = [this] { return is_over(); }};
     view_.emplace(simulation, options);
   }
@@ -145,7 +156,7 @@ class Shown {
     if (thread_.joinable()) thread_.join();
   }
 
-  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1, .mortal = true});
+  Simulation simulation;
 
  private:
   bool is_over() {
@@ -250,6 +261,33 @@ TEST_F(ViewTest, ACheckpointOfAPausedRunDoesNotContainALaterAct) {
   Simulation resumed = Simulation::resume(folder_ / saved["file"].get<std::string>());
   EXPECT_EQ(resumed.tick(), state["tick"]);
   EXPECT_EQ(resumed.find("a").pose().x, 0);
+}
+
+// Each of the two ranks has one of the robots.
+TEST_F(ViewTest, ShowsTheRobotsOfAllDistributedRanks) {
+  Shown shown(folder_, make_world(R"({"troupe": 1,
+    "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+    "models": [{"name": "a", "type": "bot", "pose": {"x_m": -90}},
+               {"name": "b", "type": "bot", "pose": {"x_m": 90}}]})",
+                                  2, true));
+  EXPECT_TRUE(shown.simulation.rank_statistics().is_distributed);
+  shown.run();
+  Viewer viewer(shown.address());
+  viewer.send({R"({"do":"pause","id":1})"});
+  Json state = viewer.receive();
+  while (state["type"] != "state" || state["playing"]) state = viewer.receive();
+  const auto expect_place = [&](const std::string& name, double x) {
+    viewer.send({R"({"do":"inspect","id":2,"robot":")" + name + "\"}"});
+    while (!state.contains("inspected") || state["inspected"]["robot"] != name) state = viewer.receive();
+    EXPECT_EQ(state["inspected"]["pose"][0], x);
+  };
+  expect_place("a", -90);
+  expect_place("b", 90);
+  viewer.send({R"({"do":"checkpoint","id":3})"});  // the run then pauses between two ticks
+  Json saved = viewer.answer();
+  while (saved["id"] != 3) saved = viewer.answer();
+  EXPECT_EQ(saved["type"], "done") << saved;
+  expect_place("a", -90);
 }
 
 TEST_F(ViewTest, AViewerDoesNotStopARecordingOfTheProgram) {

@@ -16,8 +16,11 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -297,6 +300,50 @@ TEST_F(Checkpoint, GoesOnOtherwiseWithWhatIsSet) {
       Simulation::resume(file_, {.set = {{"/types/2/drive/params/velocity_min_x_mps", "-0.1"}}});
   slower.step();
   EXPECT_EQ(slower.find("r1").speed().forward, -0.1);
+}
+
+TEST_F(Checkpoint, WithATickThatNoRunReachesIsDamaged) {
+  Simulation simulation(write("room.json", k_room));
+  engine::World& world = simulation.world();
+  std::vector<engine::StateTable> state(world.tables().begin(), world.tables().end());
+  const auto fill = [&](std::span<engine::StateTable> tables) {
+    for (std::size_t t = 0; t < tables.size(); ++t)
+      std::ranges::copy(state[t].data(), tables[t].data().begin());
+  };
+  constexpr std::uint64_t k_most = 1'000'000'000'000'000;
+  for (const std::uint64_t tick : {k_most, k_most + 1, ~std::uint64_t{0}}) {
+    ASSERT_TRUE(world.restore(tick, world.counters(), simulation.state_hash(), fill));
+    simulation.save(file_);
+    if (tick == k_most)
+      EXPECT_EQ(Simulation::resume(file_).tick(), tick);
+    else
+      EXPECT_EQ(error_of(file_),
+                fmt::format("{}: error: /meta has the attribute \"tick\" {}, but must have a "
+                            "number from 0 to 1000000000000000: the file is damaged",
+                            file_.string(), static_cast<std::int64_t>(tick)));
+  }
+}
+
+// The interventions of the tick have been applied before the callback, and a resumed run would repeat them.
+TEST_F(Checkpoint, IsNotSavedInACallbackOfBeforeTick) {
+  Simulation simulation(write("room.json", k_room));
+  std::string error;
+  simulation.before_tick([&](Simulation& s) {
+    try {
+      s.save(file_);
+    } catch (const std::logic_error& refusal) {
+      error = refusal.what();
+    }
+  });
+  simulation.step();
+  EXPECT_THAT(error, StartsWith("save() is not allowed in a callback of before_tick(), because a run that is "
+                                "resumed from the checkpoint would repeat the interventions of this tick"));
+  EXPECT_FALSE(fs::exists(file_));
+  simulation.before_tick([](Simulation&) { throw std::runtime_error("not today"); });
+  EXPECT_THROW(simulation.step(), std::runtime_error);
+  simulation.reset();
+  simulation.save(file_);
+  EXPECT_EQ(Simulation::resume(file_).tick(), 0u);
 }
 
 TEST_F(Checkpoint, WhatIsSetReplacesEarlierInterventions) {

@@ -12,6 +12,7 @@
 #include "tests/troupe/golden_hashes.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,6 +32,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -281,7 +283,20 @@ constexpr std::string_view k_rangers = R"({
   "populations": [{"name": "w", "type": "wanderer", "count": 60, "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}}]
 })";
 
-class DistributedRanks : public test::ScratchTest {};
+class DistributedRanks : public test::ScratchTest {
+ protected:
+  using Counts = std::tuple<std::int64_t, std::int64_t, double>;  // stalled, out of bounds, mean displacement
+  static Counts counts_in(const fs::path& checkpoint) {
+    const auto file = worldio::Hdf5File::open(checkpoint);
+    const worldio::Hdf5Group meta = file.group("meta");
+    return {meta.integer("stalled"), meta.integer("held_at_bounds"), meta.number("mean_displacement_m")};
+  }
+  static Counts counts_of(const Simulation& simulation) {
+    const engine::World& world = simulation.world();
+    return {static_cast<std::int64_t>(world.stalled_count()),
+            static_cast<std::int64_t>(world.out_of_bounds_count()), world.mean_displacement()};
+  }
+};
 
 TEST_F(DistributedRanks, ResumeWhatOthersSaved) {
   const fs::path world = write("rangers.json", k_rangers);
@@ -297,9 +312,13 @@ TEST_F(DistributedRanks, ResumeWhatOthersSaved) {
   options.distribute = true;
   Simulation saved(world, options);
   EXPECT_TRUE(saved.rank_statistics().is_distributed);
-  for (int i = 0; i < 10; ++i) saved.step();
-  saved.world().gather();
+  Simulation straight_at_10(world, one);
+  for (int i = 0; i < 10; ++i) {
+    saved.step();
+    straight_at_10.step();
+  }
   saved.save(file);
+  EXPECT_EQ(counts_in(file), counts_of(straight_at_10));
   for (const unsigned ranks : {1u, 2u, 5u}) {
     ResumeOptions resume;
     resume.threads = 1;
@@ -310,6 +329,96 @@ TEST_F(DistributedRanks, ResumeWhatOthersSaved) {
     for (int i = 0; i < 10; ++i) resumed.step();
     EXPECT_EQ(resumed.hash_log_line(), straight.hash_log_line()) << ranks << " ranks";
   }
+}
+
+/// Saves a run of k_rangers, with an intervention `set` at 0.5 s, after 10 ticks, and resumes it on several
+/// ranks.
+class RanksThatResume : public DistributedRanks {
+ protected:
+  static constexpr std::uint64_t k_ticks = 10;
+
+  void save(std::string_view drive, std::string_view drive_at_half_a_second) const {
+    std::string text(k_rangers);
+    constexpr std::string_view k_drive = R"({"kind": "diff"})";
+    text.replace(text.find(k_drive), k_drive.size(), drive);
+    text.insert(text.rfind('}'),
+                std::string(R"(, "at": [{"time_s": 0.5, "set": {"type": "wanderer", "drive": )") +
+                    std::string(drive_at_half_a_second) + "}}]");
+    SimulationOptions options;
+    options.threads = 1;
+    Simulation simulation(write("rangers.json", text), options);
+    for (std::uint64_t i = 0; i < k_ticks; ++i) simulation.step();
+    simulation.save(file_);
+  }
+  Simulation resume(const Team& team, const std::vector<std::pair<std::string, std::string>>& set) const {
+    ResumeOptions options;
+    options.threads = team.threads;
+    options.ranks = team.ranks;
+    options.rank_seed = team.seed;
+    options.distribute = team.distribute;
+    options.set = set;
+    return Simulation::resume(file_, options);
+  }
+  /// The JSON pointer of a parameter of the drive of the wanderers, for ResumeOptions::set.
+  std::string pointer(std::string_view parameter) const {
+    const Simulation simulation = Simulation::resume(file_);
+    const std::vector<engine::TypeSpec>& types = simulation.world().spec().types;
+    const auto type = std::ranges::find(types, "wanderer", &engine::TypeSpec::name);
+    return "/types/" + std::to_string(type - types.begin()) + "/drive/params/" + std::string(parameter);
+  }
+  using Program = std::function<void(Simulation& simulation)>;
+  std::vector<std::string> log_of(Simulation simulation, const Program& program) const {
+    program(simulation);
+    std::vector<std::string> lines{simulation.hash_log_line()};
+    for (std::uint64_t i = 0; i < k_ticks; ++i) {
+      simulation.step();
+      lines.push_back(simulation.hash_log_line());
+    }
+    lines.push_back(simulation.parameters("wanderer"));
+    return lines;
+  }
+  void expect_same(const std::vector<std::pair<std::string, std::string>>& set,
+                   const Program& program) const {
+    const std::vector<std::string> expected = log_of(resume({}, set), program);
+    EXPECT_NE(expected, log_of(resume({}, {}), [](Simulation&) {})) << "the settings change nothing";
+    for (const bool distribute : {false, true})
+      for (const Team& team : {Team{2, 1, 3, distribute}, Team{3, 1, 4, distribute}}) {
+        Simulation resumed = resume(team, set);
+        EXPECT_EQ(resumed.rank_statistics().is_distributed, distribute);
+        EXPECT_EQ(log_of(std::move(resumed), program), expected) << team.ranks << " ranks, " << distribute;
+      }
+  }
+
+  const fs::path file_ = folder_ / "run.h5";
+};
+
+constexpr std::string_view k_slower = R"({"drive": {"velocity_max_x_mps": 0.02}})";
+
+TEST_F(RanksThatResume, SetAParameterThatAnEarlierInterventionHasSet) {
+  save(R"({"kind": "diff"})", R"({"velocity_max_x_mps": 0.05})");
+  const std::vector<std::pair<std::string, std::string>> slower{{pointer("velocity_max_x_mps"), "0.02"}};
+  expect_same(slower, [](Simulation&) {});
+  expect_same({}, [](Simulation& simulation) { simulation.set("wanderer", k_slower); });
+  expect_same(slower, [](Simulation& simulation) {
+    simulation.find("w3").set_pose({4.5, 4.5, 0, 1});
+    simulation.set("wanderer", R"({"drive": {"velocity_max_x_mps": 0.07}})");
+    static_cast<void>(simulation.rank_counts());
+    simulation.set("wanderer", R"({"drive": {"velocity_max_x_mps": 0.03}})");
+  });
+}
+
+TEST_F(RanksThatResume, SetAParameterThatIsValidOnlyAfterAnEarlierIntervention) {
+  save(R"({"kind": "diff", "velocity_max_x_mps": 0.03})", R"({"velocity_max_x_mps": 0.06})");
+  expect_same({{pointer("velocity_min_x_mps"), "0.05"}}, [](Simulation&) {});
+}
+
+// The settings of the run, and those of the resumed run, are gone at tick 0 of a reset.
+TEST_F(RanksThatResume, ForgetTheirSettingsWithAReset) {
+  save(R"({"kind": "diff"})", R"({"velocity_max_x_mps": 0.05})");
+  expect_same({}, [](Simulation& simulation) {
+    simulation.set("wanderer", k_slower);
+    simulation.reset();
+  });
 }
 
 // A program may keep spans and references across steps, which another rank computes or must learn of.
@@ -561,6 +670,66 @@ TEST_F(RanksOfAProgram, GoOnAfterARestartThatTheGridRefuses) {
     simulation->step();
   }
   EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
+}
+
+/// The kind `led`, whose hook `bind_world` rejects worlds with a body far away, on all ranks or on all ranks
+/// but 0.
+struct PickyLed {
+  static inline std::atomic<Unlucky> rejects = Unlucky::all;
+  static inline std::thread::id rank_0;
+
+  static engine::Registry registry() {
+    engine::Registry registry = make_registry();
+    rank_0 = std::this_thread::get_id();
+    std::ranges::find(registry.devices, "led", &engine::DeviceKind::name)->bind_world =
+        [](std::any&, const engine::WorldSpec& spec) -> Result<> {
+      const bool is_far = std::ranges::any_of(
+          spec.bodies, [](const engine::BodySpec& body) { return body.pose_world_body.x > 1000; });
+      if (is_far && (rejects == Unlucky::all || std::this_thread::get_id() != rank_0))
+        return Error{"is too far from home"};
+      return {};
+    };
+    return registry;
+  }
+  /// Restarts the simulation with the robot w0 far away. Returns the error; empty if there is none.
+  static std::string restart_far_away(Simulation& simulation) {
+    engine::World& world = simulation.world();
+    std::vector<engine::BodySpec> bodies = world.spec().bodies;
+    bodies[world.find("w0").index()].pose_world_body.x = 2000;
+    try {
+      world.restart(7, bodies, simulation.registry());
+    } catch (const std::logic_error& error) {
+      return error.what();
+    }
+    return {};
+  }
+};
+
+TEST_F(RanksOfLeds, GoOnAfterARestartThatAKindRejects) {
+  PickyLed::rejects = Unlucky::all;
+  Simulation one = load(1, {}, PickyLed::registry());
+  Simulation three = load(3, {}, PickyLed::registry());
+  for (Simulation* simulation : {&one, &three}) {
+    simulation->step();
+    EXPECT_THAT(PickyLed::restart_far_away(*simulation), HasSubstr("is too far from home"));
+    static_cast<void>(simulation->rank_counts());  // the other ranks answer after they have tried to restart
+    simulation->step();
+  }
+  EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
+}
+
+TEST_F(RanksOfLeds, EndAfterARestartThatOnlyOneRankRejects) {
+  PickyLed::rejects = Unlucky::other_ranks;
+  Simulation simulation = load(2, {}, PickyLed::registry());
+  simulation.step();
+  EXPECT_EQ(PickyLed::restart_far_away(simulation), "");
+  try {
+    simulation.step();
+    ADD_FAILURE();
+  } catch (const std::exception& error) {
+    EXPECT_THAT(error.what(), HasSubstr("rank 1 failed: an error that did not occur on rank 0"));
+    EXPECT_THAT(error.what(), HasSubstr("is too far from home"));
+  }
 }
 
 // The callback of rank 0 reads data of the ranks that have already failed in this tick.

@@ -1,6 +1,7 @@
 #include "worldio/results/checkpoint.hpp"
 
 #include "base/hash.hpp"
+#include "engine/spec/ticks.hpp"
 #include "worldio/json/spec_json.hpp"
 #include "worldio/results/sealed_file.hpp"
 
@@ -252,7 +253,11 @@ Checkpoint::Checkpoint(const fs::path& file)
         "conflict_rounds", "stalled", "held_at_bounds", "mean_displacement_m"};
     for (const std::string& key : meta.attributes())
       if (std::ranges::find(k_numbers, key) == k_numbers.end()) header_[key] = meta.text(key);
-    tick_ = static_cast<std::uint64_t>(meta.integer("tick"));
+    tick_ = static_cast<std::uint64_t>(meta.integer("tick"));  // a negative number becomes very large
+    if (tick_ > engine::k_most_ticks)
+      meta.fail(fmt::format(
+          "has the attribute \"tick\" {}, but must have a number from 0 to {}: the file is damaged",
+          meta.integer("tick"), engine::k_most_ticks));
     time_s_ = meta.number("time_s");
     counters_.beams = static_cast<std::uint64_t>(meta.integer("beams"));
     counters_.conflict_rounds = static_cast<std::uint64_t>(meta.integer("conflict_rounds"));

@@ -161,7 +161,9 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
         scene.types[t].part_colors[p] = device->name;
   LivePage page;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    if (world.row(BodyId(b)).valid()) page.order.push_back(static_cast<std::uint32_t>(b));
+    // Not World::row(), which throws for a body whose row only another rank has.
+    if (world.location(BodyId(b)) != engine::RowLocation::none)
+      page.order.push_back(static_cast<std::uint32_t>(b));
   }
   std::ranges::stable_sort(page.order, {}, [&](std::uint32_t id) { return scene.bodies[id].type; });
   for (std::size_t first = 0, last = 0; first < page.order.size(); first = last) {

@@ -34,12 +34,12 @@ std::string head(std::string_view kind, unsigned layout, std::uint64_t bytes, st
 
 /// Returns the number after `key` in the line of the head that begins with `key`. Empty if there is no such
 /// line.
-std::optional<std::uint64_t> number_after(std::string_view head, std::string_view key, int base = 10) {
+std::optional<std::uint64_t> number_after(std::string_view head, std::string_view key) {
   const std::size_t line = head.find(fmt::format("\n{} ", key));
   if (line == head.npos) return std::nullopt;
   const char* const begin = head.data() + line + key.size() + 2;
   std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(begin, head.data() + head.size(), number, base);
+  const auto [end, error] = std::from_chars(begin, head.data() + head.size(), number);
   return error == std::errc() && *end == '\n' ? std::optional(number) : std::nullopt;
 }
 
