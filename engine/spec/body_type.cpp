@@ -1,6 +1,7 @@
 #include "engine/spec/body_type.hpp"
 
 #include "engine/conflicts/conflicts.hpp"
+#include "engine/spec/names.hpp"
 #include "engine/spec/placement.hpp"
 #include "engine/spec/prepared_check.hpp"
 #include "engine/spec/ticks.hpp"
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
-#include <unordered_set>
 
 namespace troupe::engine {
 namespace {
@@ -247,7 +247,6 @@ class TypeCompiler {
       diagnostics_.error(device.where, fmt::format("device \"{}\" {}", device.name, prepared.error().text));
       return;
     }
-    device_names_.insert(name);
     type_.devices.push_back({name,
                              kind,
                              *std::move(prepared),
@@ -278,8 +277,7 @@ class TypeCompiler {
   /// Returns the name of a device, or a new name with a warning if a device before it has that name: readings
   /// are looked up and hashed by the name of the device.
   std::string unique_name(const DeviceSpec& device) {
-    std::string name = device.name;
-    for (int n = 2; device_names_.contains(name); ++n) name = fmt::format("{}#{}", device.name, n);
+    std::string name = device_names_.add(device.name);
     if (name != device.name)
       diagnostics_.warning(
           device.where,
@@ -356,8 +354,8 @@ class TypeCompiler {
   const Registry& registry_;
   Diagnostics& diagnostics_;
   BodyType type_;
-  std::unordered_set<std::string> device_names_;  ///< of all devices of type_
-  std::vector<bool> claimed_;                     ///< by device: a controller has reserved it for itself
+  UniqueNames device_names_{k_device_mark};  ///< of all devices of type_
+  std::vector<bool> claimed_;                ///< by device: a controller has reserved it for itself
 };
 
 }  // namespace

@@ -57,9 +57,12 @@ std::string text_of(const StopSpec& condition);
 /// among those that are not disabled, `enable` among the disabled ones. A fault selects among the bodies that
 /// are in the world at tick 0.
 ///
-/// A group without bodies is an error, which is reported when the world is built. One case is allowed: the
-/// group is given by a body type of the world (By::type), the world has no body of this type, and such bodies
-/// would not be static. The intervention or fault then has no effect.
+/// A group without bodies is an error, which is reported when the world is built. Two cases are allowed, in
+/// which the intervention or fault has no effect:
+/// - The group is given by a body type of the world (By::type), the world has no body of this type, and such
+///   bodies would not be static.
+/// - The group is given by a population (By::population) that the world file defines, but that has no bodies
+///   (WorldSpec::empty_populations).
 struct GroupSpec {
   /// What `name` refers to.
   enum class By : std::uint8_t {

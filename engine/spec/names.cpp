@@ -93,6 +93,12 @@ bool is_of_population(const Names& names, Name name, std::string_view population
   return is_of_population(names.text(name), population);
 }
 
+std::string UniqueNames::add(std::string_view name) {
+  std::string unique(name);
+  for (int n = 2; !taken_.insert(unique).second; ++n) unique = fmt::format("{}{}{}", name, mark_, n);
+  return unique;
+}
+
 std::size_t NameMap::slot_of(Name name) const {
   // Consecutive numbers are in blocks of eight slots, 1.5 cache lines, because they are looked up together.
   constexpr std::uint32_t k_block = 8;

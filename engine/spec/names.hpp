@@ -4,8 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -65,6 +67,23 @@ std::string_view without_number(std::string_view name);
 bool is_of_population(std::string_view name, std::string_view population);
 /// As the function above, for a name of the table `names`. Faster, because it converts few names to text.
 bool is_of_population(const Names& names, Name name, std::string_view population);
+
+/// Makes the names of a list unique: a name that an earlier entry has gets a number. With the mark "#", the
+/// second "eye" becomes "eye#2", or "eye#3" if an earlier entry is already called "eye#2".
+class UniqueNames {
+ public:
+  /// mark: the text between the name and the number
+  explicit UniqueNames(std::string_view mark) : mark_(mark) {}
+  /// Returns the unique name of the next entry: `name` itself unless it is taken.
+  std::string add(std::string_view name);
+
+ private:
+  std::string mark_;
+  std::set<std::string, std::less<>> taken_;
+};
+/// The mark of UniqueNames for the devices of a body type: of two sensors "eye", the second is called
+/// "eye#2".
+inline constexpr std::string_view k_device_mark = "#";
 
 /// A name and the body that has it.
 struct NamedBody {

@@ -135,5 +135,16 @@ TEST(Names, OfTheSameWordsAreTheSame) {
   EXPECT_THROW(Names(std::vector<std::string>{"", "r", "r"}), std::invalid_argument);
 }
 
+TEST(Names, EqualNamesGetTheNextFreeNumber) {
+  UniqueNames names("~");
+  EXPECT_EQ(names.add("eye"), "eye");
+  EXPECT_EQ(names.add("eye~2"), "eye~2");
+  EXPECT_EQ(names.add("eye"), "eye~3");
+  EXPECT_EQ(names.add("eye"), "eye~4");
+  EXPECT_EQ(names.add("eye~2"), "eye~2~2");
+  EXPECT_EQ(names.add(""), "");
+  EXPECT_EQ(names.add(""), "~2");
+}
+
 }  // namespace
 }  // namespace troupe::engine

@@ -106,6 +106,34 @@ TEST_F(RecordingTest, GoesOnWithoutGapOrRepeat) {
   }
 }
 
+TEST_F(RecordingTest, WithoutFramesGoesOnFromTheTickAtWhichItBegan) {
+  options_.every_s = 1;
+  Simulation simulation(world_);
+  for (int i = 0; i < 5; ++i) simulation.step();
+  {
+    Recording first(folder_ / "run.h5", simulation, options_);  // between two frames
+    step(simulation, first, 8);
+  }
+  {
+    Recording second = Recording::resume(folder_ / "run.h5", simulation);
+    step(simulation, second, 9);
+  }
+  const auto resume = [&] { Recording::resume(folder_ / "run.h5", simulation); };
+  simulation.run_for(0.2);
+  EXPECT_THAT(error_of<std::runtime_error>(resume),
+              HasSubstr("run.h5: error: /frames/tick ends before tick 10, but the run continues at tick 11"));
+  simulation.reset();
+  for (int i = 0; i < 4; ++i) simulation.step();
+  EXPECT_THAT(error_of<std::runtime_error>(resume),
+              HasSubstr("run.h5: error: /frames/tick begins at tick 5, after tick 4, at which the run "
+                        "continues: give --record a new file"));
+  simulation.step();
+  Recording third = Recording::resume(folder_ / "run.h5", simulation);
+  step(simulation, third, 25);
+  third.close();
+  EXPECT_THAT(RecordingReader(folder_ / "run.h5").ticks(), ::testing::ElementsAre(10, 20));
+}
+
 TEST_F(RecordingTest, CutsOffWhatTheResumedRunDoesAgain) {
   record_whole(30);
   Simulation simulation(world_);

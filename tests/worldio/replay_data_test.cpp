@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -108,6 +109,29 @@ TEST_F(Replay, ShownColoursAndLightsAreRecordedWithPoses) {
   EXPECT_EQ(page.header["types"].back()["shown_color"], "sensors/bot/lamp");
   ASSERT_EQ(page.header["fields"].size(), 2u);  // both LEDs: the first is the one to draw
   EXPECT_EQ(page.header["fields"][0]["name"], "shown_color");
+}
+
+TEST_F(Replay, SensorsWithEqualNamesAreNumberedAsInTheRun) {
+  Simulation simulation(write("equal.world", R"(
+    define bot position (size [0.2 0.2 0.2] drive "diff"
+      ranger(name "eye" sensor(range [0 2] samples 3))
+      ranger(name "eye#2" sensor(range [0 2] samples 4))
+      ranger(name "eye" sensor(range [0 2] samples 5)))
+    bot(name "a")
+  )"));
+  Recording(folder_ / "run.h5", simulation, {.fields = {"pose", "ranges"}}).close();
+  const RecordingReader recording(folder_ / "run.h5");
+  const RecordedScene scene = recorded_scene(recording);
+  const RecordedScene::Type& bot = scene.types[scene.bodies[1].type];
+  ASSERT_EQ(bot.eyes.size(), 3u);
+  EXPECT_EQ(bot.eyes[1].name, "eye#2");
+  EXPECT_EQ(bot.eyes[2].name, "eye#3");
+  for (const RecordedScene::Eye& eye : bot.eyes) {
+    const auto array =
+        std::ranges::find(recording.arrays(), "sensors/bot/" + eye.name, &RecordingReader::Array::component);
+    ASSERT_NE(array, recording.arrays().end()) << eye.name;
+    EXPECT_EQ(array->field.columns, eye.fans.at(0).beams) << eye.name;
+  }
 }
 
 TEST_F(Replay, TheSceneIsThatOfTheWorld) {

@@ -158,10 +158,9 @@ RecordedScene::Type type_of(const Json& json) {
   type.name = text_of(json.at("name"));
   type.joints = joints_of(json);
   add_shapes(json, type);
-  std::map<std::string, int> met;  // how many sensors have each name: the second is called "NAME~2"
+  engine::UniqueNames names(engine::k_device_mark);  // as the engine names them
   for (const Json& sensor : json.at("sensors")) {
-    std::string name = hdf5_name(text_of(sensor.at("name")));
-    if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
+    std::string name = hdf5_name(names.add(text_of(sensor.at("name"))));
     const auto part = sensor.value("part", std::uint32_t{0});
     if (part >= type.part_colors.size()) throw Damaged();
     type.devices.push_back({name, part});

@@ -1,5 +1,6 @@
 #include "worldio/results/recording_fields.hpp"
 
+#include "engine/spec/names.hpp"
 #include "worldio/files.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
@@ -10,7 +11,6 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -66,19 +66,6 @@ std::vector<std::size_t> chosen_fields(const StateTable& table, std::span<const 
   }
   return fields;
 }
-
-/// Makes names unique: the second name "robot" becomes "robot~2".
-class UniqueNames {
- public:
-  std::string add(std::string_view name) {
-    std::string unique = hdf5_name(name);
-    for (int n = 2; !taken_.insert(unique).second; ++n) unique = fmt::format("{}~{}", hdf5_name(name), n);
-    return unique;
-  }
-
- private:
-  std::set<std::string> taken_;
-};
 
 /// Returns the path of a component in /state, as steps from the root of the file.
 std::vector<std::string> steps_of(std::string_view component) {
@@ -141,15 +128,13 @@ void add_sensors(const World& world, std::span<const BodyId> bodies, std::span<c
   const RecordedRows recorded = recorded_rows(world, bodies, true);
   const std::vector<std::string> type_names = recorded_type_names(world);
   for (std::size_t t = 0; t < world.types().size(); ++t) {
-    UniqueNames sensor_names;
     for (const BodyType::Device& sensor : world.types()[t].devices) {
-      const std::string name = sensor_names.add(sensor.name);
       const StateTable& table = world.tables()[sensor.table];
       if (sensor.table == 0) continue;  // a type without bodies has no tables
       std::vector<std::size_t> fields = chosen_fields(table, names);
       if (fields.empty()) continue;
-      components.push_back(
-          component_of(table, {"sensors", type_names[t], name}, std::move(fields), table.rows()));
+      components.push_back(component_of(table, {"sensors", type_names[t], hdf5_name(sensor.name)},
+                                        std::move(fields), table.rows()));
       components.back().sources.push_back(
           {sensor.table, recorded, sensor.kind->is_sensor() ? &sensor : nullptr});
     }
@@ -188,9 +173,9 @@ std::vector<BodyId> recorded_bodies(const World& world) {
 }
 
 std::vector<std::string> recorded_type_names(const World& world) {
-  UniqueNames unique;
+  engine::UniqueNames unique("~");
   std::vector<std::string> names;
-  for (const BodyType& type : world.types()) names.push_back(unique.add(type.name));
+  for (const BodyType& type : world.types()) names.push_back(unique.add(hdf5_name(type.name)));
   return names;
 }
 

@@ -49,6 +49,10 @@ Hdf5Chunks chunks(std::size_t frames, const std::vector<std::size_t>& row, std::
   return chunks;
 }
 
+/// Attribute of /frames: the tick of the world when the recording was created. Recordings of older versions
+/// do not have it.
+constexpr const char* k_first_tick = "first_tick";
+
 /// Returns the group at a path below `root`. Creates the groups on the path that do not exist.
 Hdf5Group group_at(Hdf5Group& root, std::span<const std::string> path) {
   Hdf5Group group = root.has_group(path[0]) ? root.group(path[0]) : root.create_group(path[0]);
@@ -87,7 +91,7 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   try {
     guarded([&] {
       write_head(world, head);
-      create_outputs();
+      create_outputs(world.tick());
       start(in_background);
     });
   } catch (...) {
@@ -190,7 +194,7 @@ void RecordingWriter::read_head(const World& world) {
         "belongs to another world: its bodies are not those of this run; choose another file");
 }
 
-void RecordingWriter::create_outputs() {
+void RecordingWriter::create_outputs(std::uint64_t first_tick) {
   for (const RecordedComponent& component : components_) {
     Hdf5Group group = group_at(file_, component.path);
     for (std::size_t f = 0; f < component.fields.size(); ++f) {
@@ -217,6 +221,7 @@ void RecordingWriter::create_outputs() {
   add_output(std::move(alive), bodies_.size(), std::byte{1});
 
   Hdf5Group frames = file_.create_group("frames");
+  frames.set_integer(k_first_tick, static_cast<std::int64_t>(first_tick));
   const auto add = [&](const char* name, Element element, const char* unit, const char* text) {
     Hdf5Chunks chunks{.extent = {k_frame_chunk}};
     if (element == Element::u64) chunks.fill = k_no_tick;
@@ -264,7 +269,14 @@ void RecordingWriter::add_output(Hdf5Dataset dataset, std::size_t frame_bytes, s
 void RecordingWriter::cut_after(std::uint64_t tick) {
   const std::vector<std::uint64_t> ticks = frame_outputs_[0].read<std::uint64_t>();
   const auto frames = static_cast<std::size_t>(std::ranges::upper_bound(ticks, tick) - ticks.begin());
-  next_tick_ = frames == 0 ? 0 : ticks[frames - 1] + 1;
+  const Hdf5Group group = file_.group("frames");
+  const std::int64_t first_tick = group.has_attribute(k_first_tick) ? group.integer(k_first_tick) : 0;
+  next_tick_ = frames == 0 ? static_cast<std::uint64_t>(first_tick) : ticks[frames - 1] + 1;
+  if (frames == 0 && next_tick_ > tick)
+    frame_outputs_[0].fail(fmt::format(
+        "begins at tick {}, after tick {}, at which the run continues: give --record a new file, or resume a "
+        "checkpoint saved at or after the beginning of this recording",
+        next_tick_, tick));
   // The next frame that is due after the last recorded one must not be before the tick of the world.
   const std::uint64_t due = (next_tick_ + every_ticks_ - 1) / every_ticks_ * every_ticks_;
   if (due < tick)

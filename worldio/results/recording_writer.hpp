@@ -63,7 +63,8 @@ class RecordingWriter {
   ///
   /// Throws Hdf5Error if the recording has other bodies or fields than the world. Also throws Hdf5Error if
   /// the recording lacks frames that were due before world.tick(), because these frames can no longer be
-  /// recorded.
+  /// recorded: the recording ends before that tick, or was created after it. A recording without frames that
+  /// an older version of Troupe created counts as created at tick 0.
   ///
   /// A recording that was cut off is repaired first. This can also throw std::runtime_error: see
   /// repair_recording().
@@ -104,7 +105,7 @@ class RecordingWriter {
   };
   void write_head(const engine::World& world, const RecordingHead& head);
   void read_head(const engine::World& world);
-  void create_outputs();
+  void create_outputs(std::uint64_t first_tick);
   void open_outputs();
   void add_output(Hdf5Dataset dataset, std::size_t frame_bytes, std::byte absent);
   void cut_after(std::uint64_t tick);

@@ -1,6 +1,7 @@
 #include "worldio/results/replay_data.hpp"
 
 #include "base/diagnostics.hpp"
+#include "worldio/results/little_endian.hpp"
 #include "worldio/results/replay_codec.hpp"
 #include "worldio/results/replay_header.hpp"
 #include "worldio/results/replay_plan.hpp"
@@ -120,19 +121,15 @@ class BlockWriter {
   std::string packed_;
 };
 
-std::string little_endian(std::uint32_t number) {
-  std::string bytes;
-  for (int i = 0; i < 4; ++i) bytes += static_cast<char>(number >> (8 * i) & 255);
-  return bytes;
-}
-
 /// Returns the data of a page: the length of the compressed header (4 bytes, little-endian), this header, and
 /// the streams of all blocks.
 std::string packed(const RecordingReader& recording, const ReplayPlan& plan,
                    std::span<const std::size_t> frames, const ReplayBlocks& blocks,
                    const std::string& streams) {
   const std::string header = deflated(replay_header(recording, plan, frames, blocks));
-  return little_endian(static_cast<std::uint32_t>(header.size())) + header + streams;
+  std::array<std::uint8_t, 4> length;
+  put_little_endian(header.size(), length);
+  return std::string(length.begin(), length.end()) + header + streams;
 }
 
 /// The result of an attempt to make a page: its data or, if the page would be too large, the factor by which
