@@ -83,15 +83,18 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
     if (const auto found = self.lock()) (*found)->after_tick();
   });
   connections_->start();
-  // Last: if the constructor threw after this, the callback would refer to an object that does not exist.
+  // Last: if the constructor threw after this, the callbacks would refer to an object that does not exist.
+  simulation_.before_step([this](Simulation&) { before_step(); });
   simulation_.before_tick([this](Simulation&) { before_tick(); });
 }
 
 View::Impl::~Impl() {
   connections_->stop();
+  simulation_.before_step(nullptr);
   simulation_.before_tick(nullptr);
   try {
-    session_->end(simulation_.tick());
+    // After a reset by the program, the session ends where the run before the reset ended.
+    session_->end(simulation_.tick() + 1 < next_tick_ ? next_tick_ : simulation_.tick());
   } catch (const std::exception&) {  // ignored: the session then has no last line, as after a kill
   }
 }
@@ -128,12 +131,17 @@ void View::Impl::run() {
   }
 }
 
+/// Begins a new session if the program has reset the simulation. The interventions of the next tick are not
+/// yet part of the state, as when SessionReplay compares the state with the hash in the session.
+void View::Impl::before_step() {
+  // At tick 0, only another seed shows that the simulation was reset.
+  if (simulation_.tick() != next_tick_ || simulation_.seed() != seed_) begin_run(next_tick_);
+  next_tick_ = simulation_.tick() + 1;
+}
+
 void View::Impl::before_tick() {
   // A program that steps the run itself does not wait for the first viewer.
   if (!is_running_ && !std::exchange(has_begun_, true)) clock_.play(0);
-  // The program has reset the simulation. At tick 0, only another seed shows that.
-  if (simulation_.tick() != next_tick_ || simulation_.seed() != seed_) begin_run(next_tick_);
-  next_tick_ = simulation_.tick() + 1;
   wait();
   clock_.begin_tick();
 }

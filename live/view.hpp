@@ -32,9 +32,12 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 /// user has paused the run, and it waits as long as the speed limit (Options::rate) requires. It does not
 /// wait for browsers to draw pictures.
 ///
-/// The view uses the callback of Simulation::before_tick(), and the destructor of the view removes it. A
-/// simulation therefore has at most one view at a time, and no other callback of before_tick() meanwhile: a
-/// callback that the program sets replaces that of the view, which then no longer has an effect.
+/// The view uses the callbacks of Simulation::before_step() and Simulation::before_tick(), and the destructor
+/// of the view removes them. A simulation therefore has at most one view at a time, and no other such
+/// callbacks meanwhile: a callback that the program sets replaces that of the view, which then no longer has
+/// an effect. The view also adds a callback of Simulation::on_tick(). Do not remove all callbacks of
+/// on_tick() while the view exists: the view then no longer pauses the run, and executes no requests to
+/// write checkpoints and recordings or to restart the run.
 ///
 /// The program may move the simulation meanwhile. The simulation exists at least as long as its view.
 /// Not thread-safe: use a view only on the thread that steps the

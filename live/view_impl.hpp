@@ -55,6 +55,7 @@ class View::Impl {
     std::optional<std::uint64_t> seed;  // for `restart`; not set: the same seed
   };
 
+  void before_step();
   void before_tick();
   void wait();
   void after_tick();

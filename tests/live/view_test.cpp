@@ -1,6 +1,7 @@
 #include "live/view.hpp"
 
 #include "tests/support/scratch.hpp"
+#include "troupe/session.hpp"
 #include "troupe/simulation.hpp"
 
 #include <fcntl.h>
@@ -27,6 +28,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 // Requests whose order in time matters. tests/view_test.py tests `troupe view` as a whole.
@@ -332,6 +334,34 @@ TEST_F(ViewTest, ASessionHasTheSeedOfAResetBeforeTheFirstStep) {
   const std::string session = content(view.session());
   const Json header = Json::parse(session.substr(0, session.find('\n')));
   EXPECT_EQ(header["options"]["seed"], "9") << header;
+}
+
+TEST_F(ViewTest, ASessionAfterAResetIsRepeatedInAWorldThatChangesAtZeroSeconds) {
+  constexpr const char* k_changing = R"({"troupe": 1, "bounds_m": [[-9, -9], [9, 9]],
+    "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+    "models": [{"name": "a", "type": "bot"}], "at": [{"time_s": 0, "disable": {"type": "bot"}}]})";
+  const auto world = [&] {
+    return Simulation::from_text(k_changing, "w.json", {.threads = 1, .mortal = true});
+  };
+  std::filesystem::path first;
+  std::filesystem::path second;
+  {
+    Simulation simulation = world();
+    const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+    first = view.session();
+    simulation.run_for(0.3);
+    simulation.reset();
+    simulation.step();
+    second = view.session();
+    simulation.step();
+    simulation.reset();  // without a step: the destructor of the view ends the session at tick 2
+  }
+  EXPECT_NE(first, second);
+  for (const auto& [session, end] : {std::pair(first, 3u), std::pair(second, 2u)}) {
+    Simulation again = world();
+    const SessionReplay replay(session, again);  // throws if the state hashes differ
+    EXPECT_EQ(replay.end_tick(), end) << session;
+  }
 }
 
 }  // namespace
