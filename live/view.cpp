@@ -124,6 +124,7 @@ void View::Impl::run() {
     if (!clock_.is_playing()) {
       {
         const Raised between_ticks(is_between_ticks_);
+        simulation_.world().gather_distributed();  // pictures and answers read the rows of all ranks
         wait();
       }
       if (is_over()) break;

@@ -478,5 +478,28 @@ TEST_F(ViewTest, TheRateIsChecked) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
+TEST_F(ViewTest, APausedRunOnRanksIsShown) {
+  Simulation simulation = Simulation::from_text(
+      R"({"troupe": 1, "bounds_m": [[-40, -9], [40, 9]],
+          "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+          "models": [{"name": "a", "type": "bot", "pose": {"x_m": -30}}, {"name": "b", "type": "bot", "pose": {"x_m": -20}},
+                     {"name": "c", "type": "bot", "pose": {"x_m": 20}}, {"name": "d", "type": "bot", "pose": {"x_m": 30}}]})",
+      "w.json", {.threads = 1, .ranks = 2, .distribute = true});
+  std::atomic<bool> ends = false;
+  View view(simulation, View::Options{.rate = 0, .folder = folder_, .is_over = [&] { return ends; }});
+  std::thread viewer([&] {
+    Viewer client(view.address());
+    client.send({R"({"do":"step","ticks":3,"id":1})", R"({"do":"inspect","robot":"d","id":2})"});
+    Json state = client.receive();
+    while (state["type"] != "state" || state["playing"] || state["tick"] == 0) state = client.receive();
+    EXPECT_EQ(state["robots"], 4);
+    while (!state.contains("inspected")) state = client.receive();
+    EXPECT_EQ(state["inspected"]["pose"][0], 30);
+    ends = true;
+  });
+  EXPECT_NO_THROW(view.run());
+  viewer.join();
+}
+
 }  // namespace
 }  // namespace troupe::live
