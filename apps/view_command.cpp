@@ -3,6 +3,7 @@
 #include "apps/interrupt.hpp"
 #include "base/diagnostics.hpp"
 #include "base/number_text.hpp"
+#include "engine/spec/ticks.hpp"
 #include "live/view.hpp"
 #include "worldio/results/checkpoint.hpp"
 
@@ -15,8 +16,10 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -144,9 +147,9 @@ ExitCode view_checked(const ViewOptions& options) {
   Simulation simulation = load(options);
   for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
   stop_on_signals();
-  const auto is_over = [&] {
-    return stop_requested() || (options.for_s && simulation.time_s() >= *options.for_s);
-  };
+  const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())
+                                               : std::numeric_limits<std::uint64_t>::max();
+  const auto is_over = [&] { return stop_requested() || simulation.tick() >= end_tick; };
   live::View view(simulation,
                   {.port = options.port,
                    .bind = options.bind,
@@ -194,7 +197,7 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
   add_value(view, "--rate", "R", "Limit the speed to R times real time; 0: no limit (default: 1)",
             [&options](const std::string& text) {
               const auto rate = finite_number_of(text);
-              if (!rate || (*rate != 0 && (*rate < live::k_least_rate || *rate > live::k_most_rate)))
+              if (!rate || !live::is_rate(*rate))
                 refuse("--rate", text,
                        fmt::format("0, or a multiple of real time from {} to {}", live::k_least_rate,
                                    live::k_most_rate));

@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 namespace troupe::live {
 namespace {
@@ -16,7 +18,17 @@ namespace {
 constexpr std::chrono::seconds k_most_behind{1};  // a run that is later than this does not catch up
 constexpr std::uint64_t k_most_steps = 1000000000;
 
+std::string expected_rate() {
+  return fmt::format("give 0 (as fast as possible), or a multiple of real time from {} to {}", k_least_rate,
+                     k_most_rate);
+}
+
 }  // namespace
+
+RunClock::RunClock(const Simulation& simulation, double rate) : simulation_(simulation), rate_(rate) {
+  if (!is_rate(rate))
+    throw std::invalid_argument(fmt::format("the rate of the view is {}: {}", rate, expected_rate()));
+}
 
 double RunClock::speed() const { return playing_ ? std::round(reached_ * 100) / 100 : 0; }
 
@@ -49,9 +61,7 @@ bool RunClock::obey(const Request& request) {
     play(end - simulation_.tick());
   } else if (request.what() == "rate") {
     const double rate = request.number("rate", 0, k_most_rate);
-    if (rate > 0 && rate < k_least_rate)
-      throw ActRefused(fmt::format("\"rate\" must be 0 (as fast as possible) or from {} to {}, found {}",
-                                   k_least_rate, k_most_rate, rate));
+    if (!is_rate(rate)) throw ActRefused(fmt::format("\"rate\" is {}: {}", rate, expected_rate()));
     rate_ = rate;
     due_ = Clock::now();
   } else {

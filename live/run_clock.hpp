@@ -17,8 +17,9 @@ class RunClock {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// rate: limit of the speed, as a multiple of real time; 0: no limit
-  RunClock(const Simulation& simulation, double rate) : simulation_(simulation), rate_(rate) {}
+  /// rate: limit of the speed, as a multiple of real time; 0: no limit. Throws std::invalid_argument if
+  /// is_rate(rate) (live/view.hpp) is false.
+  RunClock(const Simulation& simulation, double rate);
 
   bool is_playing() const { return playing_; }
   double rate() const { return rate_; }

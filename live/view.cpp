@@ -56,7 +56,8 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
     : simulation_(simulation.share()),
       is_over_(options.is_over),
       clock_(simulation_, options.rate),
-      files_(simulation_, options.folder, options.report),
+      report_(options.report),
+      files_(simulation_, options.folder),
       next_tick_(simulation.tick()),
       line_(simulation.hash_log_line()) {
   if (simulation.has_before_tick())
@@ -83,15 +84,19 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
     if (const auto found = self.lock()) (*found)->after_tick();
   });
   connections_->start();
-  // Last: if the constructor threw after this, the callback would refer to an object that does not exist.
+  // Last: if the constructor threw after this, the callbacks would refer to an object that does not exist.
+  simulation_.before_step([this](Simulation&) { before_step(); });
   simulation_.before_tick([this](Simulation&) { before_tick(); });
 }
 
 View::Impl::~Impl() {
   connections_->stop();
+  simulation_.before_step(nullptr);
   simulation_.before_tick(nullptr);
   try {
-    session_->end(simulation_.tick());
+    while (!holders_.empty()) release_all(holders_.begin()->second);
+    // After a reset by the program, the session ends where the run before the reset ended.
+    session_->end(simulation_.tick() + 1 < next_tick_ ? next_tick_ : simulation_.tick());
   } catch (const std::exception&) {  // ignored: the session then has no last line, as after a kill
   }
 }
@@ -119,6 +124,7 @@ void View::Impl::run() {
     if (!clock_.is_playing()) {
       {
         const Raised between_ticks(is_between_ticks_);
+        simulation_.world().gather_distributed();  // pictures and answers read the rows of all ranks
         wait();
       }
       if (is_over()) break;
@@ -128,12 +134,18 @@ void View::Impl::run() {
   }
 }
 
+/// Begins a new session if the program has reset the simulation. The interventions of the next tick are not
+/// yet part of the state, as when SessionReplay compares the state with the hash in the session.
+void View::Impl::before_step() {
+  // At tick 0, only another seed shows that the simulation was reset.
+  if (simulation_.tick() != next_tick_ || simulation_.seed() != seed_)
+    begin_run(next_tick_, SessionLog::create(files_.folder(), simulation_));
+  next_tick_ = simulation_.tick() + 1;
+}
+
 void View::Impl::before_tick() {
   // A program that steps the run itself does not wait for the first viewer.
   if (!is_running_ && !std::exchange(has_begun_, true)) clock_.play(0);
-  // The program has reset the simulation. At tick 0, only another seed shows that.
-  if (simulation_.tick() != next_tick_ || simulation_.seed() != seed_) begin_run(next_tick_);
-  next_tick_ = simulation_.tick() + 1;
   wait();
   clock_.begin_tick();
 }
@@ -165,6 +177,7 @@ void View::Impl::wait() {
 
 void View::Impl::after_tick() {
   for (auto& [id, client] : clients_) client.selection.see(refuser(id));
+  files_.observe();
   if (clock_.end_tick()) is_changed_ = true;
   line_ = clock_.is_playing() ? "" : simulation_.hash_log_line();
   if (!is_running_) do_jobs();
@@ -235,7 +248,7 @@ bool View::Impl::obey_question(const Request& request, std::uint64_t client) {
   try {
     connections_->answer(client, request.id(),
                          {{"parameters", Json::parse(simulation_.parameters(request.name("type")))}});
-  } catch (const std::out_of_range& error) {
+  } catch (const std::exception& error) {  // an unknown type, or a text that is not UTF-8
     throw ActRefused(error.what());
   }
   return true;
@@ -281,7 +294,11 @@ std::string View::Impl::do_job(const Job& job) {
   switch (job.what) {
     case Job::What::restart: restart(job.seed); break;
     case Job::What::checkpoint: return files_.save_checkpoint();
-    case Job::What::record: return files_.start_recording();
+    case Job::What::record:
+      return files_.start_recording([this, job](const std::string& reason) {
+        if (report_) report_(reason);
+        connections_->refuse(job.client, job.id, reason);
+      });
     case Job::What::stop_recording:
       if (files_.recording().empty())
         throw ActRefused(
@@ -306,27 +323,32 @@ void View::Impl::check_restart() const {
 /// Returns to tick 0 and begins a new session. If `seed` is given, the new run uses this seed.
 void View::Impl::restart(std::optional<std::uint64_t> seed) {
   const std::uint64_t end = simulation_.tick();
-  files_.stop_recording();  // reset() also closes a recording that the program has started
+  // First: if the file cannot be created, the present run continues.
+  std::unique_ptr<SessionLog> next = SessionLog::create(files_.folder(), simulation_);
   if (seed)
     simulation_.reset(*seed);
   else
     simulation_.reset();
-  begin_run(end);
+  begin_run(end, std::move(next));
 }
 
 /// Begins a new session, because the simulation has returned to tick 0. end: tick at which the previous run
-/// ended.
-void View::Impl::begin_run(std::uint64_t end) {
-  session_->end(end);
-  session_ = std::make_unique<SessionLog>(files_.folder(), simulation_);
+/// ended. next: the session, whose first line is not yet written.
+void View::Impl::begin_run(std::uint64_t end, std::unique_ptr<SessionLog> next) {
+  try {
+    session_->end(end);
+  } catch (const std::runtime_error&) {  // ignored: the session then has no last line, as after a kill
+  }
+  session_ = std::move(next);
   holders_.clear();
-  files_.forget_recording();
+  files_.end_with_the_run();
   ++runs_;
   next_tick_ = simulation_.tick();
   line_ = clock_.is_playing() ? "" : simulation_.hash_log_line();
   clock_.restart();
   is_changed_ = true;
   if (simulation_.seed() != std::exchange(seed_, simulation_.seed())) greet_again();
+  session_->begin(simulation_);  // last: if it throws, the view has nevertheless left the previous run
 }
 
 /// Sends the first text again to all clients, because another seed places the bodies elsewhere.

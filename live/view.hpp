@@ -17,6 +17,8 @@ namespace troupe::live {
 /// allowed, and means as fast as possible.
 inline constexpr double k_least_rate = 0.001;
 inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may request
+/// Whether a limit of the speed is valid: 0, or a number from k_least_rate to k_most_rate.
+constexpr bool is_rate(double rate) { return rate == 0 || (rate >= k_least_rate && rate <= k_most_rate); }
 
 /// Shows a running simulation in browsers, where users can pause it, change it and drive its robots
 /// (docs/live.md). A web page or program that is connected to the view is called a viewer. The view writes
@@ -32,9 +34,12 @@ inline constexpr double k_most_rate = 1e6;  ///< largest speed that a viewer may
 /// user has paused the run, and it waits as long as the speed limit (Options::rate) requires. It does not
 /// wait for browsers to draw pictures.
 ///
-/// The view uses the callback of Simulation::before_tick(), and the destructor of the view removes it. A
-/// simulation therefore has at most one view at a time, and no other callback of before_tick() meanwhile: a
-/// callback that the program sets replaces that of the view, which then no longer has an effect.
+/// The view uses the callbacks of Simulation::before_step() and Simulation::before_tick(), and the destructor
+/// of the view removes them. A simulation therefore has at most one view at a time, and no other such
+/// callbacks meanwhile: a callback that the program sets replaces that of the view, which then no longer has
+/// an effect. The view also adds a callback of Simulation::on_tick(). Do not remove all callbacks of
+/// on_tick() while the view exists: the view then no longer pauses the run, and executes no requests to
+/// write checkpoints and recordings or to restart the run.
 ///
 /// The program may move the simulation meanwhile. The simulation exists at least as long as its view.
 /// Not thread-safe: use a view only on the thread that steps the
@@ -50,7 +55,7 @@ class View {
     std::string bind = {};
     std::vector<std::string> hosts = {};  ///< host names of proxies through which browsers reach the page
     /// Greatest speed of the run, in multiples of real time; 0: no limit. During the run, viewers with full
-    /// control can change this limit.
+    /// control can change this limit. If it is not 0, it must be from k_least_rate to k_most_rate.
     double rate = 1;
     /// Folder for the files that the view writes: the session file, and the recordings and checkpoints that
     /// viewers request. The folder must exist. Empty: the current folder.
@@ -61,13 +66,15 @@ class View {
     /// this reason.
     std::function<bool()> is_over;
     /// Called with one line of text when the server refuses something, such as a request with a wrong token,
-    /// and when a recording ends because the files that viewers requested have reached 10 GB. The same
+    /// and when a recording that a viewer has started ends because it cannot be written, or because the files
+    /// that viewers requested have reached 10 GB. The same
     /// refusal is reported only once. May be called on the thread of the server. Null: the texts are dropped.
     std::function<void(const std::string&)> report;
   };
   /// Starts the server and creates the session file. Throws std::runtime_error if Options::bind is not an IP
-  /// address, if the address or the port is not available, or if the session file cannot be written. If the
-  /// CMake option TROUPE_VIEW is off, always throws std::runtime_error. Throws std::logic_error if the
+  /// address, if the address or the port is not available, or if the session file cannot be written. Throws
+  /// std::invalid_argument if is_rate(Options::rate) is false, or if a name in Options::hosts is empty. If
+  /// the CMake option TROUPE_VIEW is off, always throws std::runtime_error. Throws std::logic_error if the
   /// simulation already has a view or another callback of Simulation::before_tick().
   View(Simulation& simulation, const Options& options);
   explicit View(Simulation& simulation);  ///< the same as View(simulation, Options())

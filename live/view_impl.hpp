@@ -55,6 +55,7 @@ class View::Impl {
     std::optional<std::uint64_t> seed;  // for `restart`; not set: the same seed
   };
 
+  void before_step();
   void before_tick();
   void wait();
   void after_tick();
@@ -69,7 +70,7 @@ class View::Impl {
   std::string do_job(const Job& job);
   void check_restart() const;
   void restart(std::optional<std::uint64_t> seed);
-  void begin_run(std::uint64_t end);
+  void begin_run(std::uint64_t end, std::unique_ptr<SessionLog> next);
   bool is_over() const { return is_over_ && is_over_(); }
   void greet_again();
   void publish();
@@ -79,6 +80,7 @@ class View::Impl {
   Simulation simulation_;
   std::function<bool()> is_over_;
   RunClock clock_;
+  std::function<void(const std::string&)> report_;  // may be null
   ViewerFiles files_;
   std::vector<std::uint32_t> order_;   // ids of the robots of the page
   std::vector<std::uint32_t> places_;  // by id: index in order_, or order_.size()

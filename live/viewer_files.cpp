@@ -2,9 +2,12 @@
 
 #include "troupe/acts.hpp"
 #include "troupe/simulation.hpp"
+#include "worldio/files.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <exception>
 #include <system_error>
 
 namespace troupe::live {
@@ -14,11 +17,34 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t k_bytes_gb = 1'000'000'000;
 constexpr std::uintmax_t k_most_file_bytes = 10 * k_bytes_gb;  // of all files that viewers request
-constexpr int k_most_files = 100000;  // largest number of files of one kind in a folder
+
+/// Returns the size of a file; 0 if the file does not exist any more.
+std::uintmax_t size_of(const fs::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  return error ? 0 : size;
+}
+
+/// Removes the file of a checkpoint or recording that could not be written, unless the file was completed.
+class Reserved {
+ public:
+  explicit Reserved(fs::path file) : file_(std::move(file)) {}
+  ~Reserved() {
+    std::error_code ignored;
+    if (!is_kept_) fs::remove(file_, ignored);
+  }
+  Reserved(const Reserved&) = delete;
+  Reserved& operator=(const Reserved&) = delete;
+  void keep() { is_kept_ = true; }
+
+ private:
+  fs::path file_;
+  bool is_kept_ = false;
+};
 
 }  // namespace
 
-/// Returns the name of a file that does not exist: WORLD.WHAT.h5, else WORLD.WHAT-2.h5, and so on.
+/// Creates an empty file WORLD.WHAT.h5, or WORLD.WHAT-2.h5, and so on, and returns its path.
 fs::path ViewerFiles::new_file(std::string_view what) const {
   if (bytes_ >= k_most_file_bytes)
     throw ActRefused(fmt::format(
@@ -26,49 +52,82 @@ fs::path ViewerFiles::new_file(std::string_view what) const {
         "another one",
         k_most_file_bytes / k_bytes_gb));
   const std::string stem = fs::path(simulation_.effective_options().front().second).stem().string();
-  for (int i = 1; i <= k_most_files; ++i) {
-    fs::path file =
-        folder_ / (i == 1 ? fmt::format("{}.{}.h5", stem, what) : fmt::format("{}.{}-{}.h5", stem, what, i));
-    if (!fs::exists(file)) return file;
-  }
-  throw ActRefused(fmt::format(
-      "the folder of the view already has the {0} files {1}.{2}.h5 to {1}.{2}-{0}.h5: move some of them to "
-      "another folder",
-      k_most_files, stem, what));
+  const Result<worldio::NewFile> file = worldio::create_new_file(folder_, stem, what, "h5");
+  if (!file) throw ActRefused(file.error().text);
+  ::close(file->descriptor);
+  return file->path;
 }
 
 std::string ViewerFiles::save_checkpoint() {
+  // A recording of a run that is resumed from the checkpoint must reach the tick of the checkpoint.
+  use_recording([](Recording& recording) { recording.flush(); });
   const fs::path file = new_file("checkpoint");
+  Reserved reserved(file);
   simulation_.save(file);
-  bytes_ += fs::file_size(file);
+  reserved.keep();
+  bytes_ += size_of(file);
   return file.filename().string();
 }
 
-std::string ViewerFiles::start_recording() {
-  if (!recording_.empty()) throw ActRefused("the run is being recorded already: stop this recording first");
+std::string ViewerFiles::start_recording(Tell tell) {
+  if (recorder_) throw ActRefused("the run is being recorded already: stop this recording first");
   const fs::path file = new_file("recording");
-  simulation_.record(file);
+  Reserved reserved(file);
+  RecordingOptions options;
+  options.replace = true;  // the empty file
+  recorder_.emplace(file, simulation_, options);
+  reserved.keep();
   recording_ = file;
+  tell_ = std::move(tell);
   return file.filename().string();
+}
+
+void ViewerFiles::use_recording(const std::function<void(Recording&)>& use) {
+  if (!recorder_) return;
+  try {
+    use(*recorder_);
+  } catch (const std::exception& error) {
+    end_recording();
+    tell_(fmt::format("the recording ends, because it cannot be written: {}", error.what()));
+  }
+}
+
+void ViewerFiles::observe() {
+  use_recording([this](Recording& recording) { recording.observe(simulation_); });
 }
 
 void ViewerFiles::stop_recording() {
-  if (recording_.empty()) return;
-  simulation_.stop_recording();
-  std::error_code ignored;
-  bytes_ += fs::file_size(recording_, ignored);
+  if (!recorder_) return;
+  std::exception_ptr failure;
+  try {
+    recorder_->close();
+  } catch (const std::exception&) {
+    failure = std::current_exception();
+  }
+  end_recording();
+  if (failure) std::rethrow_exception(failure);
+}
+
+void ViewerFiles::end_with_the_run() {
+  use_recording([](Recording& recording) { recording.close(); });
+  if (recorder_) end_recording();
+}
+
+/// Forgets the recording, and counts the bytes of its file.
+void ViewerFiles::end_recording() {
+  recorder_.reset();
+  bytes_ += size_of(recording_);
   recording_.clear();
 }
 
 void ViewerFiles::limit_recording() {
-  if (recording_.empty()) return;
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(recording_, error);
-  if (error || bytes_ + size < k_most_file_bytes) return;
-  if (report_)
-    report_(fmt::format("{}: the recording ends, because the files that viewers requested have reached {} GB",
-                        recording_.string(), k_most_file_bytes / k_bytes_gb));
-  stop_recording();
+  if (!recorder_ || bytes_ + size_of(recording_) < k_most_file_bytes) return;
+  const std::string file = recording_.string();
+  use_recording([](Recording& recording) { recording.close(); });
+  if (!recorder_) return;  // closing it has failed, and the viewer knows it
+  end_recording();
+  tell_(fmt::format("{}: the recording ends, because the files that viewers requested have reached {} GB",
+                    file, k_most_file_bytes / k_bytes_gb));
 }
 
 }  // namespace troupe::live

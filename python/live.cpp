@@ -35,7 +35,7 @@ class HeldView {
   HeldView(Holder held, live::View::Options options)
       : held_(std::move(held)), state_(std::make_shared<State>()) {
     options.is_over = [held = held_.get(), state = state_.get()] {
-      return state->is_closed || held->use_while_stepping().time_s() >= state->end_s || is_interrupted();
+      return state->is_closed || held->use_while_stepping().tick() >= state->end_tick || is_interrupted();
     };
     options.report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); };
     state_->view.emplace(held_->use(), options);
@@ -56,13 +56,13 @@ class HeldView {
   /// Implements View.run() in Python. simulation: the Python object, for the callbacks of on_tick().
   void run(const py::object& simulation, const std::optional<double>& for_s) {
     const std::shared_ptr<State> state = open();  // a callback may close the view
-    const double now_s = held_->use_outside("View.run()").time_s();
+    const Simulation& now = held_->use_outside("View.run()");
     if (for_s && !(*for_s >= 0 && *for_s <= engine::k_longest_run_s))
       throw std::invalid_argument(fmt::format("View.run(for_s={}): give a time from 0 to {} s, or None",
                                               *for_s, engine::k_longest_run_s));
     const py::list callbacks = callbacks_of(simulation);
     const Run run(*state);
-    if (for_s) state->end_s = now_s + *for_s;
+    if (for_s) state->end_tick = now.tick() + engine::ticks_until(*for_s, now.tick_s());
     if (!callbacks.empty())
       state->after_tick = [&] {
         const py::gil_scoped_acquire lock;
@@ -78,12 +78,12 @@ class HeldView {
   }
 
  private:
-  static constexpr double k_never = std::numeric_limits<double>::infinity();
+  static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
   /// Owned by this object and, while the simulation steps, by `held_`.
   struct State {
     std::atomic<bool> is_closed = false;  // Python has released or closed the view
-    double end_s = k_never;               // read only on the thread that steps
+    std::uint64_t end_tick = k_never;     // read only on the thread that steps
     std::function<void()> after_tick;     // null: no call; used only on the thread that steps
     std::optional<live::View> view;       // last, because it uses the members above
   };
@@ -92,7 +92,7 @@ class HeldView {
    public:
     explicit Run(State& state) : state_(state) {}
     ~Run() {
-      state_.end_s = k_never;
+      state_.end_tick = k_never;
       state_.after_tick = nullptr;
     }
     Run(const Run&) = delete;
@@ -157,12 +157,13 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       py::arg("bind") = "", py::arg("hosts") = std::vector<std::string>(),
       "Shows the simulation in a browser and returns a View with the address of the page. Either View.run() "
       "steps the\nsimulation, or the program calls step(), which waits while a user has paused the run. "
-      "`rate` limits the speed to a\nmultiple of real time; 0 is no limit. The session file is created in "
+      "`rate` limits the speed to a\nmultiple of real time, from 0.001 to 1e6; 0 is no limit. The session "
+      "file is created in "
       "the folder `out`; an empty path is the current\nfolder. With \"mortal\": true in the world file, "
       "users can also remove and disable robots. port, bind and hosts are the\noptions --port, --bind and "
       "--allow-host of `troupe view` (docs/live.md). Raises RuntimeError while the simulation has another "
       "view: "
-      "\nclose() that one first.");
+      "\nclose() that one first. Raises ValueError for another rate, and for a host that is no host name.");
 }
 
 }  // namespace troupe::python

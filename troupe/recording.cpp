@@ -22,6 +22,14 @@ namespace {
 constexpr double k_every_s = 0.1;
 constexpr const char* k_fields = "pose";
 
+/// Throws std::invalid_argument if the interval is NaN or too long.
+void check_interval(const RecordingOptions& options) {
+  if (!(options.every_s <= engine::k_most_seconds))
+    throw std::invalid_argument(
+        fmt::format("RecordingOptions::every_s is {}: give a time up to {} s, or 0 for the default",
+                    options.every_s, engine::k_most_seconds));
+}
+
 /// Returns the head of a recording: metadata, world, interval and fields. Interval and fields are taken from
 /// the options, or else from the world file, or else they are the defaults.
 worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOptions& options) {
@@ -127,6 +135,7 @@ struct Recording::Impl {
 
 Recording::Recording(const std::filesystem::path& file, const Simulation& simulation,
                      const RecordingOptions& options) {
+  check_interval(options);
   worldio::require_hdf5_ending(file);
   std::error_code ignored;
   if (!options.replace && std::filesystem::exists(file, ignored))
@@ -156,6 +165,7 @@ Recording::~Recording() = default;
 
 Recording Recording::resume(const std::filesystem::path& file, const Simulation& simulation,
                             const RecordingOptions& options) {
+  check_interval(options);
   worldio::repair_recording(file);
   check_same_run(file, simulation);
   check_same_options(file, simulation, options);

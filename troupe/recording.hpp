@@ -19,7 +19,7 @@ struct RecordingOptions {
   /// "ranges", ...; "all" for all components and fields. Empty: not given.
   std::vector<std::string> fields = {};
   /// Simulated time between two frames (entries of the recording), s; rounded up to whole ticks (time steps).
-  /// 0 or less: not given.
+  /// 0 or less: not given. Making a recording throws std::invalid_argument if it is NaN or more than 1e9.
   double every_s = 0;
   /// True: an existing file is replaced. False: an existing file is an error. Recording::resume() ignores
   /// this option.

@@ -3,12 +3,14 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "base/result.hpp"
+#include "engine/world/world.hpp"
 #include "troupe/acts.hpp"
 #include "troupe/effective_options.hpp"
 #include "troupe/simulation.hpp"
+#include "worldio/files.hpp"
 #include "worldio/json/session_json.hpp"
+#include "worldio/json/spec_difference.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -22,8 +24,6 @@
 namespace troupe {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr int k_most_sessions = 100000;  // largest number of session files of one world in a folder
 
 std::string value_of(const std::vector<std::pair<std::string, std::string>>& options, std::string_view key) {
   for (const auto& [name, value] : options)
@@ -54,48 +54,88 @@ Result<> same_options(const worldio::SessionHeader& header, const Simulation& si
   return {};
 }
 
+/// Returns the first line of a session that begins at the present state. Throws std::runtime_error if an
+/// option, such as the path of the world, is not UTF-8.
+std::string header_of(const Simulation& simulation) {
+  worldio::SessionHeader header{.version = version_line(),
+                                .tick = simulation.tick(),
+                                .hash = hex(simulation.state_hash()),
+                                .world_hash = hex(worldio::hash_of_content(simulation.world().spec())),
+                                .options = simulation.effective_options()};
+  try {
+    return worldio::header_line(header);
+  } catch (const std::invalid_argument&) {
+  }
+  for (auto& option : std::exchange(header.options, {})) try {
+      header.options = {option};
+      static_cast<void>(worldio::header_line(header));
+    } catch (const std::invalid_argument&) {
+      throw std::runtime_error(fmt::format(
+          "{}: error: the {} is not UTF-8, which a session file requires: use a name in UTF-8", option.second,
+          option.first == "world" ? "path of the world" : "option \"" + option.first + "\""));
+    }
+  throw std::runtime_error("the version of this program is not UTF-8, which a session file requires");
+}
+
 }  // namespace
 
 struct SessionLog::Impl {
   fs::path file;
-  int descriptor = -1;
+  int descriptor;
   std::uint64_t acts = 0;
+  bool has_begun = false;  // the first line is written
+  std::string failure;     // why a write failed; empty: none did
 
-  void write(std::string line) const {
+  Impl(fs::path path, int open_file) : file(std::move(path)), descriptor(open_file) {}
+  ~Impl() {
+    ::close(descriptor);
+    std::error_code ignored;
+    if (!has_begun) fs::remove(file, ignored);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  /// Appends a line. After an error, part of the line may be in the file, so that no further line is written.
+  void write(std::string line) {
+    if (!failure.empty()) throw std::runtime_error(failure);
     line += '\n';
     for (std::string_view left = line; !left.empty();) {
       const ssize_t written = ::write(descriptor, left.data(), left.size());
       if (written < 0 && errno == EINTR) continue;
-      if (written < 0)
-        throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(),
-                                             std::generic_category().message(errno)));
+      if (written < 0) {
+        failure = fmt::format("{}: error: cannot be written: {}", file.string(),
+                              std::generic_category().message(errno));
+        throw std::runtime_error(failure);
+      }
       left.remove_prefix(static_cast<std::size_t>(written));
     }
   }
 };
 
+SessionLog::SessionLog(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
 SessionLog::SessionLog(const fs::path& folder, const Simulation& simulation)
-    : impl_(std::make_unique<Impl>()) {
-  const auto options = simulation.effective_options();
-  const std::string stem = fs::path(value_of(options, "world")).stem().string();
-  for (int i = 1; impl_->descriptor < 0; ++i) {
-    impl_->file = folder / (i == 1 ? stem + ".session.jsonl" : fmt::format("{}.session-{}.jsonl", stem, i));
-    impl_->descriptor = ::open(impl_->file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
-    if (impl_->descriptor < 0 && (errno != EEXIST || i == k_most_sessions))
-      throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", impl_->file.string(),
-                                           std::generic_category().message(errno)));
-  }
-  impl_->write(worldio::header_line({.version = version_line(),
-                                     .tick = simulation.tick(),
-                                     .hash = hex(simulation.state_hash()),
-                                     .options = options}));
+    : impl_(std::move(create(folder, simulation)->impl_)) {
+  begin(simulation);
 }
 
-SessionLog::~SessionLog() {
-  if (impl_->descriptor >= 0) ::close(impl_->descriptor);
+std::unique_ptr<SessionLog> SessionLog::create(const fs::path& folder, const Simulation& simulation) {
+  static_cast<void>(header_of(simulation));  // before the file is created: throws for an invalid option
+  const std::string stem = fs::path(value_of(simulation.effective_options(), "world")).stem().string();
+  Result<worldio::NewFile> file = worldio::create_new_file(folder, stem, "session", "jsonl");
+  if (!file) throw std::runtime_error(file.error().text);
+  return std::unique_ptr<SessionLog>(
+      new SessionLog(std::make_unique<Impl>(std::move(file->path), file->descriptor)));
 }
+
+SessionLog::~SessionLog() = default;
 
 const fs::path& SessionLog::file() const { return impl_->file; }
+
+void SessionLog::begin(const Simulation& simulation) {
+  impl_->write(header_of(simulation));
+  impl_->has_begun = true;
+}
 
 void SessionLog::add(const Simulation& simulation, const engine::Act& act) {
   impl_->write(worldio::act_line(simulation.tick(), ++impl_->acts, act));
@@ -118,6 +158,11 @@ struct SessionReplay::Impl {
                           "resume CHECKPOINT --session ...)",
                           header.tick));
     if (simulation.tick() > header.tick) return;
+    if (!header.world_hash.empty() &&
+        header.world_hash != hex(worldio::hash_of_content(simulation.world().spec())))
+      fail(1,
+           "the session is of another world: a body, a wall, a type, a parameter or an intervention of the "
+           "world differs: repeat the session with the world file with which it was recorded");
     if (const std::string hash = hex(simulation.state_hash()); hash != header.hash)
       fail(1,
            fmt::format("the session began at tick {} with state hash {}, but at that tick this run has {}: "

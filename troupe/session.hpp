@@ -22,15 +22,24 @@ class SessionLog {
  public:
   /// Creates the file NAME.session.jsonl in `folder`, where NAME is the name of the world file without its
   /// ending. If this file exists, creates NAME.session-2.jsonl instead (or -3, ...). Throws
-  /// std::runtime_error if the file cannot be created or written.
+  /// std::runtime_error if the file cannot be created or written, or if an option of the simulation, such as
+  /// the path of its world, is not UTF-8.
   SessionLog(const std::filesystem::path& folder, const Simulation& simulation);
+  /// Creates the file as the constructor does, but leaves it empty until begin() is called. If begin()
+  /// is not called or fails, the destructor removes the file. Throws as the constructor does.
+  static std::unique_ptr<SessionLog> create(const std::filesystem::path& folder,
+                                            const Simulation& simulation);
   ~SessionLog();
   SessionLog(const SessionLog&) = delete;
   SessionLog& operator=(const SessionLog&) = delete;
 
   const std::filesystem::path& file() const;  ///< path of the session file
+  /// Writes the first line, for a session that begins at the present state. Call it once, after create() and
+  /// before add(). Throws std::runtime_error if the file cannot be written.
+  void begin(const Simulation& simulation);
   /// Appends an act that was applied at the current tick of the simulation. Throws std::runtime_error if the
-  /// file cannot be written.
+  /// file cannot be written. Part of the line may then be in the file. Therefore this function, begin() and
+  /// end() write nothing after an error, and throw the same error again.
   void add(const Simulation& simulation, const engine::Act& act);
   /// Appends an entry which states that the session ended at this tick. Throws as add() does. Without this
   /// entry, SessionReplay::end_tick() is empty.
@@ -38,6 +47,7 @@ class SessionLog {
 
  private:
   struct Impl;
+  explicit SessionLog(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 
@@ -56,12 +66,15 @@ class SessionReplay {
   /// - The session was recorded with another version of Troupe, or with other values of options that affect
   ///   results.
   /// - The simulation has not reached the first tick of the session.
+  /// - The simulation is at the first tick of the session, but the content of its world (bodies, walls,
+  /// types,
+  ///   parameters, interventions) differs. Sessions that older versions of Troupe wrote cannot tell.
   /// - The simulation is at the first tick of the session, but its state hash (a hash of the whole state of
   ///   the world) is not the one in the file.
   ///
   /// A simulation past the first tick of the session must have been resumed from a checkpoint of the session.
   /// Its state then already contains the acts of earlier ticks, so the constructor skips these acts. The
-  /// state hash is not checked in this case.
+  /// state hash and the content of the world are not checked in this case.
   SessionReplay(const std::filesystem::path& file, const Simulation& simulation);
   ~SessionReplay();
   SessionReplay(const SessionReplay&) = delete;

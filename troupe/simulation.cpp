@@ -94,6 +94,7 @@ void Simulation::step() {
   Model::refuse_in_for_each(*impl_->world, "step()");
   // A library loaded since the last step may have switched on flush-to-zero for this thread.
   if (!check_fp_environment()) restore_fp_environment();
+  if (impl_->before_step) impl_->before_step(*this);
   if (impl_->before_tick || !impl_->holds.empty())
     impl_->world->before_tick([this] {
       const Calling calling(impl_->in_before_tick);
@@ -122,6 +123,11 @@ void Simulation::on_tick(std::function<void(Simulation&)> callback) {
 void Simulation::before_tick(std::function<void(Simulation&)> callback) {
   Model::refuse_in_for_each(*impl_->world, "before_tick()");
   impl_->before_tick = std::move(callback);
+}
+
+void Simulation::before_step(std::function<void(Simulation&)> callback) {
+  Model::refuse_in_for_each(*impl_->world, "before_step()");
+  impl_->before_step = std::move(callback);
 }
 
 bool Simulation::has_before_tick() const { return static_cast<bool>(impl_->before_tick); }

@@ -571,7 +571,7 @@ class Simulation {
   /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Before the
   /// callbacks are called, the stop conditions have been evaluated, and the recording of record() has
   /// received the tick. Callbacks are called in the order in which they were added. A null callback removes
-  /// all callbacks.
+  /// all callbacks, also that of a live view (live/view.hpp).
   ///
   /// A callback may do everything that a program may do between two steps (read, command, set_poses(),
   /// spawn(), remove(), save()). Only step(), reset() and on_tick() are not allowed: they throw
@@ -588,6 +588,13 @@ class Simulation {
   /// callback removes it.
   void before_tick(std::function<void(Simulation&)> callback);
   bool has_before_tick() const;  ///< whether a callback of before_tick() is set
+  /// Sets the callback that is called at the beginning of every step, before the interventions and faults of
+  /// the world file. The state is that after the previous tick, or that after a reset with the changes that
+  /// the program has made since. A live view (live/view.hpp) uses this callback. The callback may do
+  /// everything that a program may do between two steps, except step() and reset(); Troupe does not check
+  /// this. If the callback throws, step() passes the exception on and computes nothing. A second call
+  /// replaces the callback; a null callback removes it.
+  void before_step(std::function<void(Simulation&)> callback);
   /// Applies an act to the running world: a change that a user or a program requests, such as moving,
   /// removing or steering a robot (docs/live.md). Call it between two steps, or in the callback of
   /// before_tick(). A hold, the act that steers a robot instead of its controller, lasts until another act

@@ -67,6 +67,7 @@ struct Simulation::Impl {
 
   std::function<void(Simulation&)> before_tick;  ///< callback of Simulation::before_tick(); may be empty
   bool in_before_tick = false;                   ///< whether the callback `before_tick` is running
+  std::function<void(Simulation&)> before_step;  ///< callback of Simulation::before_step(); may be empty
   /// The held robots: robots that get their speeds from a user or a program instead of from their
   /// controllers. Simulation::act() holds and releases robots.
   Holds holds;

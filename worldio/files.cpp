@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -78,6 +79,26 @@ std::optional<std::string> read_file(const std::filesystem::path& path) {
     text.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
   if (in.bad()) return {};
   return text;
+}
+
+Result<NewFile> create_new_file(const std::filesystem::path& folder, std::string_view stem,
+                                std::string_view what, std::string_view ending) {
+  constexpr int k_most_files = 100000;  // largest number of files with the same stem and `what` in a folder
+  const auto name = [&](int i) {
+    return i == 1 ? fmt::format("{}.{}.{}", stem, what, ending)
+                  : fmt::format("{}.{}-{}.{}", stem, what, i, ending);
+  };
+  for (int i = 1; i <= k_most_files; ++i) {
+    NewFile file{folder / name(i)};
+    file.descriptor = open(file.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    if (file.descriptor >= 0) return file;
+    if (errno != EEXIST)
+      return Error{fmt::format("{}: error: cannot be written: {}", file.path.string(),
+                               std::generic_category().message(errno))};
+  }
+  return Error{
+      fmt::format("{}: error: this file and all others up to {} exist: move some of them to another folder",
+                  (folder / name(1)).string(), name(k_most_files))};
 }
 
 }  // namespace troupe::worldio

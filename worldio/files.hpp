@@ -43,4 +43,17 @@ void require_hdf5_ending(const std::filesystem::path& file);
 /// larger, is not a regular file or cannot be read.
 std::optional<std::string> read_file(const std::filesystem::path& path);
 
+/// A new file, open for writing. The caller must close the descriptor.
+struct NewFile {
+  std::filesystem::path path;
+  int descriptor = -1;
+};
+/// Creates an empty file, and never replaces one. The name of the file is the first of STEM.WHAT.ENDING,
+/// STEM.WHAT-2.ENDING, STEM.WHAT-3.ENDING, ... that does not exist in `folder`. A symbolic link exists even
+/// if its target does not. Two processes never get the same file. The error names the file, as in
+/// `w.session.jsonl: error: cannot be written: Permission denied`. It is also an error if all names up to
+/// number 100,000 exist.
+Result<NewFile> create_new_file(const std::filesystem::path& folder, std::string_view stem,
+                                std::string_view what, std::string_view ending);
+
 }  // namespace troupe::worldio

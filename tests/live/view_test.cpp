@@ -1,7 +1,13 @@
 #include "live/view.hpp"
 
+#include "engine/fields/description.hpp"
+#include "engine/kinds/device_kind.hpp"
 #include "tests/support/scratch.hpp"
+#include "troupe/acts.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/session.hpp"
 #include "troupe/simulation.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -14,13 +20,16 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <ctime>
 #include <filesystem>
 #include <initializer_list>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -370,6 +379,163 @@ TEST_F(ViewTest, ASessionHasTheSeedOfAResetBeforeTheFirstStep) {
   const std::string session = content(view.session());
   const Json header = Json::parse(session.substr(0, session.find('\n')));
   EXPECT_EQ(header["options"]["seed"], "9") << header;
+}
+
+TEST_F(ViewTest, ASessionAfterAResetIsRepeatedInAWorldThatChangesAtZeroSeconds) {
+  constexpr const char* k_changing = R"({"troupe": 1, "bounds_m": [[-9, -9], [9, 9]],
+    "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+    "models": [{"name": "a", "type": "bot"}], "at": [{"time_s": 0, "disable": {"type": "bot"}}]})";
+  const auto world = [&] {
+    return Simulation::from_text(k_changing, "w.json", {.threads = 1, .mortal = true});
+  };
+  std::filesystem::path first;
+  std::filesystem::path second;
+  {
+    Simulation simulation = world();
+    const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+    first = view.session();
+    simulation.run_for(0.3);
+    simulation.reset();
+    simulation.step();
+    second = view.session();
+    simulation.step();
+    simulation.reset();  // without a step: the destructor of the view ends the session at tick 2
+  }
+  EXPECT_NE(first, second);
+  for (const auto& [session, end] : {std::pair(first, 3u), std::pair(second, 2u)}) {
+    Simulation again = world();
+    const SessionReplay replay(session, again);  // throws if the state hashes differ
+    EXPECT_EQ(replay.end_tick(), end) << session;
+  }
+}
+
+/// A device with a parameter that is not UTF-8.
+struct Label {
+  struct Params {
+    std::string label = "\xff";
+    static constexpr void describe(engine::Description<Params>& d) { d.member<&Params::label>("label"); }
+  };
+  Params params;
+};
+
+TEST_F(ViewTest, ParametersThatAreNotUtf8AreRefused) {
+  engine::Registry registry = make_registry();
+  registry.devices.push_back(engine::make_device_kind<Label>("label", "has a label"));
+  Simulation simulation = Simulation::from_text(
+      R"({"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "devices": [{"name": "l", "kind": "label"}]}},
+          "models": [{"name": "a", "type": "bot"}]})",
+      "w.json", {.threads = 1}, std::move(registry));
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  Viewer viewer(view.address());
+  viewer.send({R"({"do":"parameters","type":"bot","id":1})", "x"});
+  EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
+  simulation.step();
+  const Json answer = viewer.answer();
+  EXPECT_EQ(answer["id"], 1) << answer;
+  EXPECT_THAT(answer.value("reason", ""), HasSubstr("not UTF-8"));
+}
+
+TEST_F(ViewTest, TheEndOfAViewReleasesTheRobotsThatUsersDrive) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1, .mortal = true});
+  std::filesystem::path session;
+  {
+    const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+    session = view.session();
+    Viewer viewer(view.address());
+    viewer.send({R"({"do":"hold","robot":"a","speed":[0.5,0,0],"id":1})", "x"});
+    EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
+    simulation.step();
+    EXPECT_EQ(viewer.answer()["type"], "done");
+  }
+  EXPECT_THROW(simulation.act({.kind = Act::Kind::release, .whom = "a"}), ActRefused) << "it is not held";
+  const std::string lines = content(session);
+  EXPECT_THAT(lines, HasSubstr(R"({"tick":1,"n":2,"do":"release","robot":"a"})"));
+  EXPECT_THAT(lines, HasSubstr(R"({"tick":1,"n":3,"do":"end"})"));
+}
+
+TEST_F(ViewTest, ARestartWithoutASessionFileLeavesTheRunAsItIs) {
+  const std::filesystem::path out = folder_ / "out";
+  std::filesystem::create_directory(out);
+  Shown shown(out);
+  shown.run();
+  Viewer viewer(shown.address());
+  viewer.send({R"({"do":"step","ticks":3,"id":1})"});
+  Json state = viewer.receive();
+  while (state["type"] != "state" || state["playing"]) state = viewer.receive();
+  std::filesystem::rename(out, folder_ / "moved");
+  viewer.send({R"({"do":"restart","id":2})"});
+  Json answer = viewer.answer();
+  EXPECT_EQ(answer["type"], "refused") << answer;
+  EXPECT_THAT(answer.value("reason", ""), HasSubstr("w.session.jsonl: error: cannot be written"));
+  viewer.send({R"({"do":"step","id":3})"});
+  EXPECT_EQ(viewer.answer()["type"], "done");
+  std::filesystem::rename(folder_ / "moved", out);
+  viewer.send({R"({"do":"restart","id":4})"});
+  EXPECT_EQ(viewer.answer()["type"], "done");
+  shown.end();
+  EXPECT_EQ(shown.simulation.tick(), 0u);
+  const std::string first = content(out / "w.session.jsonl");
+  EXPECT_EQ(std::ranges::count(first, '\n'), 2) << first;  // the header and one end
+  EXPECT_TRUE(std::filesystem::exists(out / "w.session-2.jsonl"));
+}
+
+TEST_F(ViewTest, ARecordingThatCannotBeWrittenEndsWithoutTheRun) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  Viewer viewer(view.address());
+  viewer.send({R"({"do":"record","id":7})", "x"});
+  EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
+  simulation.step();
+  Json answer = viewer.answer();
+  ASSERT_EQ(answer["type"], "done") << answer;
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit less{std::filesystem::file_size(folder_ / "w.recording.h5"), before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &less);
+  EXPECT_NO_THROW(simulation.run_for(100));
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(simulation.tick(), 1001u);
+  answer = viewer.answer();
+  EXPECT_EQ(answer["type"], "refused") << answer;
+  EXPECT_EQ(answer["id"], 7);
+  EXPECT_THAT(answer.value("reason", ""), HasSubstr("the recording ends, because it cannot be written"));
+}
+
+TEST_F(ViewTest, TheRateIsChecked) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  for (const double rate : {-1.0, std::numeric_limits<double>::quiet_NaN(), 1e-300, 1e-4, 1e7,
+                            std::numeric_limits<double>::infinity()})
+    EXPECT_THAT([&] { const View view(simulation, View::Options{.rate = rate, .folder = folder_}); },
+                ::testing::ThrowsMessage<std::invalid_argument>(HasSubstr(
+                    "give 0 (as fast as possible), or a multiple of real time from 0.001 to 1e+06")))
+        << rate;
+  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(ViewTest, APausedRunOnRanksIsShown) {
+  Simulation simulation = Simulation::from_text(
+      R"({"troupe": 1, "bounds_m": [[-40, -9], [40, 9]],
+          "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+          "models": [{"name": "a", "type": "bot", "pose": {"x_m": -30}}, {"name": "b", "type": "bot", "pose": {"x_m": -20}},
+                     {"name": "c", "type": "bot", "pose": {"x_m": 20}}, {"name": "d", "type": "bot", "pose": {"x_m": 30}}]})",
+      "w.json", {.threads = 1, .ranks = 2, .distribute = true});
+  std::atomic<bool> ends = false;
+  View view(simulation, View::Options{.rate = 0, .folder = folder_, .is_over = [&] { return ends; }});
+  std::thread viewer([&] {
+    Viewer client(view.address());
+    client.send({R"({"do":"step","ticks":3,"id":1})", R"({"do":"inspect","robot":"d","id":2})"});
+    Json state = client.receive();
+    while (state["type"] != "state" || state["playing"] || state["tick"] == 0) state = client.receive();
+    EXPECT_EQ(state["robots"], 4);
+    while (!state.contains("inspected")) state = client.receive();
+    EXPECT_EQ(state["inspected"]["pose"][0], 30);
+    ends = true;
+  });
+  EXPECT_NO_THROW(view.run());
+  viewer.join();
 }
 
 }  // namespace

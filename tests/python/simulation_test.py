@@ -310,7 +310,7 @@ def batch():
     return made
 watched, alone = batch(), batch()
 with tempfile.TemporaryDirectory() as folder:
-    view = watched.view(2, rate=0.0001, out=folder)  # a tick of 0.2 s would take 2000 s
+    view = watched.view(2, rate=0.001, out=folder)  # a tick of 0.2 s would take 200 s
     for _ in range(2):
         try:
             print("begun", flush=True)
@@ -754,6 +754,29 @@ class Models(InAFolder):
         with self.assertRaisesRegex(RuntimeError, "closed"):
             view.run()
         world.step()
+
+    @needs_view
+    def test_a_view_runs_for_whole_ticks(self):
+        world = troupe.Simulation.from_text(json.dumps({**ROOM, "tick_s": 0.1}), "room.json")
+        view = world.view(rate=0, out=self.folder)
+        port, token = view.address.removeprefix("http://127.0.0.1:").split("/#")
+        with Socket(int(port)) as viewer:
+            viewer.send(token)
+            viewer.receive()
+            for for_s, tick in ((0.6, 6), (0.3, 9), (0, 9), (0.1, 10)):
+                view.run(for_s=for_s)
+                self.assertEqual(world.tick, tick)
+
+    @needs_view
+    def test_the_options_of_a_view_are_checked(self):
+        world = troupe.Simulation(ROOM)
+        for rate in (-1, float("nan"), 1e-300, 1e7):
+            with self.assertRaisesRegex(ValueError, "give 0 .as fast as possible., or a multiple of real time from 0.001"):
+                world.view(rate=rate, out=self.folder)
+        for host in ("", ":80", "a b", "a/b"):
+            with self.assertRaisesRegex(ValueError, "host name"):
+                world.view(hosts=[host], out=self.folder)
+        self.assertEqual(list(self.folder.iterdir()), [])
 
     @needs_view
     def test_a_view_calls_the_callbacks_of_on_tick(self):

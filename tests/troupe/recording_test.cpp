@@ -88,6 +88,17 @@ class RecordingTest : public test::ScratchTest {
   RecordingOptions options_{.fields = {"all"}, .every_s = 0.2};
 };
 
+TEST_F(RecordingTest, TheIntervalIsChecked) {
+  const Simulation simulation(world_);
+  for (const double every_s : {std::nan(""), 1e10}) {
+    options_.every_s = every_s;
+    EXPECT_THAT(error_of<std::invalid_argument>(
+                    [&] { const Recording recording(folder_ / "run.h5", simulation, options_); }),
+                HasSubstr("RecordingOptions::every_s is "));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "run.h5"));
+}
+
 TEST_F(RecordingTest, GoesOnWithoutGapOrRepeat) {
   record_whole(30);
   const std::string whole = values("whole.h5");

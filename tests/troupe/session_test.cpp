@@ -12,12 +12,16 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe {
@@ -436,9 +440,77 @@ TEST_F(Sessions, PopulationsWhoseNamesEndInDigitsGetSpareBodiesOfTheirOwn) {
 TEST_F(Sessions, AreNeverReplaced) {
   const Simulation simulation = yard(1);
   const SessionLog first(folder_, simulation);
+  fs::create_symlink(folder_ / "none", folder_ / "yard.session-2.jsonl");
   const SessionLog second(folder_, simulation);
   EXPECT_EQ(first.file().filename(), "yard.session.jsonl");
-  EXPECT_EQ(second.file().filename(), "yard.session-2.jsonl");
+  EXPECT_EQ(second.file().filename(), "yard.session-3.jsonl") << "a link without a target exists";
+  fs::path third;
+  {
+    const auto log = SessionLog::create(folder_, simulation);
+    third = log->file();
+    EXPECT_EQ(third.filename(), "yard.session-4.jsonl");
+    EXPECT_EQ(content(third), "");
+  }
+  EXPECT_FALSE(fs::exists(third)) << "it has not begun";
+}
+
+TEST_F(Sessions, OfAnotherWorldAreRefused) {
+  const std::string text = k_yard;
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string other = text;
+    other.replace(other.find(from), from.size(), to);
+    return Simulation::from_text(other, "other.json", {.threads = 2, .seed = 5});
+  };
+  const Simulation simulation = yard(1);
+  const fs::path file = SessionLog(folder_, simulation).file();
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"\"x_m\": 3", "\"x_m\": 4"},                                // a static body
+           {"\"velocity_max_x_mps\": 1", "\"velocity_max_x_mps\": 2"},  // a parameter
+           {"\"time_s\": 3", "\"time_s\": 3.5"}}) {                     // an intervention
+    const Simulation other = changed(from, to);
+    EXPECT_THAT([&] { const SessionReplay replay(file, other); },
+                ::testing::ThrowsMessage<InputError>(HasSubstr(":1: error: the session is of another world")))
+        << to;
+  }
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"\"title\": \"yard\"", "\"title\": \"other\""}, {"\"seed\": 5,", "\"seed\": 5, \n\n"}}) {
+    const Simulation same = changed(from, to);
+    EXPECT_NO_THROW(SessionReplay(file, same)) << to;
+  }
+  std::string older = content(file);
+  const std::size_t begin = older.find("\"world_hash\"");
+  ASSERT_NE(begin, older.npos);
+  older.erase(begin, older.find("\"options\"") - begin);
+  const Simulation other = changed("\"x_m\": 3", "\"x_m\": 4");
+  EXPECT_NO_THROW(SessionReplay(write("older.jsonl", older), other)) << "it cannot tell";
+}
+
+TEST_F(Sessions, OfAWorldWhosePathIsNotUtf8CreateNoFile) {
+  const Simulation simulation = Simulation::from_text(k_yard, "\xff.json", {.threads = 1});
+  EXPECT_THAT([&] { const SessionLog log(folder_, simulation); },
+              ::testing::ThrowsMessage<std::runtime_error>(
+                  AllOf(StartsWith("\xff.json: error: the path of the world is not UTF-8"))));
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(Sessions, NothingIsWrittenAfterAnError) {
+  const Simulation simulation = yard(1);
+  SessionLog log(folder_, simulation);
+  const std::string begun = content(log.file());
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit less{begun.size() + 10, before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  setrlimit(RLIMIT_FSIZE, &less);
+  const Act act{.kind = Kind::remove, .whom = "b0"};
+  EXPECT_THROW(log.add(simulation, act), std::runtime_error);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  const std::string torn = content(log.file());
+  EXPECT_EQ(torn.size(), begun.size() + 10);
+  EXPECT_THROW(log.end(3), std::runtime_error);
+  EXPECT_EQ(content(log.file()), torn) << "the incomplete line is the last one";
+  EXPECT_EQ(error(torn), "");
 }
 
 TEST_F(Sessions, LinesSurviveARoundTrip) {

@@ -164,6 +164,8 @@ SessionHeader read_header(JsonObject& object) {
   header.version = read_name(object, "version", "the version of the program that wrote the session");
   header.tick = read_count(object, "tick", "the tick at which the session began");
   header.hash = read_name(object, "hash", "the hash of the state at the tick at which the session began");
+  if (object.find("world_hash"))
+    header.world_hash = read_name(object, "world_hash", "the hash of the content of the world");
   if (const JsonNode* node = object.require("options", "the options of the run")) {
     const JsonCursor at(object.at(), "options", *node);
     if (!node->object()) at.expected("an object whose values are texts");
@@ -213,8 +215,9 @@ std::string header_line(const SessionHeader& header) {
   OrderedJson json{{"troupe_session", k_session_format},
                    {"version", header.version},
                    {"tick", header.tick},
-                   {"hash", header.hash},
-                   {"options", OrderedJson::object()}};
+                   {"hash", header.hash}};
+  if (!header.world_hash.empty()) json["world_hash"] = header.world_hash;
+  json["options"] = OrderedJson::object();
   for (const auto& [key, value] : header.options) json["options"][key] = value;
   return line_of(json);
 }

@@ -24,6 +24,9 @@ struct SessionHeader {
   std::string version;     ///< version and compiler (version_line()) of the program that wrote the session
   std::uint64_t tick = 0;  ///< tick at which the session began
   std::string hash;        ///< hash of the state at that tick: 16 lower-case hex digits
+  /// hash_of_content() of the spec of the world: 16 lower-case hex digits. Empty in sessions that older
+  /// versions wrote.
+  std::string world_hash;
   /// Names of the options of the run and their values, from Simulation::effective_options().
   std::vector<std::pair<std::string, std::string>> options;
 };

@@ -1,12 +1,16 @@
 #include "worldio/json/spec_difference.hpp"
 
+#include "base/hash.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/spec_fields.hpp"
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <span>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -123,25 +127,25 @@ class Bytes {
   bool size(const std::array<std::size_t, 1>& sizes, const SpecPath&) { return add(sizes[0]); }
   bool value(const std::array<Value, 1>& values, const SpecPath&) { return add(values[0]); }
   bool place(const std::array<const Where*, 1>&, const SpecPath&) { return true; }
-  std::string take() { return std::move(bytes_); }
-
- private:
+  std::string take() { return std::exchange(bytes_, {}); }
   template <class Number>
   requires std::is_arithmetic_v<Number>
   bool add(Number number) {
     bytes_.append(reinterpret_cast<const char*>(&number), sizeof number);
     return true;
   }
+  void add(const std::string& text) {
+    add(text.size());
+    bytes_ += text;
+  }
+
+ private:
   bool add(const Value& value) {
     add(value.v.index());
     std::visit([this](const auto& held) { add(held); }, value.v);
     return true;
   }
   void add(std::monostate) {}
-  void add(const std::string& text) {
-    add(text.size());
-    bytes_ += text;
-  }
   template <class T>
   void add(const std::vector<T>& list) {
     add(list.size());
@@ -170,6 +174,22 @@ bool compare_named(const FieldTable& table, const std::array<const WorldSpec*, 2
       return false;
   }
   return true;
+}
+
+/// Appends the entries of a list with names, the bodies or the aliases of a world, to the stream `hash`.
+void add_named(const FieldTable& table, const auto& list, const engine::Names& names, HashStream& hash) {
+  Bytes bytes;
+  const auto flush = [&] {
+    const std::string piece = bytes.take();
+    hash.add(std::as_bytes(std::span(piece)));
+  };
+  bytes.add(list.size());
+  for (const auto& entry : list) {
+    bytes.add(names.text(entry.name));
+    static_cast<void>(Walk<1, Bytes>(bytes).object(table, {&entry}, nullptr));
+    flush();
+  }
+  flush();
 }
 
 bool same_part_names(const WorldSpec& a, const WorldSpec& b) {
@@ -211,6 +231,27 @@ std::string spec_difference(const WorldSpec& a, const WorldSpec& b, Places place
     if (!is_same) break;
   }
   return found.text();
+}
+
+std::uint64_t hash_of_content(const WorldSpec& spec) {
+  constexpr std::array<std::string_view, 8> k_without_effect{
+      "title", "quit_time", "record", "measures", "measure_every", "watch", "window", "mortal"};
+  HashStream hash;
+  Bytes bytes;
+  for (const Field& field : engine::world_fields().fields)
+    if (std::ranges::find(k_without_effect, field.name) == k_without_effect.end())
+      static_cast<void>(Walk<1, Bytes>(bytes).member(field, {&spec}, nullptr));
+  const std::map<std::string, engine::PartName> sorted(spec.part_aliases.begin(), spec.part_aliases.end());
+  for (const auto& [name, place] : sorted) {
+    bytes.add(name);
+    bytes.add(place.body.value);
+    bytes.add(place.part);
+  }
+  const std::string head = bytes.take();
+  hash.add(std::as_bytes(std::span(head)));
+  add_named(engine::body_fields(), spec.bodies, spec.names, hash);
+  add_named(engine::alias_fields(), spec.aliases, spec.names, hash);
+  return hash.hash();
 }
 
 }  // namespace troupe::worldio

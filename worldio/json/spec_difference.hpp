@@ -2,6 +2,7 @@
 
 #include "engine/spec/world_spec.hpp"
 
+#include <cstdint>
 #include <string>
 
 namespace troupe::worldio {
@@ -36,5 +37,11 @@ bool same_part(const engine::PartSpec& a, const engine::PartSpec& b);
 /// construction). Two types have equal strings if and only if they are equal in every bit that
 /// spec_difference() compares with Places::ignored.
 std::string compared_bytes(const engine::TypeSpec& type);
+
+/// Returns a hash of all content of a spec that can affect the states of a run. Equal specs have equal
+/// hashes. Places, names of files and these members are left out, because they affect no state: the title,
+/// `quit_time_s`, `record`, `measures`, `measure_every_s`, `watch` and `window`. WorldSpec::mortal is left
+/// out, because the state hash includes its effects.
+std::uint64_t hash_of_content(const engine::WorldSpec& spec);
 
 }  // namespace troupe::worldio
