@@ -334,9 +334,8 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   if (impl_->in_before_tick)
     throw std::logic_error(
         "save() is not allowed in a callback of before_tick(), because a run that is resumed from the "
-        "checkpoint "
-        "would repeat the interventions of this tick: call it between two steps, or in a callback of "
-        "on_tick()");
+        "checkpoint would repeat the interventions of this tick: call it between two steps, or in a callback "
+        "of on_tick()");
   impl_->world->require_whole();
   impl_->world->gather();  // the counts in the checkpoint are counts of all robots
   impl_->refuse_to_replace_inputs(checkpoint);
