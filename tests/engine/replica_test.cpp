@@ -71,13 +71,15 @@ TEST_F(ReplicaMessages, OrdersWithAWrongSizeAllocateNothing) {
     const Message message = writer.take();
     replica.follow(order, MessageReader(message));
   };
-  MessageWriter step;  // the state of a replicated world, with too many subscribed bodies
-  step.put(false);     // no callback
-  step.put(true);      // the state follows
+  MessageWriter step;          // the state of a replicated world, with too many subscribed bodies
+  step.put(false);             // no callback
+  step.put(std::uint64_t{0});  // no rejected restarts
+  step.put(true);              // the state follows
   step.put(std::uint64_t{0});
   step.put(k_too_many);
   expect_too_short([&] { follow(Order::step, std::move(step)); });
   MessageWriter set;  // a setting whose record has too many values
+  set.put(world_.tick());
   set.put(world_.spec().bodies.back().type);
   set.put(SettingSpec::Of());
   set.put(std::uint32_t{0});
@@ -103,8 +105,9 @@ TEST_F(ReplicaMessages, OrdersMayNotReferToWhatDoesNotExist) {
   };
   const auto subscribed = [](BodyId body) {  // the state of a replicated world with a subscribed body
     MessageWriter step;
-    step.put(false);  // no callback
-    step.put(true);   // the state follows
+    step.put(false);             // no callback
+    step.put(std::uint64_t{0});  // no rejected restarts
+    step.put(true);              // the state follows
     step.put(std::uint64_t{0});
     step.put_all(std::span<const BodyId>(&body, 1));
     return step;
@@ -115,6 +118,7 @@ TEST_F(ReplicaMessages, OrdersMayNotReferToWhatDoesNotExist) {
   expect_too_short([&] { follow(Order::step, subscribed(last)); });
   const auto setting = [](std::size_t type, SettingSpec::Of of, std::uint32_t index) {
     MessageWriter set;
+    set.put(std::uint64_t{0});  // tick
     set.put(TypeId(type));
     set.put(of);
     set.put(index);
@@ -174,8 +178,9 @@ TEST_F(ReplicaMessages, AWorldThatRank0EndsInATickIsNoInternalError) {
     Replica replica(world, simulation_.registry(), mailboxes.of(1), 0, {});
     mailboxes.of(0).send(1, begin_message(last, 0));
     MessageWriter step;
-    step.put(false);  // no callback
-    step.put(false);  // no state
+    step.put(false);             // no callback
+    step.put(std::uint64_t{0});  // no rejected restarts
+    step.put(false);             // no state
     const Message message = step.take();
     EXPECT_THROW(replica.follow(Order::step, MessageReader(message)), partition::RankError);
   }
