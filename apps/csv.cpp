@@ -18,13 +18,10 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 
 CsvFile::CsvFile(const fs::path& file, std::string_view header)
-    : file_(file), stream_(file, std::ios::binary) {
-  if (!stream_) refuse_output(file, std::strerror(errno));
-  pending_ = fmt::format("{}\n", header);
-}
+    : file_(file), pending_(fmt::format("{}\n", header)) {}
 
 CsvFile::CsvFile(const fs::path& file, std::string_view header, const std::optional<Start>& start)
-    : file_(file) {
+    : file_(file), goes_on_(true) {
   const auto fail = [&](std::string_view reason) {
     refuse_output(file, fmt::format("this table cannot be continued after the checkpoint, because {}: choose "
                                     "another file",
@@ -44,12 +41,16 @@ CsvFile::CsvFile(const fs::path& file, std::string_view header, const std::optio
     count({piece.data(), static_cast<std::size_t>(old.gcount())});
   }
   if (written_ != *start) fail("it is not the table that the run had written when the checkpoint was saved");
-  stream_.open(file, std::ios::binary | std::ios::app);  // before the file is cut: it may be read-only
-  if (!stream_) refuse_output(file, std::strerror(errno));
-  std::error_code error;
-  fs::resize_file(file, start->bytes, error);
-  if (error) refuse_output(file, error.message());
   if (start->bytes == 0) pending_ = first;
+}
+
+void CsvFile::open() {
+  stream_.open(file_, std::ios::binary | (goes_on_ ? std::ios::app : std::ios::trunc));
+  if (!stream_) refuse_output(file_, std::strerror(errno));
+  if (!goes_on_) return;
+  std::error_code error;
+  fs::resize_file(file_, written_.bytes, error);
+  if (error) refuse_output(file_, error.message());
 }
 
 void CsvFile::count(std::string_view text) {

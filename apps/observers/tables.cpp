@@ -197,11 +197,8 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
-    const auto measures = std::make_shared<Measures>(simulation, names_);
-    return [this, &simulation, measures](Observers& observers) {
-      observers.push_back(
-          std::make_unique<MeasuresTable>(file_, simulation, std::move(*measures), interval(simulation)));
-    };
+    return opening(std::make_unique<MeasuresTable>(file_, simulation, Measures(simulation, names_),
+                                                   interval(simulation)));
   }
 
  private:
@@ -246,9 +243,7 @@ class EventsOutput : public ClonedOutput<EventsOutput> {
   std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
-    return [this, &simulation](Observers& observers) {
-      observers.push_back(std::make_unique<EventsTable>(file_, simulation));
-    };
+    return opening(std::make_unique<EventsTable>(file_, simulation));
   }
 
  private:

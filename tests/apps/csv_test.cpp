@@ -19,6 +19,7 @@ using Csv = test::ScratchTest;
 TEST_F(Csv, NumbersAreTheShortestThatAreReadBackAlike) {
   const std::filesystem::path file = folder_ / "t.csv";
   CsvFile csv(file, "tick,a");
+  csv.open();
   csv.add(std::uint64_t{18446744073709551615u}).add(0.1).add(0.1 + 0.2).add(12.0).add(-0.0).add(1e-300);
   csv.add(-std::numeric_limits<double>::denorm_min()).add(std::nextafter(1.0, 2.0));
   csv.add(std::nan("")).add(-std::nan("")).add(std::numeric_limits<double>::infinity());
@@ -43,6 +44,7 @@ class GoneOnWith : public Csv {
  protected:
   GoneOnWith() {
     CsvFile csv(file_, "tick,a");
+    csv.open();
     csv.add(std::uint64_t{0}).add(1.0).end_line();
     csv.flush(0);
     csv.add(std::uint64_t{5}).add(2.0).end_line();
@@ -52,7 +54,10 @@ class GoneOnWith : public Csv {
   }
   /// The table after one more line behind a start of it.
   std::string table(const CsvFile::Start& start) {
+    const std::string before_opening = content(file_);
     CsvFile csv(file_, "tick,a", start);
+    EXPECT_EQ(content(file_), before_opening);
+    csv.open();
     csv.add(std::uint64_t{7}).add(0.5).end_line();
     csv.flush(7);
     return content(file_);
@@ -74,6 +79,7 @@ TEST_F(GoneOnWith, KeepsTheStartAndDropsTheRest) {
 TEST_F(GoneOnWith, HasTheStartThatItHadWithoutABreak) {
   {
     CsvFile csv(file_, "tick,a", start_);
+    csv.open();
     csv.add(std::uint64_t{5}).add(2.0).end_line();
     csv.flush(5);
     EXPECT_EQ(csv.before(5), start_);
