@@ -17,7 +17,8 @@ namespace troupe::apps {
 ///
 /// The constructors write nothing: open() creates the file. add() appends a cell to the current line, and
 /// end_line() ends the line. The lines stay in memory until flush() writes them, so the file contains only
-/// whole lines.
+/// whole lines. If flush() fails, it removes what it has written of these lines, unless the file is a device
+/// or a pipe.
 class CsvFile {
  public:
   /// Prepares a new table. `header` is the line of column names, without line break.
@@ -52,7 +53,7 @@ class CsvFile {
   void end_line();  ///< ends the current line
 
   /// Writes the lines in memory to the file. Call it only after end_line(), when no line is unfinished.
-  /// Throws std::runtime_error if writing fails.
+  /// Throws std::runtime_error if writing fails, and again in each later call.
   ///
   /// tick: the current tick of the run. It is stored for before(), and an error message contains it.
   void flush(std::uint64_t tick);

@@ -5,9 +5,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace troupe::apps {
 namespace {
@@ -29,6 +33,34 @@ TEST_F(Csv, NumbersAreTheShortestThatAreReadBackAlike) {
       content(file),
       "tick,a\n18446744073709551615,0.1,0.30000000000000004,12,-0,1e-300,-5e-324,1.0000000000000002,nan,"
       "nan,inf\n");
+}
+
+TEST_F(Csv, AFullDiskLeavesWholeLines) {
+  const std::filesystem::path file = folder_ / "t.csv";
+  CsvFile csv(file, "tick,a");
+  csv.open();
+  csv.add(std::uint64_t{0}).add(1.0).end_line();
+  csv.flush(0);
+  const CsvFile::Start start = csv.before(1);
+  for (int i = 0; i < 5000; ++i) csv.add(std::uint64_t{5}).add(2.0).end_line();
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1001, old.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  std::string error;
+  try {
+    csv.flush(5);
+  } catch (const std::runtime_error& thrown) {
+    error = thrown.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(error, file.string() + ": error: writing failed at tick 5: File too large");
+  EXPECT_EQ(content(file), "tick,a\n0,1\n");
+  EXPECT_EQ(csv.before(6), start);
+  EXPECT_THROW(csv.flush(6), std::runtime_error);
+  EXPECT_EQ(content(file), "tick,a\n0,1\n");
 }
 
 TEST_F(Csv, TextsStandInQuotesWhereTheyNeedThem) {
