@@ -17,13 +17,10 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 
 CsvFile::CsvFile(const fs::path& file, std::string_view header)
-    : file_(file), stream_(file, std::ios::binary) {
-  if (!stream_) refuse_output(file, std::strerror(errno));
-  pending_ = fmt::format("{}\n", header);
-}
+    : file_(file), pending_(fmt::format("{}\n", header)) {}
 
 CsvFile::CsvFile(const fs::path& file, std::string_view header, const std::optional<Start>& start)
-    : file_(file) {
+    : file_(file), goes_on_(true) {
   const auto fail = [&](std::string_view reason) {
     refuse_output(file, fmt::format("this table cannot be continued after the checkpoint, because {}: choose "
                                     "another file",
@@ -43,12 +40,16 @@ CsvFile::CsvFile(const fs::path& file, std::string_view header, const std::optio
     count({piece.data(), static_cast<std::size_t>(old.gcount())});
   }
   if (written_ != *start) fail("it is not the table that the run had written when the checkpoint was saved");
-  stream_.open(file, std::ios::binary | std::ios::app);  // before the file is cut: it may be read-only
-  if (!stream_) refuse_output(file, std::strerror(errno));
-  std::error_code error;
-  fs::resize_file(file, start->bytes, error);
-  if (error) refuse_output(file, error.message());
   if (start->bytes == 0) pending_ = first;
+}
+
+void CsvFile::open() {
+  stream_.open(file_, std::ios::binary | (goes_on_ ? std::ios::app : std::ios::trunc));
+  if (!stream_) refuse_output(file_, std::strerror(errno));
+  if (!goes_on_) return;
+  std::error_code error;
+  fs::resize_file(file_, written_.bytes, error);
+  if (error) refuse_output(file_, error.message());
 }
 
 void CsvFile::count(std::string_view text) {
@@ -87,9 +88,16 @@ void CsvFile::end_line() {
 void CsvFile::flush(std::uint64_t tick) {
   if (pending_.empty()) return;
   stream_ << pending_ << std::flush;
-  if (!stream_)
+  if (!stream_) {
+    const int error = errno;
+    if (stream_.is_open()) {
+      stream_.close();  // first: it tries again to write what is left in its buffer
+      std::error_code ignored;
+      if (fs::is_regular_file(file_, ignored)) fs::resize_file(file_, written_.bytes, ignored);
+    }
     throw std::runtime_error(
-        fmt::format("{}: error: writing failed at tick {}: {}", file_.string(), tick, std::strerror(errno)));
+        fmt::format("{}: error: writing failed at tick {}: {}", file_.string(), tick, std::strerror(error)));
+  }
   if (tick != last_tick_) before_ = written_;
   last_tick_ = tick;
   count(pending_);

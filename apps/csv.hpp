@@ -15,12 +15,13 @@ namespace troupe::apps {
 /// options. The first line has the names of the columns. The first column is the tick (number of the
 /// simulation step).
 ///
-/// add() appends a cell to the current line, and end_line() ends the line. The lines stay in memory until
-/// flush() writes them, so the file contains only whole lines.
+/// The constructors write nothing: open() creates the file. add() appends a cell to the current line, and
+/// end_line() ends the line. The lines stay in memory until flush() writes them, so the file contains only
+/// whole lines. If flush() fails, it removes what it has written of these lines, unless the file is a device
+/// or a pipe.
 class CsvFile {
  public:
-  /// Creates or empties the file. `header` is the line of column names, without line break. Throws
-  /// OutputError if the file cannot be opened.
+  /// Prepares a new table. `header` is the line of column names, without line break.
   CsvFile(const std::filesystem::path& file, std::string_view header);
   /// Length and hash of the first lines of the file. A checkpoint (saved state of a run) stores these two
   /// numbers for the lines that the run had written. When the run is resumed, they show whether the file
@@ -30,14 +31,18 @@ class CsvFile {
     std::uint64_t hash = 0;   ///< hash of these bytes; 0 if `bytes` is 0
     friend bool operator==(const Start&, const Start&) = default;
   };
-  /// Continues the table of an earlier run. Keeps the first lines, which `start` describes, and removes all
-  /// later lines. Throws OutputError, and does not change the file, in these cases:
+  /// Prepares the continuation of the table of an earlier run: open() keeps the first lines, which `start`
+  /// describes, and removes all later lines. Throws OutputError in these cases:
   ///
   /// - The file cannot be read.
   /// - Its first line is not `header`.
   /// - `start` is not set, because the checkpoint has no data of this table.
   /// - The length or the hash of the first lines differs from `start`.
   CsvFile(const std::filesystem::path& file, std::string_view header, const std::optional<Start>& start);
+
+  /// Creates or empties the file of a new table, or removes the later lines of a continued table. Call it
+  /// once, before flush(). Throws OutputError if the file cannot be written.
+  void open();
 
   /// Appends a number as a cell to the current line, a double as number_cell() writes it.
   CsvFile& add(double number);
@@ -47,7 +52,7 @@ class CsvFile {
   void end_line();  ///< ends the current line
 
   /// Writes the lines in memory to the file. Call it only after end_line(), when no line is unfinished.
-  /// Throws std::runtime_error if writing fails.
+  /// Throws std::runtime_error if writing fails, and again in each later call.
   ///
   /// tick: the current tick of the run. It is stored for before(), and an error message contains it.
   void flush(std::uint64_t tick);
@@ -60,6 +65,7 @@ class CsvFile {
   void count(std::string_view text);
 
   std::filesystem::path file_;
+  bool goes_on_ = false;  // whether the table is continued
   std::ofstream stream_;
   std::string pending_;
   bool line_begun_ = false;

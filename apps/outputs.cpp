@@ -153,10 +153,10 @@ void check_same_run(const HashLogReader& log, const Simulation& simulation) {
   }
 }
 
-/// Removes the lines after the current tick of the simulation from a hash log. The resumed run computes these
-/// ticks again. Throws OutputError, and removes nothing, if the log does not contain this tick or belongs to
-/// another run.
-void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
+/// Returns the number of bytes in the lines of a hash log up to the current tick of the simulation. The
+/// resumed run computes the later ticks again. Throws OutputError if the log does not contain this tick or
+/// belongs to another run.
+std::uintmax_t bytes_to_tick(const fs::path& file, const Simulation& simulation) {
   HashLogReader log(file);
   check_same_run(log, simulation);
   std::optional<HashLogReader::Line> line = log.next();
@@ -174,7 +174,7 @@ void cut_behind_tick(const fs::path& file, const Simulation& simulation) {
         fmt::format("{}:{}: error: the state at tick {} differs from the checkpoint: the log belongs to "
                     "another run; choose another file",
                     file.string(), line->number, line->tick));
-  fs::resize_file(file, bytes_of_lines(file, line->number));
+  return bytes_of_lines(file, line->number);
 }
 
 }  // namespace
@@ -220,14 +220,22 @@ void check_folder(const fs::path& folder) {
 
 HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(file) {
   std::error_code ignored;
-  const bool goes_on = simulation.resumed_at_tick() && fs::is_regular_file(file, ignored);
-  if (goes_on) {
-    cut_behind_tick(file, simulation);
-    written_ = simulation.tick();
+  if (!simulation.resumed_at_tick() || !fs::is_regular_file(file, ignored)) {
+    header_ = simulation.hash_log_header();
+    return;
   }
-  stream_.open(file, goes_on ? std::ios::app : std::ios::trunc);
-  if (!stream_) refuse_output(file, std::strerror(errno));
-  if (!goes_on) stream_ << simulation.hash_log_header();
+  kept_bytes_ = bytes_to_tick(file, simulation);
+  written_ = simulation.tick();
+}
+
+void HashLog::open() {
+  stream_.open(file_, kept_bytes_ ? std::ios::app : std::ios::trunc);  // before the file is cut
+  if (!stream_) refuse_output(file_, std::strerror(errno));
+  stream_ << header_;
+  if (!kept_bytes_) return;
+  std::error_code error;
+  fs::resize_file(file_, *kept_bytes_, error);
+  if (error) refuse_output(file_, error.message());
 }
 
 void HashLog::observe(const Simulation& simulation) {
@@ -250,9 +258,7 @@ class HashLogOutput : public ClonedOutput<HashLogOutput> {
   std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
-    return [this, &simulation](Observers& observers) {
-      observers.push_back(std::make_unique<HashLog>(file_, simulation));
-    };
+    return opening(std::make_unique<HashLog>(file_, simulation));
   }
 
  private:

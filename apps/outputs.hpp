@@ -56,11 +56,9 @@ void check_folder(const std::filesystem::path& folder);
 /// state after the tick, and is written to the file at the end of the tick.
 class HashLog : public Observer {
  public:
-  /// Opens the file and writes the header. If the simulation was resumed from a checkpoint (saved state of a
-  /// run) and the file exists, continues this log instead: keeps the lines up to the tick of the checkpoint,
-  /// and removes the later lines.
-  ///
-  /// Throws OutputError if the file cannot be written, or if the log to continue belongs to another run:
+  /// Prepares the log, and writes nothing. If the simulation was resumed from a checkpoint (saved state of a
+  /// run) and the file exists, the run continues this log. Throws OutputError if the log to continue belongs
+  /// to another run:
   ///
   /// - The log has no line for the tick of the checkpoint, or the line has other hashes than the checkpoint.
   /// - The header of the log has other options than this run. Options that a resumed run may change, or that
@@ -68,6 +66,10 @@ class HashLog : public Observer {
   ///
   /// Throws InputError if the file to continue is not a hash log or is damaged.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
+  /// Opens the file and writes the header. If the run continues a log, keeps its lines up to the tick of the
+  /// checkpoint instead, and removes the later lines. Call it once, before observe(). Throws OutputError if
+  /// the file cannot be written.
+  void open();
 
   /// Writes the line of the current tick. Does nothing if the log was continued and already ends with this
   /// line. Throws std::runtime_error if writing fails, for example because the disk is full.
@@ -77,7 +79,9 @@ class HashLog : public Observer {
  private:
   std::filesystem::path file_;
   std::ofstream stream_;
-  std::optional<std::uint64_t> written_;  // the last tick of a continued log
+  std::string header_;                        // of a new log
+  std::optional<std::uint64_t> written_;      // the last tick of a continued log
+  std::optional<std::uintmax_t> kept_bytes_;  // length of the lines that a continued log keeps
 };
 
 /// Returns the RunOutput for a hash log (HashLog). A RunOutput is one output of a run, together with its

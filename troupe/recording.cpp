@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -30,6 +31,15 @@ void check_interval(const RecordingOptions& options) {
                     options.every_s, engine::k_most_seconds));
 }
 
+/// Returns the names of the recorded fields: those of the options, or else of the world file, or else
+/// k_fields.
+std::vector<std::string> fields_of(const Simulation& simulation, const RecordingOptions& options) {
+  const std::optional<engine::RecordSpec>& record = simulation.world().spec().record;
+  if (!options.fields.empty()) return options.fields;
+  if (record && !record->fields.empty()) return record->fields;
+  return {k_fields};
+}
+
 /// Returns the head of a recording: metadata, world, interval and fields. Interval and fields are taken from
 /// the options, or else from the world file, or else they are the defaults.
 worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOptions& options) {
@@ -39,9 +49,8 @@ worldio::RecordingHead head_of(const Simulation& simulation, const RecordingOpti
   worldio::RecordingHead head{.meta = simulation.effective_options(),
                               .world_json = worldio::spec_to_json(spec, simulation.registry()),
                               .every_ticks = engine::period_ticks(every_s, simulation.tick_s()),
-                              .fields = !options.fields.empty() ? options.fields : record.fields};
+                              .fields = fields_of(simulation, options)};
   head.meta.insert(head.meta.begin(), {"version", version_line()});
-  if (head.fields.empty()) head.fields = {k_fields};
   return head;
 }
 
@@ -63,9 +72,26 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
   }
 }
 
+/// Throws InputError if the file of a new recording must not be created or replaced, or if the world lacks
+/// a requested field. Returns the recorded components.
+std::vector<worldio::RecordedComponent> checked_components(const std::filesystem::path& file,
+                                                           const Simulation& simulation,
+                                                           const RecordingOptions& options) {
+  check_interval(options);
+  worldio::require_hdf5_ending(file);
+  std::error_code ignored;
+  if (!options.replace && std::filesystem::exists(file, ignored))
+    throw InputError(
+        fmt::format("{}: error: the file exists; --force replaces it (in C++ and Python: the option replace)",
+                    file.string()));
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
+    throw InputError(fmt::format("{}: error: cannot be written: it is not a regular file", file.string()));
+  return components_of(file, simulation, fields_of(simulation, options), options);
+}
+
 /// Throws std::runtime_error if the recording belongs to another run than the simulation.
-void check_same_run(const std::filesystem::path& file, const Simulation& simulation) {
-  const worldio::RecordingReader recording(file);
+void check_same_run(const worldio::RecordingReader& recording, const Simulation& simulation) {
+  const std::filesystem::path& file = recording.file();
   const auto value_of = [&](const std::string& key) {
     const auto known = recording.meta().find(key);
     return known == recording.meta().end() ? nullptr : &known->second;
@@ -87,9 +113,9 @@ void check_same_run(const std::filesystem::path& file, const Simulation& simulat
 
 /// Throws std::runtime_error if the options state another interval or other fields than the recording has,
 /// because these cannot change within a recording.
-void check_same_options(const std::filesystem::path& file, const Simulation& simulation,
+void check_same_options(const worldio::RecordingReader& recording, const Simulation& simulation,
                         const RecordingOptions& options) {
-  const worldio::RecordingReader recording(file);
+  const std::filesystem::path& file = recording.file();
   if (options.every_s > 0) {
     const std::uint64_t ticks = engine::period_ticks(options.every_s, simulation.tick_s());
     if (ticks != recording.every_ticks())
@@ -135,17 +161,8 @@ struct Recording::Impl {
 
 Recording::Recording(const std::filesystem::path& file, const Simulation& simulation,
                      const RecordingOptions& options) {
-  check_interval(options);
-  worldio::require_hdf5_ending(file);
-  std::error_code ignored;
-  if (!options.replace && std::filesystem::exists(file, ignored))
-    throw InputError(
-        fmt::format("{}: error: the file exists; --force replaces it (in C++ and Python: the option replace)",
-                    file.string()));
-  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
-    throw InputError(fmt::format("{}: error: cannot be written: it is not a regular file", file.string()));
+  std::vector<worldio::RecordedComponent> components = checked_components(file, simulation, options);
   const worldio::RecordingHead head = head_of(simulation, options);
-  std::vector<worldio::RecordedComponent> components = components_of(file, simulation, head.fields, options);
   try {
     impl_ = std::unique_ptr<Impl>(
         new Impl{{file, simulation.world(), std::move(components), head, options.in_background},
@@ -167,12 +184,41 @@ Recording Recording::resume(const std::filesystem::path& file, const Simulation&
                             const RecordingOptions& options) {
   check_interval(options);
   worldio::repair_recording(file);
-  check_same_run(file, simulation);
-  check_same_options(file, simulation, options);
+  {
+    const worldio::RecordingReader recording(file);
+    check_same_run(recording, simulation);
+    check_same_options(recording, simulation, options);
+  }
   Recording recording(std::unique_ptr<Impl>(new Impl{
       {file, simulation.world(), options.in_background}, file, &simulation.world(), simulation.seed()}));
   recording.observe(simulation);
   return recording;
+}
+
+void Recording::check(const std::filesystem::path& file, const Simulation& simulation,
+                      const RecordingOptions& options) {
+  static_cast<void>(checked_components(file, simulation, options));
+  try {
+    worldio::require_hdf5(file);
+  } catch (const worldio::Hdf5Error& error) {
+    throw InputError(error.what());
+  }
+}
+
+void Recording::check_resume(const std::filesystem::path& file, const Simulation& simulation,
+                             const RecordingOptions& options) {
+  check_interval(options);
+  const bool is_whole = worldio::frames_without_repair(file).has_value();
+  std::optional<worldio::RecordingReader> recording;
+  try {
+    recording.emplace(file);
+  } catch (const worldio::Hdf5Error&) {
+    if (is_whole) throw;
+    return;  // resume() repairs the file before it checks it
+  }
+  check_same_run(*recording, simulation);
+  check_same_options(*recording, simulation, options);
+  worldio::RecordingWriter::check(*recording, simulation.world());
 }
 
 void Recording::observe(const Simulation& simulation) {

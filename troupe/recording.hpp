@@ -66,6 +66,15 @@ class Recording {
   /// - `options` state other fields or another interval than the recording has.
   static Recording resume(const std::filesystem::path& file, const Simulation& simulation,
                           const RecordingOptions& options = {});
+  /// Throws the InputError that the constructor throws for these arguments, and creates nothing. Errors that
+  /// only occur while the file is written, for example on a full disk, are not found.
+  static void check(const std::filesystem::path& file, const Simulation& simulation,
+                    const RecordingOptions& options = {});
+  /// Throws the std::runtime_error that resume() throws for these arguments, and changes nothing. If the
+  /// recording was cut off, because its run was killed, and cannot be read without a repair, only resume()
+  /// finds errors in it.
+  static void check_resume(const std::filesystem::path& file, const Simulation& simulation,
+                           const RecordingOptions& options = {});
   Recording(Recording&&) noexcept;             ///< a moved-from object may only be destroyed or assigned to
   Recording& operator=(Recording&&) noexcept;  ///< a moved-from object may only be destroyed or assigned to
   /// Closes the file and ignores errors; close() reports them.

@@ -36,25 +36,7 @@ Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const
     : file_(std::move(file)),
       others_(std::move(others)),
       period_(every_s ? engine::period_ticks(*every_s, simulation.tick_s()) : 0),
-      first_tick_(simulation.tick()) {
-  rehearse(simulation);
-}
-
-void Checkpointing::rehearse(const Simulation& simulation) const {
-  // The partial file is in the folder in which save() writes, and has the permissions of the checkpoint that
-  // it replaces, as every checkpoint has. The rehearsal then replaces the partial file.
-  std::optional<worldio::PartialFile> partial;
-  try {
-    partial.emplace(file_, ".rehearsal");
-  } catch (const std::system_error& error) {
-    refuse_output(file_, error.code().message());
-  }
-  try {
-    simulation.save(partial->path());
-  } catch (const std::runtime_error& error) {
-    throw OutputError(worldio::error_about(error.what(), partial->path(), file_));
-  }
-}
+      first_tick_(simulation.tick()) {}
 
 void Checkpointing::observe(const Simulation& simulation) {
   const std::uint64_t tick = simulation.tick();
@@ -77,6 +59,22 @@ void Checkpointing::save_at_least(const Simulation& simulation) {
 void Checkpointing::save(const Simulation& simulation) {
   simulation.save(file_);
   saved_ = simulation.tick();
+}
+
+void rehearse_checkpoint(const fs::path& file, const Simulation& simulation) {
+  // The partial file is in the folder in which save() writes, and has the permissions of the checkpoint that
+  // it replaces, as every checkpoint has. The rehearsal then replaces the partial file.
+  std::optional<worldio::PartialFile> partial;
+  try {
+    partial.emplace(file, ".rehearsal");
+  } catch (const std::system_error& error) {
+    refuse_output(file, error.code().message());
+  }
+  try {
+    simulation.save(partial->path());
+  } catch (const std::runtime_error& error) {
+    throw OutputError(worldio::error_about(error.what(), partial->path(), file));
+  }
 }
 
 namespace {
@@ -120,6 +118,7 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
   }
   OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {
     if (options.checkpoint.empty()) return nullptr;
+    if (!options.dry_run) rehearse_checkpoint(options.checkpoint, simulation);
     return [&options, &simulation](Observers& observers) {
       std::vector<Observer*> others;
       for (const auto& observer : observers) others.push_back(observer.get());

@@ -33,10 +33,6 @@ class SaveRequests {
 /// resumed. The class saves a checkpoint periodically, on SIGUSR1, and when the run ends or is stopped.
 class Checkpointing : public Observer {
  public:
-  /// Tests whether checkpoints can be saved: writes a checkpoint into the folder of `file`, or of the file to
-  /// which the link `file` points, and removes it again. Throws OutputError if this fails, for example
-  /// because the disk is full. The user then sees the error before the run.
-  ///
   /// file: the checkpoint. Each save replaces it.
   /// every_s: interval of the periodic checkpoints, simulated seconds; not given: no periodic checkpoints
   /// simulation: the simulation of the run
@@ -53,7 +49,6 @@ class Checkpointing : public Observer {
   void save_at_least(const Simulation& simulation) override;
 
  private:
-  void rehearse(const Simulation& simulation) const;
   void save(const Simulation& simulation);
 
   std::filesystem::path file_;
@@ -63,6 +58,11 @@ class Checkpointing : public Observer {
   std::optional<std::uint64_t> saved_;  // the tick of the last checkpoint
   SaveRequests requests_;
 };
+
+/// Tests whether checkpoints can be saved: writes a checkpoint into the folder of `file`, or of the file to
+/// which the link `file` points, and removes it again. Throws OutputError if this fails, for example because
+/// the disk is full. The user then sees the error before the run.
+void rehearse_checkpoint(const std::filesystem::path& file, const Simulation& simulation);
 
 /// Returns the RunOutput for checkpoints (Checkpointing). A RunOutput is one output of a run, together with
 /// its command-line options. The options are --checkpoint, --checkpoint-every and --wall-limit. Parsing

@@ -17,6 +17,16 @@ namespace {
 
 constexpr std::chrono::seconds k_flush_period{2};  // of wall time
 
+/// Calls `work`. Throws its std::runtime_error, which names the file, as InputError.
+template <class Work>
+void with_input_errors(Work&& work) {
+  try {
+    work();
+  } catch (const std::runtime_error& error) {
+    throw InputError(error.what());
+  }
+}
+
 }  // namespace
 
 std::filesystem::path recording_file(const RunOptions& options, const Simulation& simulation) {
@@ -28,7 +38,7 @@ std::filesystem::path recording_file(const RunOptions& options, const Simulation
   return record->file;
 }
 
-std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulation& simulation) {
+OpenOutput prepare_recorder(const RunOptions& options, const Simulation& simulation) {
   const std::filesystem::path file = recording_file(options, simulation);
   if (file.empty()) {
     if (options.recording.every_s > 0 || !options.recording.fields.empty())
@@ -40,15 +50,21 @@ std::unique_ptr<Recorder> make_recorder(const RunOptions& options, const Simulat
   RecordingOptions recording = options.recording;
   recording.replace = options.force;
   recording.in_background = true;  // if a checkpoint is saved meanwhile, HDF5's lock keeps the two apart
-  if (std::error_code ignored;
-      simulation.resumed_at_tick() && !options.force && std::filesystem::exists(file, ignored)) {
-    try {
-      return std::make_unique<Recorder>(Recording::resume(file, simulation, recording));
-    } catch (const std::runtime_error& error) {
-      throw InputError(error.what());
-    }
-  }
-  return std::make_unique<Recorder>(Recording(file, simulation, recording));
+  std::error_code ignored;
+  const bool goes_on =
+      simulation.resumed_at_tick() && !options.force && std::filesystem::exists(file, ignored);
+  with_input_errors([&] {
+    if (goes_on)
+      Recording::check_resume(file, simulation, recording);
+    else
+      Recording::check(file, simulation, recording);
+  });
+  return [file, &simulation, recording, goes_on](Observers& observers) {
+    with_input_errors([&] {
+      observers.push_back(std::make_unique<Recorder>(goes_on ? Recording::resume(file, simulation, recording)
+                                                             : Recording(file, simulation, recording)));
+    });
+  };
 }
 
 void Recorder::observe(const Simulation& simulation) {

@@ -151,8 +151,7 @@ std::string MeasuresTable::warning() const {
   if (fresh_.empty()) return {};
   return fmt::format(
       "{}: warning: the checkpoint has no data of earlier ticks for \"{}\", which was not computed before, "
-      "or "
-      "with other robots or parameters: the measure{} at tick {}",
+      "or with other robots or parameters: the measure{} at tick {}",
       file_.string(), fmt::join(fresh_, "\", \""), fresh_.size() == 1 ? " begins" : "s begin",
       *simulation_.resumed_at_tick());
 }
@@ -207,11 +206,8 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
-    const auto measures = std::make_shared<Measures>(simulation, names_);
-    return [this, &simulation, measures](Observers& observers) {
-      observers.push_back(
-          std::make_unique<MeasuresTable>(file_, simulation, std::move(*measures), interval(simulation)));
-    };
+    return opening(std::make_unique<MeasuresTable>(file_, simulation, Measures(simulation, names_),
+                                                   interval(simulation)));
   }
 
  private:
@@ -256,9 +252,7 @@ class EventsOutput : public ClonedOutput<EventsOutput> {
   std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
-    return [this, &simulation](Observers& observers) {
-      observers.push_back(std::make_unique<EventsTable>(file_, simulation));
-    };
+    return opening(std::make_unique<EventsTable>(file_, simulation));
   }
 
  private:

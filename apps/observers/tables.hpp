@@ -21,10 +21,10 @@ namespace troupe::apps {
 /// ticks, so it writes the same lines as an uninterrupted run.
 class MeasuresTable : public Observer {
  public:
-  /// Creates the table. If the run was resumed from a checkpoint (saved state of a run), continues an
-  /// existing table. Some measures need data from earlier ticks, which are then restored from the checkpoint.
-  /// In a new table, a measure without such data in the checkpoint begins at the present tick; warning()
-  /// names it. Throws OutputError if the file cannot be written or continued, for example because its
+  /// Prepares the table, and writes nothing. If the run was resumed from a checkpoint (saved state of a run),
+  /// it continues an existing table. Some measures need data from earlier ticks, which are then restored from
+  /// the checkpoint. In a new table, a measure without such data in the checkpoint begins at the present
+  /// tick; warning() names it. Throws OutputError if the file cannot be continued, for example because its
   /// measures were computed with other parameters.
   ///
   /// simulation: must outlive this object
@@ -32,6 +32,9 @@ class MeasuresTable : public Observer {
   MeasuresTable(const std::filesystem::path& file, Simulation& simulation, Measures measures,
                 std::uint64_t every);
   ~MeasuresTable() override;
+  /// Creates the file, or shortens it to the lines that the run continues. Call it once, before observe().
+  /// Throws OutputError if the file cannot be written.
+  void open() { csv_.open(); }
 
   void observe(const Simulation& simulation) override;
   std::string warning() const override;
@@ -56,13 +59,14 @@ class MeasuresTable : public Observer {
 /// - `other`, `other_id`: name and id of another body that is involved; empty if there is none
 class EventsTable : public Observer {
  public:
-  /// Creates the table. The first events are those of the next tick. If the run was resumed from a checkpoint
-  /// (saved state of a run), continues an existing table. Throws OutputError if the file cannot be written or
-  /// continued.
+  /// Prepares the table, and writes nothing. The first events are those of the next tick. If the run was
+  /// resumed from a checkpoint (saved state of a run), it continues an existing table. Throws OutputError if
+  /// the file cannot be continued.
   ///
   /// simulation: must outlive this object
   EventsTable(const std::filesystem::path& file, Simulation& simulation);
   ~EventsTable() override;
+  void open() { csv_.open(); }  ///< as MeasuresTable::open()
 
   void observe(const Simulation& simulation) override;
 

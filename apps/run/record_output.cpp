@@ -45,9 +45,7 @@ class RecordOutput : public ClonedOutput<RecordOutput> {
     options.record = recording_file(options, simulation);
   }
   OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {
-    return [&options, &simulation](Observers& observers) {
-      if (auto recorder = make_recorder(options, simulation)) observers.push_back(std::move(recorder));
-    };
+    return prepare_recorder(options, simulation);
   }
 };
 

@@ -15,6 +15,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -176,16 +177,21 @@ ExitCode run_checked(const RunOptions& options) {
   const auto is_over = [&] {
     return stop_requested() || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
   };
-  for (const auto& run : runs) run->open_outputs(is_over);
-  if (options.view) runs.front()->open_view(is_over);
-  if (prints_options)
-    for (const auto& run : runs) run->print_options();
-  try {
-    step_or_save(runs, is_over, options.quiet);
-  } catch (const InputError& error) {
-    // An act of the session is impossible. The exit code k_bad_input would say that nothing was written.
+  // The exit code k_bad_input would say that nothing was written.
+  const auto failed = [](const std::runtime_error& error) {
     fmt::print(stderr, "{}\n", error.what());
     return k_failed;
+  };
+  try {
+    for (const auto& run : runs) run->open_outputs(is_over);
+    if (options.view) runs.front()->open_view(is_over);
+    if (prints_options)
+      for (const auto& run : runs) run->print_options();
+    step_or_save(runs, is_over, options.quiet);
+  } catch (const InputError& error) {  // for example because an act of the session is impossible
+    return failed(error);
+  } catch (const OutputError& error) {
+    return failed(error);
   }
   bool stopped = false;
   for (const auto& run : runs) {

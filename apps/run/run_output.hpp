@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
@@ -20,6 +21,17 @@ using Observers = std::vector<std::unique_ptr<Observer>>;
 /// A function that opens the files of an output. It makes the observers that write these files, and appends
 /// them to its argument. An observer is an object that reads the state after each tick (simulation step).
 using OpenOutput = std::function<void(Observers&)>;
+/// Returns a function that calls open() of a prepared observer and appends it to the other observers. Call
+/// the function once.
+template <class Output>
+OpenOutput opening(std::unique_ptr<Output> output) {
+  // shared, because the returned function must be copyable
+  const auto prepared = std::make_shared<std::unique_ptr<Output>>(std::move(output));
+  return [prepared](Observers& observers) {
+    (*prepared)->open();
+    observers.push_back(std::move(*prepared));
+  };
+}
 
 /// Base class of the outputs of a run, with their command-line options. Each kind of output, such as the hash
 /// log (a text file with the hash of the state after each tick), is a derived class. To add a kind, add a
@@ -45,9 +57,13 @@ class RunOutput {
   /// `options`. Throws InputError if the name in the world is not allowed. The default implementation does
   /// nothing; it is for outputs that a world cannot name.
   virtual void take_name_from_world(RunOptions& /*options*/, const Simulation& /*simulation*/) const {}
-  /// Checks, before any file is opened, that the output can be made with these options and this world. For
-  /// example, the output for films draws a test picture. Returns a function that opens the files; null if
-  /// there is nothing to open. Throws InputError if the options do not fit the world.
+  /// Checks that the output can be made with these options and this world, and that a file that a resumed run
+  /// continues belongs to this run. For example, the output for films draws a test picture. Returns a
+  /// function that opens the files; null if there is nothing to open. Throws InputError or OutputError if a
+  /// check fails.
+  ///
+  /// Files are only created, shortened or replaced by the returned functions, and a run calls these after
+  /// all outputs of all its worlds have passed their checks. An error therefore leaves every file as it was.
   ///
   /// options: must outlive the returned function
   /// simulation: must outlive the observers that the returned function makes
@@ -81,7 +97,7 @@ class RunOutputs {
   std::vector<std::filesystem::path> files(const RunOptions& options) const;
   void take_names_from_world(RunOptions& options, const Simulation& simulation) const;
   /// Returns the functions that open the outputs. They have the order in which the observers must observe a
-  /// tick.
+  /// tick. RunOutput::prepare() is called in this order too.
   std::vector<OpenOutput> prepare(const RunOptions& options, Simulation& simulation,
                                   std::uint64_t end_tick) const;
 

@@ -17,7 +17,8 @@ namespace troupe::apps {
 namespace {
 
 /// A kind of output. make: creates the output. order: observers of outputs with lower numbers observe a tick
-/// first. The checkpoint is last, because the other outputs must be flushed before it is saved.
+/// first. The checkpoint is last, because the other outputs must be flushed before it is saved, and because
+/// the checkpoint that is written as a test then contains their data.
 struct OutputRow {
   std::unique_ptr<RunOutput> (*make)();
   int order;
@@ -64,16 +65,14 @@ void RunOutputs::take_names_from_world(RunOptions& options, const Simulation& si
 
 std::vector<OpenOutput> RunOutputs::prepare(const RunOptions& options, Simulation& simulation,
                                             std::uint64_t end_tick) const {
-  std::array<OpenOutput, k_rows.size()> prepared;
-  for (std::size_t row = 0; row < k_rows.size(); ++row)
-    prepared[row] = all_[row]->prepare(options, simulation, end_tick);
   std::array<std::size_t, k_rows.size()> rows;
   std::iota(rows.begin(), rows.end(), std::size_t{0});
   std::ranges::sort(rows, {}, [](std::size_t row) { return k_rows[row].order; });
-  std::vector<OpenOutput> in_order;
+  std::vector<OpenOutput> prepared;
   for (const std::size_t row : rows)
-    if (prepared[row]) in_order.push_back(std::move(prepared[row]));
-  return in_order;
+    if (OpenOutput open = all_[row]->prepare(options, simulation, end_tick))
+      prepared.push_back(std::move(open));
+  return prepared;
 }
 
 }  // namespace troupe::apps

@@ -5,9 +5,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace troupe::apps {
 namespace {
@@ -19,6 +23,7 @@ using Csv = test::ScratchTest;
 TEST_F(Csv, NumbersAreTheShortestThatAreReadBackAlike) {
   const std::filesystem::path file = folder_ / "t.csv";
   CsvFile csv(file, "tick,a");
+  csv.open();
   csv.add(std::uint64_t{18446744073709551615u}).add(0.1).add(0.1 + 0.2).add(12.0).add(-0.0).add(1e-300);
   csv.add(-std::numeric_limits<double>::denorm_min()).add(std::nextafter(1.0, 2.0)).add(1e5).add(0.0001);
   csv.add(std::nan("")).add(-std::nan("")).add(std::numeric_limits<double>::infinity());
@@ -34,6 +39,34 @@ TEST_F(Csv, TimesAreRounded) {
   EXPECT_EQ(time_cell(120), "120");
 }
 
+TEST_F(Csv, AFullDiskLeavesWholeLines) {
+  const std::filesystem::path file = folder_ / "t.csv";
+  CsvFile csv(file, "tick,a");
+  csv.open();
+  csv.add(std::uint64_t{0}).add(1.0).end_line();
+  csv.flush(0);
+  const CsvFile::Start start = csv.before(1);
+  for (int i = 0; i < 5000; ++i) csv.add(std::uint64_t{5}).add(2.0).end_line();
+  rlimit old{};
+  getrlimit(RLIMIT_FSIZE, &old);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1001, old.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  std::string error;
+  try {
+    csv.flush(5);
+  } catch (const std::runtime_error& thrown) {
+    error = thrown.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &old);
+  std::signal(SIGXFSZ, old_handler);
+  EXPECT_EQ(error, file.string() + ": error: writing failed at tick 5: File too large");
+  EXPECT_EQ(content(file), "tick,a\n0,1\n");
+  EXPECT_EQ(csv.before(6), start);
+  EXPECT_THROW(csv.flush(6), std::runtime_error);
+  EXPECT_EQ(content(file), "tick,a\n0,1\n");
+}
+
 TEST_F(Csv, TextsStandInQuotesWhereTheyNeedThem) {
   EXPECT_EQ(csv_cell("r17.left:0"), "r17.left:0");
   EXPECT_EQ(csv_cell("a,b"), "\"a,b\"");
@@ -47,6 +80,7 @@ class GoneOnWith : public Csv {
  protected:
   GoneOnWith() {
     CsvFile csv(file_, "tick,a");
+    csv.open();
     csv.add(std::uint64_t{0}).add(1.0).end_line();
     csv.flush(0);
     csv.add(std::uint64_t{5}).add(2.0).end_line();
@@ -56,7 +90,10 @@ class GoneOnWith : public Csv {
   }
   /// The table after one more line behind a start of it.
   std::string table(const CsvFile::Start& start) {
+    const std::string before_opening = content(file_);
     CsvFile csv(file_, "tick,a", start);
+    EXPECT_EQ(content(file_), before_opening);
+    csv.open();
     csv.add(std::uint64_t{7}).add(0.5).end_line();
     csv.flush(7);
     return content(file_);
@@ -78,6 +115,7 @@ TEST_F(GoneOnWith, KeepsTheStartAndDropsTheRest) {
 TEST_F(GoneOnWith, HasTheStartThatItHadWithoutABreak) {
   {
     CsvFile csv(file_, "tick,a", start_);
+    csv.open();
     csv.add(std::uint64_t{5}).add(2.0).end_line();
     csv.flush(5);
     EXPECT_EQ(csv.before(5), start_);

@@ -15,8 +15,9 @@
 #include <filesystem>
 #include <functional>
 #include <iterator>
-#include <optional>
+#include <map>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -256,7 +257,7 @@ TEST_F(Resume, TheRehearsalOfACheckpointIsWhereTheCheckpointIs) {
     const rlimit none{0, 0};
     setrlimit(RLIMIT_CORE, &none);
     setrlimit(RLIMIT_FSIZE, &small);
-    const Checkpointing checkpointing(path("c.h5"), std::nullopt, simulation, {});
+    rehearse_checkpoint(path("c.h5"), simulation);
     _exit(0);
   }
   int status = 0;
@@ -333,7 +334,7 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
 TEST_F(Resume, AnErrorOfTheFirstCheckpointNeedNotNameItsFile) {
   Simulation simulation(path("room.world"));
   simulation.on_save("mine", []() -> std::vector<std::byte> { throw std::runtime_error("it threw"); });
-  EXPECT_THAT([&] { Checkpointing(path("c.h5"), std::nullopt, simulation, {}); },
+  EXPECT_THAT([&] { rehearse_checkpoint(path("c.h5"), simulation); },
               ::testing::ThrowsMessage<OutputError>("it threw"));
 }
 
@@ -347,6 +348,78 @@ TEST_F(Resume, AFullDiskIsAnErrorThatKeepsTheLastCheckpoint) {
   EXPECT_THAT(at_once.err, HasSubstr("File too large"));
   EXPECT_EQ(read("c.h5"), before);
   EXPECT_THAT(files(), ElementsAre("c.h5", "room.world"));
+}
+
+/// A run with one file of each output that a resumed run continues. The files go on after the checkpoint.
+class ResumeOutputs : public Resume {
+ protected:
+  using Outputs = std::vector<std::pair<std::string, std::string>>;  // options and their files
+
+  void SetUp() override {
+    Resume::SetUp();
+    if (IsSkipped()) return;
+    good(with({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"}, outputs_));
+    good(with({"resume", "c.h5", "--for", "2"}, outputs_));
+  }
+  static std::vector<std::string> with(std::vector<std::string> arguments, const Outputs& outputs) {
+    arguments.insert(arguments.end(), {"--measure", "stalls"});
+    for (const auto& [option, file] : outputs) arguments.insert(arguments.end(), {option, file});
+    return arguments;
+  }
+  /// Expects that `call`, which runs the program, ends with exit code 2, that its message begins with
+  /// `message`, and that no file in the folder has changed.
+  void expect_refused(const std::string& message, const std::function<Outcome()>& call) const {
+    std::map<std::string, std::string> before;
+    for (const std::string& name : files()) before[name] = read(name);
+    const Outcome outcome = call();
+    EXPECT_EQ(outcome.code, 2) << message;
+    EXPECT_THAT(outcome.err, StartsWith(message));
+    EXPECT_EQ(files().size(), before.size());
+    for (const auto& [name, content] : before) EXPECT_TRUE(read(name) == content) << name << ": " << message;
+  }
+
+  const Outputs outputs_{
+      {"--record", "r.h5"}, {"--hash-log", "h.log"}, {"--measures", "m.csv"}, {"--events", "e.csv"}};
+};
+
+TEST_F(ResumeOutputs, AFileOfAnotherRunLeavesAllFilesAsTheyAre) {
+  good({"run", "room.world", "--for", "2", "--seed", "9", "--record", "r9.h5", "--hash-log", "h9.log"});
+  write("m9.csv", "tick,time_s,coverage\n0,0,1\n");
+  write("e9.csv", "tick,time_s,event\n");
+  for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    Outputs outputs = outputs_;
+    std::string& file = outputs[i].second;
+    file.insert(1, "9");
+    expect_refused(file, [&] { return troupe(with({"resume", "c.h5", "--for", "2"}, outputs)); });
+  }
+}
+
+TEST_F(ResumeOutputs, ACheckpointThatCannotBeWrittenLeavesAllFilesAsTheyAre) {
+  const std::size_t too_few = read("c.h5").size() / 2;
+  expect_refused("new.h5: error: ", [&] {
+    return troupe_with_file_limit(with({"resume", "c.h5", "--for", "2", "--checkpoint", "new.h5"}, outputs_),
+                                  too_few);
+  });
+  expect_refused("new.h5: error: ", [&] {
+    return troupe_with_file_limit(
+        with({"run", "room.world", "--for", "1", "--force", "--checkpoint", "new.h5"}, outputs_), too_few);
+  });
+}
+
+TEST_F(ResumeOutputs, ImagesThatCannotBeMadeLeaveAllFilesAsTheyAre) {
+  Outputs outputs = outputs_;
+  outputs.emplace_back("--camera-png", "images");  // the robots have no camera
+  expect_refused("c.h5: error: --camera-png: ", [&] {
+    return troupe(with({"resume", "c.h5", "--for", "2"}, outputs));
+  });
+}
+
+TEST_F(Resume, ADryRunFindsFilesThatCannotBeContinued) {
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
+  write("h.log", "notes\n");
+  const Outcome outcome = troupe({"resume", "c.h5", "--for", "2", "--dry-run", "--hash-log", "h.log"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, StartsWith("h.log:1: error: not a hash log"));
 }
 
 TEST_F(Resume, ARecordingGoesOnWithoutAGapOrARepeat) {

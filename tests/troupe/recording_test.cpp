@@ -205,6 +205,36 @@ TEST_F(RecordingTest, DoesNotGoOnWhereItCannot) {
                         "recording belongs to another run; choose another file"));
 }
 
+TEST_F(RecordingTest, ChecksFindErrorsAndChangeNothing) {
+  Simulation simulation(world_);
+  const std::filesystem::path file = folder_ / "run.h5";
+  const auto check_resume = [&] { Recording::check_resume(file, simulation); };
+  Recording::check(file, simulation);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_THAT(error_of<InputError>([&] { Recording::check(file, simulation, {.fields = {"rangs"}}); }),
+              HasSubstr("run.h5: error: unknown field \"rangs\"; known: "));
+  EXPECT_THAT(error_of<std::runtime_error>(check_resume), HasSubstr("there is no such file"));
+  {
+    Recording first(file, simulation, options_);
+    step(simulation, first, 9);
+    first.flush();
+    EXPECT_THAT(error_of<std::runtime_error>(check_resume), HasSubstr("is still writing the file"));
+  }
+  EXPECT_THAT(error_of<InputError>([&] { Recording::check(file, simulation); }),
+              HasSubstr("the file exists"));
+  const std::string before = content(file);
+  simulation.reset();
+  for (int i = 0; i < 4; ++i) simulation.step();
+  check_resume();  // resume() would remove the later frames
+  EXPECT_THAT(
+      error_of<std::runtime_error>([&] { Recording::check_resume(file, simulation, {.fields = {"pose"}}); }),
+      HasSubstr("the recording has the fields all, which cannot change"));
+  simulation.run_for(2);
+  EXPECT_THAT(error_of<std::runtime_error>(check_resume),
+              HasSubstr("ends before tick 10, but the run continues at tick 24"));
+  EXPECT_EQ(content(file), before);
+}
+
 TEST_F(RecordingTest, ForgottenToCloseIsClosedAllTheSame) {
   Simulation simulation(world_);
   {

@@ -948,4 +948,6 @@ void Hdf5File::abandon() noexcept { id_.release(); }
 
 bool has_hdf5() { return true; }
 
+void require_hdf5(const std::filesystem::path& /*file*/) {}
+
 }  // namespace troupe::worldio

@@ -294,6 +294,8 @@ class Hdf5File : public Hdf5Group {
 /// Whether the program was built with the HDF5 library (the build option TROUPE_HDF5). If it was not,
 /// creating or opening a file throws an error that says so.
 bool has_hdf5();
+/// Throws Hdf5Error, as creating the file does, if the program was built without the HDF5 library.
+void require_hdf5(const std::filesystem::path& file);
 
 /// Converts a text to a name for a group or dataset. Replaces the characters "/", "%" and NUL with "%2F",
 /// "%25" and "%00". The texts ".", ".." and "" become "%2E", "%2E%2E" and "%".

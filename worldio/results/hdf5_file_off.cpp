@@ -15,6 +15,8 @@ namespace {
 
 bool has_hdf5() { return false; }
 
+void require_hdf5(const std::filesystem::path& file) { refuse(file); }
+
 Hdf5Id::Hdf5Id(Hdf5Id&&) noexcept = default;
 Hdf5Id& Hdf5Id::operator=(Hdf5Id&&) noexcept = default;
 bool Hdf5Id::reset() noexcept { return true; }

@@ -145,7 +145,7 @@ bool remove_unused_space(const fs::path& file) {
   }
 }
 
-Repair repair_recording(const fs::path& file) {
+std::optional<std::uint64_t> frames_without_repair(const fs::path& file) {
   if (const Result<> readable = check_readable(file); !readable)
     throw Hdf5Error(fmt::format("{}: error: {}", file.string(), readable.error().text));
   const std::optional<Hdf5Superblock> head = read_superblock(file);
@@ -157,13 +157,17 @@ Repair repair_recording(const fs::path& file) {
   if (!head->writing()) {
     const std::size_t frames = RecordingReader(file).frames();
     const Hdf5File recording = Hdf5File::open(file);
-    if (is_even(recording, frames) && !has_much_unused_space(recording)) return {false, frames};
+    if (is_even(recording, frames) && !has_much_unused_space(recording)) return frames;
   }
   if (const std::optional<std::string> writer = writer_of(file))
     throw Hdf5Error(
         fmt::format("{}: error: process {} is still writing the file: there is nothing to repair yet",
                     file.string(), *writer));
+  return std::nullopt;
+}
 
+Repair repair_recording(const fs::path& file) {
+  if (const std::optional<std::uint64_t> frames = frames_without_repair(file)) return {false, *frames};
   fs::path copy;
   std::error_code ignored;
   try {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 namespace troupe::worldio {
 
@@ -25,6 +26,12 @@ bool has_much_unused_space(const Hdf5File& recording);
 /// full, because no file can be created beside the recording, or because another program added an object that
 /// cannot be copied.
 bool remove_unused_space(const std::filesystem::path& file);
+
+/// Returns the number of frames of a recording that repair_recording() would leave as it is; std::nullopt if
+/// the recording must be repaired. Changes nothing. Throws the errors that repair_recording() throws before
+/// it makes a copy: the file is not a recording, nothing was ever flushed to it, or a process is still
+/// writing it.
+std::optional<std::uint64_t> frames_without_repair(const std::filesystem::path& file);
 
 /// Makes a recording that was cut off readable for ordinary HDF5 tools. The function marks the file as closed
 /// and removes incomplete frames from all arrays. A frame is the recorded state of the world at one time. If

@@ -2,7 +2,6 @@
 
 #include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/results/recorded_scene.hpp"
-#include "worldio/results/recording_reader.hpp"
 #include "worldio/results/recording_repair.hpp"
 
 #include <fmt/format.h>
@@ -59,6 +58,12 @@ Hdf5Group group_at(Hdf5Group& root, std::span<const std::string> path) {
   return path.size() == 1 ? std::move(group) : group_at(group, path.subspan(1));
 }
 
+/// Returns the group at a path below `root`, which must exist.
+Hdf5Group existing_group_at(const Hdf5Group& root, std::span<const std::string> path) {
+  Hdf5Group group = root.group(path[0]);
+  return path.size() == 1 ? std::move(group) : existing_group_at(group, path.subspan(1));
+}
+
 void describe(Hdf5Dataset& dataset, std::string_view unit, std::string_view frame, std::string_view text) {
   dataset.set_text("unit", unit);
   dataset.set_text("frame", frame);
@@ -101,11 +106,17 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   }
 }
 
-RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world, bool in_background)
-    : file_((repair_recording(file), Hdf5File::open_to_write(file))), bodies_(recorded_bodies(world)) {
+RecordingWriter::RecordingWriter(Hdf5File file, const World& world)
+    : file_(std::move(file)), bodies_(recorded_bodies(world)) {
   read_head(world);
   open_outputs();
-  cut_after(world.tick());
+}
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World& world, bool in_background)
+    : RecordingWriter((repair_recording(file), Hdf5File::open_to_write(file)), world) {
+  const std::size_t frames = find_next_tick(frame_outputs_[0].read<std::uint64_t>(), world.tick());
+  for (Hdf5Dataset& output : frame_outputs_) output.resize(frames);
+  for (Output& output : outputs_) output.dataset.resize(frames);
   if (has_much_unused_space(file_)) {
     outputs_.clear();
     frame_outputs_.clear();
@@ -116,6 +127,12 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const World&
   }
   open_ = true;
   guarded([&] { start(in_background); });
+}
+
+void RecordingWriter::check(const RecordingReader& recording, const World& world) {
+  const std::filesystem::path& file = recording.file();
+  RecordingWriter writer(recording.unfinished() ? Hdf5File::open_swmr(file) : Hdf5File::open(file), world);
+  writer.find_next_tick(recording.ticks(), world.tick());
 }
 
 RecordingWriter::~RecordingWriter() {
@@ -247,7 +264,7 @@ void RecordingWriter::open_outputs() {
     return dataset;
   };
   for (const RecordedComponent& component : components_) {
-    Hdf5Group group = group_at(file_, component.path);
+    const Hdf5Group group = existing_group_at(file_, component.path);
     for (std::size_t f = 0; f < component.fields.size(); ++f) {
       const engine::StateField& field = component.fields[f];
       add_output(open(group, hdf5_name(field.name), field.element, {component.rows, field.columns}),
@@ -266,8 +283,9 @@ void RecordingWriter::add_output(Hdf5Dataset dataset, std::size_t frame_bytes, s
   outputs_.push_back({std::move(dataset), frame_bytes, absent});
 }
 
-void RecordingWriter::cut_after(std::uint64_t tick) {
-  const std::vector<std::uint64_t> ticks = frame_outputs_[0].read<std::uint64_t>();
+/// Sets next_tick_ for a recording with frames of these ticks that continues at the tick `tick`. Returns how
+/// many of the frames remain; the later ones are recorded again. Throws Hdf5Error if frames would be missing.
+std::size_t RecordingWriter::find_next_tick(std::span<const std::uint64_t> ticks, std::uint64_t tick) {
   const auto frames = static_cast<std::size_t>(std::ranges::upper_bound(ticks, tick) - ticks.begin());
   const Hdf5Group group = file_.group("frames");
   const std::int64_t first_tick = group.has_attribute(k_first_tick) ? group.integer(k_first_tick) : 0;
@@ -284,8 +302,7 @@ void RecordingWriter::cut_after(std::uint64_t tick) {
         "ends before tick {}, but the run continues at tick {}, so frames would be missing: give --record a "
         "new file, or resume a checkpoint saved at or before the end of this recording",
         due, tick));
-  for (Hdf5Dataset& output : frame_outputs_) output.resize(frames);
-  for (Output& output : outputs_) output.dataset.resize(frames);
+  return frames;
 }
 
 void RecordingWriter::start(bool in_background) {

@@ -4,11 +4,13 @@
 #include "partition/job_thread.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recording_fields.hpp"
+#include "worldio/results/recording_reader.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -69,6 +71,9 @@ class RecordingWriter {
   /// A recording that was cut off is repaired first. This can also throw std::runtime_error: see
   /// repair_recording().
   RecordingWriter(const std::filesystem::path& file, const engine::World& world, bool in_background = false);
+  /// Checks that a recording can be continued at the tick world.tick(), and changes nothing. Throws Hdf5Error
+  /// as the constructor that continues a recording does, except that nothing is repaired.
+  static void check(const RecordingReader& recording, const engine::World& world);
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
   /// Closes the file like close(), but ignores errors.
@@ -91,6 +96,8 @@ class RecordingWriter {
   void close();
 
  private:
+  /// Reads which arrays a recording has. The caller sets open_ if it has opened the file for writing.
+  RecordingWriter(Hdf5File file, const engine::World& world);
   struct Output {  // one array of the state
     Hdf5Dataset dataset;
     std::size_t frame_bytes;
@@ -108,7 +115,7 @@ class RecordingWriter {
   void create_outputs(std::uint64_t first_tick);
   void open_outputs();
   void add_output(Hdf5Dataset dataset, std::size_t frame_bytes, std::byte absent);
-  void cut_after(std::uint64_t tick);
+  std::size_t find_next_tick(std::span<const std::uint64_t> ticks, std::uint64_t tick);
   void start(bool in_background);
   void write(Batch& batch);
   void give_up() noexcept;
