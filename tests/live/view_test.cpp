@@ -455,6 +455,27 @@ TEST_F(ViewTest, ARecordingThatCannotBeWrittenEndsWithoutTheRun) {
   EXPECT_THAT(answer.value("reason", ""), HasSubstr("the recording ends, because it cannot be written"));
 }
 
+TEST_F(ViewTest, DeletedFilesDoNotCountAndLinksAreNotFollowed) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  Viewer viewer(view.address());
+  const auto answer_to = [&](const std::string& request) {
+    viewer.send({request, "x"});
+    EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
+    simulation.step();
+    return viewer.answer();
+  };
+  EXPECT_EQ(answer_to(R"({"do":"record","id":1})")["file"], "w.recording.h5");
+  std::filesystem::remove(folder_ / "w.recording.h5");
+  EXPECT_EQ(answer_to(R"({"do":"stop_recording","id":2})")["type"], "done");
+  std::filesystem::create_symlink(folder_ / "target", folder_ / "w.checkpoint.h5");
+  const Json saved = answer_to(R"({"do":"checkpoint","id":3})");
+  EXPECT_EQ(saved["type"], "done") << saved;
+  EXPECT_EQ(saved.value("file", ""), "w.checkpoint-2.h5");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "target"));
+}
+
 TEST_F(ViewTest, ReadOnlyViewersDoNotFillTheQueue) {
   Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
   const View view(simulation, View::Options{.rate = 0, .folder = folder_});
@@ -477,7 +498,7 @@ TEST_F(ViewTest, TheRateIsChecked) {
                             std::numeric_limits<double>::infinity()})
     EXPECT_THAT([&] { const View view(simulation, View::Options{.rate = rate, .folder = folder_}); },
                 ::testing::ThrowsMessage<std::invalid_argument>(HasSubstr(
-                    "give 0 (as fast as possible), or a multiple of real time from 0.001 to 1e+06")))
+                    "give 0 (as fast as possible), or a multiple of real time from 0.001 to 1000000")))
         << rate;
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
