@@ -4,6 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "base/number_text.hpp"
 #include "engine/spec/ticks.hpp"
+#include "live/host_name.hpp"
 #include "live/view.hpp"
 #include "worldio/results/checkpoint.hpp"
 
@@ -104,8 +105,14 @@ class Redirect {
     std::string program = "xdg-open";
     std::string file = file_.string();
     char* const words[] = {program.data(), file.data(), nullptr};
+    // In a session of its own, because Ctrl-C would otherwise also end a browser that xdg-open has started.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
     pid_t child = 0;
-    if (posix_spawnp(&child, "xdg-open", nullptr, nullptr, words, environ) != 0) {
+    const int error = posix_spawnp(&child, "xdg-open", nullptr, &attributes, words, environ);
+    posix_spawnattr_destroy(&attributes);
+    if (error != 0) {
       fmt::print(stderr,
                  "troupe view: warning: xdg-open was not found: open the printed address in a browser\n");
       return;
@@ -187,7 +194,11 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
             });
   add_values(view, "--allow-host", "NAME",
              "Host name under which a proxy serves the page to browsers; repeatable",
-             [&options](const std::string& text) { options.hosts.push_back(text); });
+             [&options](const std::string& text) {
+               if (live::host_name(text).empty())
+                 refuse("--allow-host", text, "a host name, as in --allow-host example.org");
+               options.hosts.push_back(text);
+             });
   add_value(view, "--port", "N", "TCP port to listen on (default: 0, any free port)",
             [&options](const std::string& text) {
               const auto port = number_of<std::uint16_t>(text);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <stdexcept>
 #include <utility>
 
@@ -17,6 +18,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t k_spare = 3;  // one picture is being filled, one encoded, and one is the newest
 constexpr std::size_t k_most_messages = 1024;  // messages queued for the simulation
+// Of these, messages of read-only viewers, so that these viewers cannot take the place of all others.
+constexpr std::ptrdiff_t k_most_looking = 256;
+constexpr int k_most_depth = 64;  // levels of a message: dump() and copies of the JSON library are recursive
 constexpr std::array<std::string_view, 5> k_looking{"inspect", "plot", "color", "layers",
                                                     "parameters"};  // requests of read-only viewers
 
@@ -33,6 +37,20 @@ std::string make_token() {
 }
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+/// Parses a message. Returns a discarded value if the text is not JSON, or is nested deeper than k_most_depth
+/// levels.
+Json parsed(std::string_view text) {
+  bool is_too_deep = false;
+  const auto check = [&](int depth, Json::parse_event_t event, const Json&) {
+    const bool begins =
+        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
+    is_too_deep = is_too_deep || (begins && depth >= k_most_depth);
+    return !is_too_deep;
+  };
+  Json json = Json::parse(text, check, false);
+  return is_too_deep ? Json(Json::value_t::discarded) : json;
+}
 
 std::string hello_of(const std::string& greeting, bool may_steer) {
   return fmt::format(R"({{"type":"hello","may_steer":{},{}}})", may_steer, greeting);
@@ -89,7 +107,7 @@ void Connections::refused(const std::string& what) {
 }
 
 void Connections::received(std::uint64_t client, bool may_steer, std::string_view text) {
-  const Json json = Json::parse(text, nullptr, false);
+  const Json json = parsed(text);
   const auto what = json.is_object() ? json.value("do", Json()) : Json();
   if (!what.is_string()) {
     refused("a message that is not a JSON object with a text under the key \"do\"");
@@ -101,7 +119,7 @@ void Connections::received(std::uint64_t client, bool may_steer, std::string_vie
     refused("a message with an invalid \"id\"");
     return refuse(client, {}, "\"id\" must be a whole number from 0 to 2^64 - 1");
   }
-  const auto id = json.contains("id") ? std::optional(given.get<std::uint64_t>()) : std::nullopt;
+  const auto id = given.get<std::uint64_t>();
   if (!may_steer && std::ranges::find(k_looking, what.get<std::string>()) == k_looking.end()) {
     refused("a command of a read-only viewer");
     return refuse(client, id, "this address is read-only");
@@ -109,8 +127,10 @@ void Connections::received(std::uint64_t client, bool may_steer, std::string_vie
   bool is_full = false;
   {
     const std::scoped_lock lock(mutex_);
-    is_full = arrivals_.messages.size() >= k_most_messages;
-    if (!is_full) arrivals_.messages.push_back({client, std::string(text)});
+    const std::vector<Message>& waiting = arrivals_.messages;
+    is_full = waiting.size() >= k_most_messages ||
+              (!may_steer && std::ranges::count(waiting, false, &Message::may_steer) >= k_most_looking);
+    if (!is_full) arrivals_.messages.push_back({client, may_steer, std::string(text)});
   }
   if (is_full) return refuse(client, id, "too many messages are waiting: send this one again later");
   wake_.notify_one();

@@ -32,6 +32,7 @@ class Connections : private ViewBackend {
  public:
   struct Message {
     std::uint64_t client;
+    bool may_steer;
     std::string text;
   };
   /// What has happened since the last call of take().
@@ -62,7 +63,8 @@ class Connections : private ViewBackend {
   /// Answers that a request has been obeyed. members: further members of the answer.
   void answer(std::uint64_t client, std::uint64_t id,
               const nlohmann::ordered_json& members = nlohmann::ordered_json::object());
-  /// Answers that a message cannot be obeyed. id: the number that the message gives itself, if any.
+  /// Answers that a message cannot be obeyed. id: the number that the message gives itself, 0 if it gives
+  /// none; not set if the message has no valid number.
   void refuse(std::uint64_t client, std::optional<std::uint64_t> id, const std::string& reason);
 
   /// Returns a picture to fill; null while the server uses all of them.

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/sensing/shown_color.hpp"
+#include "worldio/results/replay_codec.hpp"
 #include "worldio/results/replay_header.hpp"
 
 #include <algorithm>
@@ -10,6 +11,8 @@
 
 namespace troupe::live {
 namespace {
+
+using worldio::append_number;
 
 constexpr std::size_t k_axes = 4;         // x, y, heading and z
 constexpr double k_farthest_steps = 1e9;  // 1,000 km; positions are clamped to it
@@ -25,13 +28,8 @@ std::int32_t heading_steps(double heading) {
                                    worldio::k_replay_turn);
 }
 
-void append(std::string& out, std::uint64_t value) {
-  for (; value > 127; value >>= 7) out += static_cast<char>((value & 127) | 128);
-  out += static_cast<char>(value);
-}
-
-void append_signed(std::string& out, std::int64_t value) {
-  append(out, (static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63));
+void append_signed(std::int64_t value, std::string& out) {
+  append_number((static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63), out);
 }
 
 /// Appends the poses of the robots whose poses differ from those in `sent`, and sets `sent` to `poses`.
@@ -47,12 +45,12 @@ void append_poses(std::string& out, const std::vector<std::int32_t>& poses, std:
       ++skipped;
       continue;
     }
-    append(out, skipped + 1);
+    append_number(skipped + 1, out);
     skipped = 0;
     for (std::size_t axis = 0; axis < k_axes; ++axis)
-      append_signed(out, std::int64_t{poses[axis * robots + r]} - sent[axis * robots + r]);
+      append_signed(std::int64_t{poses[axis * robots + r]} - sent[axis * robots + r], out);
   }
-  append(out, 0);
+  append_number(0, out);
   sent = poses;
 }
 
@@ -68,11 +66,11 @@ void append_bytes(std::string& out, const std::vector<std::uint8_t>& bytes, std:
       ++skipped;
       continue;
     }
-    append(out, skipped + 1);
+    append_number(skipped + 1, out);
     skipped = 0;
     for (const std::uint8_t byte : robot) out += static_cast<char>(byte);
   }
-  append(out, 0);
+  append_number(0, out);
   sent = bytes;
 }
 
@@ -115,7 +113,7 @@ void take(const engine::World& world, std::span<const std::uint32_t> order, bool
 
 std::string encode(const Picture& picture, std::size_t robots, std::uint64_t client, SentPicture& sent) {
   std::string out;
-  append(out, picture.number);
+  append_number(picture.number, out);
   append_poses(out, picture.poses, robots, sent.poses);
   append_bytes(out, picture.colors, 3, sent.colors);
   if (const auto shades = picture.shades.find(client); shades != picture.shades.end())

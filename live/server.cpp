@@ -1,6 +1,7 @@
 // This is the only file that includes Boost.Beast.
 
 #include "live/server.hpp"
+#include "live/host_name.hpp"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -10,6 +11,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,10 +43,25 @@ constexpr std::size_t k_most_message = 65536;    // bytes of a text from a clien
 constexpr std::size_t k_most_waiting = 256;      // texts queued for a client
 constexpr int k_most_in_flight = 2;  // pictures that were sent to a client and that it has not drawn yet
 constexpr std::chrono::seconds k_handshake{5};  // time from the connection until the token must arrive
+constexpr std::chrono::seconds k_response{60};  // time to send the page, about 600 kB, over a slow link
 constexpr std::chrono::milliseconds k_accept_again{
     100};  // time until accept() is called again after an error
 constexpr std::chrono::seconds k_idle{
     30};  // a client from which no frame, not even ping or pong, arrives for this time is disconnected
+constexpr std::size_t k_slowest = 8000;  // bytes/s: a slower link may be too slow for the frame that is sent
+
+/// Returns the timeouts of a WebSocket while a frame of this size is being sent. No ping can be sent before
+/// the end of the frame, so that the client may be silent meanwhile. Beast sends a ping after half of the
+/// idle time, and closes the connection if no answer arrives in the other half.
+websocket::stream_base::timeout timeouts_of(std::size_t bytes) {
+  return {k_handshake, k_idle + std::chrono::seconds(2 * bytes / k_slowest), true};
+}
+
+/// Closes a socket in programs that this process starts. Asio 1.74 does not set this flag.
+template <class Socket>
+void close_on_exec(Socket& socket) {
+  static_cast<void>(::fcntl(socket.native_handle(), F_SETFD, FD_CLOEXEC));
+}
 
 /// Returns the Content-Security-Policy header of the page, which allows the page to connect only to its own
 /// server, or to the proxy in front of it. host: the Host header of the request, which must satisfy
@@ -54,16 +71,6 @@ std::string policy(std::string_view host, bool is_proxy) {
       "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
       "connect-src ws://{}{}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
       host, is_proxy ? fmt::format(" wss://{}", host) : "");
-}
-
-/// Returns a Host header without its port. Any port is accepted, because a client behind a tunnel uses the
-/// port of the tunnel. Empty if the port is not a number.
-std::string_view without_port(std::string_view host) {
-  const std::size_t colon = host.rfind(':');
-  if (colon == host.npos || host.find(']', colon) != host.npos) return host;
-  const std::string_view port = host.substr(colon + 1);
-  if (port.empty() || !std::ranges::all_of(port, [](char c) { return c >= '0' && c <= '9'; })) return {};
-  return host.substr(0, colon);
 }
 
 /// Returns an IP address as it is written in a URL.
@@ -102,7 +109,14 @@ struct ViewServer::Impl {
   std::size_t clients = 0;  // connections that have sent a valid token
   std::thread thread;
 
-  Impl(const Options& given, ViewBackend& to) : options(given), backend(to) {}
+  Impl(const Options& given, ViewBackend& to) : options(given), backend(to) {
+    for (std::string& host : options.hosts)
+      if (const std::string given_host = std::exchange(host, host_name(host)); host.empty())
+        throw std::invalid_argument(
+            fmt::format("--allow-host \"{}\": error: expected a host name, such as example.org (in C++ and "
+                        "Python: hosts)",
+                        given_host));
+  }
   void listen(const asio::ip::address& address, std::uint16_t port);
   void accept(Listener& listener);
   void accept_later(Listener& listener);
@@ -113,7 +127,7 @@ struct ViewServer::Impl {
   bool is_allowed(std::string_view host, const tcp::socket& socket) const;
   /// Whether a Host header names a proxy, which may serve the page with TLS.
   bool is_proxy(std::string_view host) const {
-    return std::ranges::find(options.hosts, without_port(host)) != options.hosts.end();
+    return std::ranges::find(options.hosts, host_name(host)) != options.hosts.end();
   }
 };
 
@@ -125,10 +139,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
       : server_(server), id_(id), socket_(std::move(socket)), timer_(server.context) {}
 
   void begin() {
-    timer_.expires_after(k_handshake);  // closes a connection that sends no token
-    timer_.async_wait([self = shared_from_this()](error_code error) {
-      if (!error && !self->is_client_) self->close();
-    });
+    close_after(k_handshake);  // unless the token arrives, or the page is sent
     read_request();
   }
 
@@ -182,6 +193,15 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
   }
 
  private:
+  /// Closes the connection after this time, unless the client has sent its token before. Replaces the time of
+  /// an earlier call.
+  void close_after(std::chrono::seconds time) {
+    timer_.expires_after(time);
+    timer_.async_wait([self = shared_from_this()](error_code error) {
+      if (!error && !self->is_client_) self->close();
+    });
+  }
+
   // Neither compression (false) nor beast::tcp_stream, whose timeouts are not needed: with them, this file
   // takes half as long again to compile.
   using WebSocket = websocket::stream<tcp::socket, false>;
@@ -238,13 +258,14 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     response_->set("X-Content-Type-Options", "nosniff");
     response_->body() = std::move(body);
     response_->prepare_payload();
+    close_after(k_response);
     http::async_write(socket_, *response_,
                       [self = shared_from_this()](error_code, std::size_t) { self->close(); });
   }
 
   void upgrade(const http::request<http::empty_body>& request) {
     socket_ws_.emplace(std::move(socket_));
-    socket_ws_->set_option(websocket::stream_base::timeout{k_handshake, k_idle, true});
+    socket_ws_->set_option(timeouts_of(0));
     socket_ws_->read_message_max(k_most_message);
     // Each message is one frame, so that programs that read messages are simple.
     socket_ws_->auto_fragment(false);
@@ -265,7 +286,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
         return self->close();
       }
       self->take(beast::buffers_to_string(self->incoming_.data()));
-      if (!self->is_closed_) self->read();
+      if (!self->is_closed_ && !self->is_closing_) self->read();
     });
   }
 
@@ -279,7 +300,10 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     if (server_.clients >= k_most_clients) {
       server_.backend.refused(
           fmt::format("a viewer, because at most {} viewers can be connected", k_most_clients));
-      return close();
+      return close_with(websocket::close_code::try_again_later,
+                        fmt::format("{} viewers are connected, the most that are allowed: close another page "
+                                    "of this view, then load this page again",
+                                    k_most_clients));
     }
     is_client_ = true;
     ++server_.clients;
@@ -288,12 +312,21 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     write();
   }
 
+  /// Closes the WebSocket with a code and a reason of at most 123 bytes, which the client can show.
+  void close_with(websocket::close_code code, const std::string& reason) {
+    is_closing_ = true;
+    socket_ws_->async_close(websocket::close_reason(code, reason),
+                            [self = shared_from_this()](error_code) { self->close(); });
+  }
+
   void write_frame(bool is_text) {
     is_writing_ = true;
     socket_ws_->text(is_text);
+    socket_ws_->set_option(timeouts_of(outgoing_.size()));
     socket_ws_->async_write(asio::buffer(outgoing_),
                             [self = shared_from_this()](error_code error, std::size_t) {
                               self->is_writing_ = false;
+                              self->socket_ws_->set_option(timeouts_of(0));
                               if (error || self->is_closed_) return self->close();
                               self->write();
                             });
@@ -315,6 +348,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
   bool is_writing_ = false;
   bool is_client_ = false;  // has sent a valid token
   bool may_steer_ = false;
+  bool is_closing_ = false;  // the close frame is being sent
   bool is_closed_ = false;
   int in_flight_ = 0;
 };
@@ -330,7 +364,7 @@ void ViewServer::Impl::make_room() {
 }
 
 bool ViewServer::Impl::is_allowed(std::string_view host, const tcp::socket& socket) const {
-  const std::string_view name = without_port(host);
+  const std::string name = host_name(host);
   if (name == "127.0.0.1" || name == "localhost" || name == "[::1]" || is_proxy(host)) return true;
   error_code error;
   const tcp::endpoint own = socket.local_endpoint(error);
@@ -348,6 +382,7 @@ void ViewServer::Impl::accept(Listener& listener) {
       return accept_later(listener);
     }
     make_room();
+    close_on_exec(socket);
     error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
     const auto connection = std::make_shared<Connection>(*this, ++last_client, std::move(socket));
@@ -373,6 +408,7 @@ void ViewServer::Impl::listen(const asio::ip::address& address, std::uint16_t po
   auto listener = std::make_unique<Listener>(context);
   tcp::acceptor& acceptor = listener->acceptor;
   acceptor.open(here.protocol());
+  close_on_exec(acceptor);
   acceptor.set_option(tcp::acceptor::reuse_address(true));
   if (address.is_v6()) acceptor.set_option(asio::ip::v6_only(true));
   acceptor.bind(here);

@@ -27,8 +27,8 @@ class ViewBackend {
  public:
   virtual ~ViewBackend() = default;
   /// Called when a connection has sent a valid token and so becomes a client. Returns the first text that the
-  /// server sends to the client. If there are already 16 clients, the server closes the connection and does
-  /// not call this function.
+  /// server sends to the client. If there are already 16 clients, the server closes the connection with
+  /// the WebSocket code 1013 (try again later) and a reason, and does not call this function.
   virtual std::string opened(std::uint64_t client, bool may_steer) = 0;
   /// Called for each text that a client sends after its token.
   virtual void received(std::uint64_t client, bool may_steer, std::string_view text) = 0;
@@ -59,7 +59,7 @@ class ViewServer {
     std::string bind;
     /// Host names of proxies through which browsers reach the server, such as "example.org". The server
     /// accepts a request only if its `Host` header has one of these names, "localhost" or an IP address at
-    /// which this machine is reached.
+    /// which this machine is reached. Upper and lower case, and ports, make no difference.
     std::vector<std::string> hosts;
     std::string page;        ///< HTML text of the page
     std::string token;       ///< the text that a client must send first for full control
@@ -67,7 +67,8 @@ class ViewServer {
   };
   /// Opens the port. Connections that arrive before start() get no answer until then. `backend` must outlive
   /// the server. Throws std::runtime_error if Options::bind is not an IP address, or if the address or the
-  /// port is not available. If the CMake option TROUPE_VIEW is off, always throws std::runtime_error.
+  /// port is not available, and std::invalid_argument if an entry of Options::hosts is not a host name
+  /// (live/host_name.hpp). If the CMake option TROUPE_VIEW is off, always throws std::runtime_error.
   ViewServer(const Options& options, ViewBackend& backend);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;

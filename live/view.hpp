@@ -73,9 +73,9 @@ class View {
   };
   /// Starts the server and creates the session file. Throws std::runtime_error if Options::bind is not an IP
   /// address, if the address or the port is not available, or if the session file cannot be written. Throws
-  /// std::invalid_argument if is_rate(Options::rate) is false, or if a name in Options::hosts is empty. If
-  /// the CMake option TROUPE_VIEW is off, always throws std::runtime_error. Throws std::logic_error if the
-  /// simulation already has a view or another callback of Simulation::before_tick().
+  /// std::invalid_argument if is_rate(Options::rate) is false, or if an entry of Options::hosts is not a
+  /// host name. If the CMake option TROUPE_VIEW is off, always throws std::runtime_error. Throws
+  /// std::logic_error if the simulation already has a view or another callback of Simulation::before_tick().
   View(Simulation& simulation, const Options& options);
   explicit View(Simulation& simulation);  ///< the same as View(simulation, Options())
   /// Completes the session file and disconnects all viewers.

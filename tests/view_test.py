@@ -177,6 +177,22 @@ class Steered(unittest.TestCase):
                           refused.stderr)
             self.assertIn("set the environment variable TMPDIR to an existing folder", refused.stderr)
 
+    def test_the_browser_gets_no_socket_and_a_session_of_its_own(self):
+        with tempfile.TemporaryDirectory() as folder:
+            opener = Path(folder) / "xdg-open"
+            opener.write_text(f"#!/bin/sh\nls -l /proc/$$/fd > {folder}/part\necho session $(cut -d ' ' -f 6 /proc/$$/stat) $$ >> {folder}/part\n"
+                              f"mv {folder}/part {folder}/opened\n")
+            opener.chmod(0o755)
+            with View("--open", environment={"PATH": f"{folder}:{os.environ['PATH']}"}):
+                opened = Path(folder) / "opened"
+                until = time.monotonic() + WAIT_S
+                while not opened.exists() and time.monotonic() < until:
+                    time.sleep(0.02)
+                said = opened.read_text()
+        self.assertEqual([line for line in said.splitlines() if "socket:" in line and int(line.split(" -> ")[0].split()[-1]) > 2], [])
+        session, process = said.split("session")[1].split()
+        self.assertEqual(session, process)
+
     def test_a_view_without_an_address_begins_no_session(self):
         with View() as view:
             before = sorted(view.folder.iterdir())
@@ -637,14 +653,14 @@ class Attacked(unittest.TestCase):
         self.assert_said_once("whose Host header names neither this machine nor a host given with --allow-host")
 
     def test_other_addresses(self):
-        with View("--bind", "127.0.0.2", "--allow-host", "proxy.example") as view:
+        with View("--bind", "127.0.0.2", "--allow-host", "Proxy.Example:8443") as view:
             self.assertTrue(view.address.startswith(f"http://127.0.0.2:{view.port}/#"))
 
             def get(host, address="127.0.0.2"):
                 with socket.create_connection((address, view.port), timeout=WAIT_S) as connection:
                     connection.sendall(f"GET / HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
                     return connection.recv(4096)
-            for host in (f"127.0.0.2:{view.port}", "proxy.example", "proxy.example:443"):
+            for host in (f"127.0.0.2:{view.port}", "proxy.example", "proxy.example:443", "PROXY.example"):
                 self.assertIn(b" 200 ", get(host))
             self.assertIn(b"connect-src ws://proxy.example wss://proxy.example;", get("proxy.example"))
             for host in ("127.0.0.3", "example", "proxy.example.evil"):
@@ -654,6 +670,10 @@ class Attacked(unittest.TestCase):
         refused = subprocess.run([TROUPE, "view", "x.json", "--bind", "localhost"], capture_output=True, text=True)
         self.assertEqual(refused.returncode, 2)
         self.assertIn("--bind: localhost", refused.stderr.replace('"', ""))
+        for host in ("", ":80", "a b", "https://proxy.example"):
+            refused = subprocess.run([TROUPE, "view", "x.json", "--allow-host", host], capture_output=True, text=True)
+            self.assertEqual(refused.returncode, 2, host)
+            self.assertIn("a host name, as in --allow-host example.org", refused.stderr)
         if os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in Path("/proc/net/if_inet6").read_text():
             with socket.create_connection(("::1", self.view.port), timeout=WAIT_S) as connection:
                 connection.sendall(f"GET / HTTP/1.1\r\nHost: [::1]:{self.view.port}\r\n\r\n".encode())
@@ -705,7 +725,9 @@ class Attacked(unittest.TestCase):
 
     def test_messages_that_make_no_sense(self):
         refused = 0
-        for text in ("", "{", "[]", "7", '{"do": 5}', '{"do": []}', '{"id": -1}', "\x00", "[" * 60000, '{"do":"play","do":"pause"}',
+        for text in ("", "{", "[]", "7", '{"do": 5}', '{"do": []}', '{"id": -1}', "\x00", "[" * 60000,
+                     '{"do": "inspect", "robot": ' + "[" * 30000 + "]" * 30000 + "}",
+                     '{"do":"play","do":"pause"}',
                      '{"do": "step", "ticks": -1}', '{"do": "step", "ticks": 1e300}', '{"do": "rate", "rate": "x"}',
                      '{"do": "inspect", "robot": 5}', '{"do": "inspect", "robot": "missing"}', '{"do": "plot", "measure": "x"}',
                      '{"do": "move", "robot": "red"}', '{"do": "move", "robot": "red", "pose": [1e999, 0, 0, 0]}', '{"do": "end"}',
@@ -734,9 +756,83 @@ class Attacked(unittest.TestCase):
             for number in ('"7"', "-1", "null", "1.5"):
                 answer = answer_to('{"do": "pause", "id": %s}' % number)
                 self.assertEqual(answer, {"type": "refused", "reason": '"id" must be a whole number from 0 to 2^64 - 1'})
+            with self.view.open(self.view.look_token) as looker:
+                looker.send('{"do": "pause"}')
+                answer = looker.receive()
+                while not isinstance(answer, dict) or answer["type"] == "state":
+                    answer = looker.receive()
+                self.assertEqual(answer, {"type": "refused", "id": 0, "reason": "this address is read-only"})
             self.assertEqual(answer_to('{"do": "pause"}'), {"type": "done", "id": 0})
             self.assertEqual(answer_to('{"do": "step", "ticks": 1.5, "id": 7}'),
                              {"type": "refused", "id": 7, "reason": '"ticks" must be a whole number from 1 to 1000000000, found 1.5'})
+
+    def test_a_viewer_too_many_is_told_why(self):
+        viewers = [self.view.open() for _ in range(15)]  # setUp has opened one
+        for viewer in viewers:
+            self.addCleanup(viewer.__exit__)
+        with Socket(self.view.port) as other:
+            other.send(self.view.look_token)
+            first, size = other.bytes(2)
+            self.assertEqual(first, 0x88, "a close frame")
+            payload = other.bytes(size)
+            self.assertEqual(struct.unpack(">H", payload[:2]), (1013,))
+            self.assertEqual(payload[2:].decode(), "16 viewers are connected, the most that are allowed: close another page "
+                                                   "of this view, then load this page again")
+            other.send(payload, 8)
+            with self.assertRaises(ConnectionError):
+                other.receive()
+        self.assert_said_once("a viewer, because at most 16 viewers can be connected")
+        viewers.pop().__exit__()
+        until = time.monotonic() + WAIT_S
+        while time.monotonic() < until:
+            try:
+                self.view.open().__exit__()
+                break
+            except ConnectionError:
+                time.sleep(0.02)  # the server has not yet noticed the end of the connection
+
+    def test_a_slow_link(self):
+        def slow(text):
+            """Opens a connection over which the server can send only about 100 kB before the client reads."""
+            connection = socket.socket()
+            self.addCleanup(connection.close)
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_MAXSEG, 536)
+            connection.settimeout(WAIT_S)
+            connection.connect(("127.0.0.1", view.port))
+            connection.sendall(text.encode())
+            return connection
+        world = json.loads(json.dumps(YARD))
+        world["bounds_m"] = [[-200, -200], [200, 200]]
+        world["populations"][0] |= {"count": 30000, "reserve": 0, "place": {"rule": "grid", "region_m": [[-190, -190], [190, 190]], "pitch_m": 2}}
+        with View("--rate", 1, world=world) as view:
+            page = slow("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            viewer = slow("GET /live HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n")
+            head = b""
+            while not head.endswith(b"\r\n\r\n"):
+                head += viewer.recv(1)
+            token = view.token.encode()
+            viewer.sendall(bytes([0x81, 0x80 | len(token), 0, 0, 0, 0]) + token)
+            time.sleep(8)  # a connection without a token ends after 5 s
+            answer = b""
+            while data := page.recv(1 << 16):
+                answer += data
+            head, _, body = answer.partition(b"\r\n\r\n")
+            length = next(int(line.split(b":")[1]) for line in head.split(b"\r\n") if line.lower().startswith(b"content-length"))
+            self.assertEqual(len(body), length)
+            time.sleep(30)  # a client that is silent for 30 s is disconnected, unless a long message is being sent to it
+            frame = b""
+            while len(frame) < 10:
+                frame += viewer.recv(10 - len(frame))
+            self.assertEqual(frame[:2], b"\x81\x7f", "a long text")
+            (size,) = struct.unpack(">Q", frame[2:10])
+            self.assertGreater(size, 250_000)
+            while len(frame) < 10 + size:
+                data = viewer.recv(1 << 16)
+                self.assertTrue(data, "the server has closed the connection")
+                frame += data
+            self.assertEqual(json.loads(frame[10:10 + size])["type"], "hello")
 
     def test_half_open_connections(self):
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)

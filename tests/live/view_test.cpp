@@ -1,10 +1,8 @@
 #include "live/view.hpp"
 
-#include "engine/fields/description.hpp"
-#include "engine/kinds/device_kind.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/acts.hpp"
-#include "troupe/registry.hpp"
 #include "troupe/session.hpp"
 #include "troupe/simulation.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -409,25 +407,15 @@ TEST_F(ViewTest, ASessionAfterAResetIsRepeatedInAWorldThatChangesAtZeroSeconds) 
   }
 }
 
-/// A device with a parameter that is not UTF-8.
-struct Label {
-  struct Params {
-    std::string label = "\xff";
-    static constexpr void describe(engine::Description<Params>& d) { d.member<&Params::label>("label"); }
-  };
-  Params params;
-};
-
 TEST_F(ViewTest, ParametersThatAreNotUtf8AreRefused) {
-  engine::Registry registry = make_registry();
-  registry.devices.push_back(engine::make_device_kind<Label>("label", "has a label"));
   Simulation simulation = Simulation::from_text(
-      R"({"troupe": 1, "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "devices": [{"name": "l", "kind": "label"}]}},
-          "models": [{"name": "a", "type": "bot"}]})",
-      "w.json", {.threads = 1}, std::move(registry));
+      "position ( name \"a\" size [0.4 0.3 0.2] drive \"diff\"\n"
+      "  ranger ( name \"\xff\" sensor ( range [0 2] fov 90 samples 3 ) ) )\n",
+      "w.world", {.threads = 1});
+  const std::string type = simulation.world().spec().type(simulation.find("a").id()).name;
   const View view(simulation, View::Options{.rate = 0, .folder = folder_});
   Viewer viewer(view.address());
-  viewer.send({R"({"do":"parameters","type":"bot","id":1})", "x"});
+  viewer.send({R"({"do":"parameters","id":1,"type":")" + type + "\"}", "x"});
   EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
   simulation.step();
   const Json answer = viewer.answer();
@@ -504,13 +492,50 @@ TEST_F(ViewTest, ARecordingThatCannotBeWrittenEndsWithoutTheRun) {
   EXPECT_THAT(answer.value("reason", ""), HasSubstr("the recording ends, because it cannot be written"));
 }
 
+TEST_F(ViewTest, DeletedFilesDoNotCountAndLinksAreNotFollowed) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  Viewer viewer(view.address());
+  const auto answer_to = [&](const std::string& request) {
+    viewer.send({request, "x"});
+    EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
+    simulation.step();
+    return viewer.answer();
+  };
+  EXPECT_EQ(answer_to(R"({"do":"record","id":1})")["file"], "w.recording.h5");
+  std::filesystem::remove(folder_ / "w.recording.h5");
+  EXPECT_EQ(answer_to(R"({"do":"stop_recording","id":2})")["type"], "done");
+  std::filesystem::create_symlink(folder_ / "target", folder_ / "w.checkpoint.h5");
+  const Json saved = answer_to(R"({"do":"checkpoint","id":3})");
+  EXPECT_EQ(saved["type"], "done") << saved;
+  EXPECT_EQ(saved.value("file", ""), "w.checkpoint-2.h5");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "target"));
+}
+
+TEST_F(ViewTest, ReadOnlyViewersDoNotFillTheQueue) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  Viewer looker(view.look_address());
+  for (int i = 0; i < 257; ++i)
+    looker.send({R"({"do":"inspect","robot":"a","id":)" + std::to_string(i) + "}"});
+  const Json refused = looker.answer();  // the simulation has not answered any message yet
+  EXPECT_EQ(refused["id"], 256) << refused;
+  EXPECT_THAT(refused.value("reason", ""), HasSubstr("too many messages are waiting"));
+  Viewer viewer(view.address());
+  viewer.send({R"({"do":"disable","robot":"a","id":1})", R"({"do":"rate","rate":0,"id":2})", "x"});
+  EXPECT_FALSE(viewer.answer().contains("id")) << "the third text, which the server refuses itself";
+  simulation.step();
+  for (int id = 1; id <= 2; ++id) EXPECT_EQ(viewer.answer()["id"], id);
+}
+
 TEST_F(ViewTest, TheRateIsChecked) {
   Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
   for (const double rate : {-1.0, std::numeric_limits<double>::quiet_NaN(), 1e-300, 1e-4, 1e7,
                             std::numeric_limits<double>::infinity()})
     EXPECT_THAT([&] { const View view(simulation, View::Options{.rate = rate, .folder = folder_}); },
                 ::testing::ThrowsMessage<std::invalid_argument>(HasSubstr(
-                    "give 0 (as fast as possible), or a multiple of real time from 0.001 to 1e+06")))
+                    "give 0 (as fast as possible), or a multiple of real time from 0.001 to 1000000")))
         << rate;
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
@@ -523,7 +548,7 @@ TEST_F(ViewTest, APausedRunOnRanksIsShown) {
                      {"name": "c", "type": "bot", "pose": {"x_m": 20}}, {"name": "d", "type": "bot", "pose": {"x_m": 30}}]})",
       "w.json", {.threads = 1, .ranks = 2, .distribute = true});
   std::atomic<bool> ends = false;
-  View view(simulation, View::Options{.rate = 0, .folder = folder_, .is_over = [&] { return ends; }});
+  View view(simulation, View::Options{.rate = 0, .folder = folder_, .is_over = [&] { return ends.load(); }});
   std::thread viewer([&] {
     Viewer client(view.address());
     client.send({R"({"do":"step","ticks":3,"id":1})", R"({"do":"inspect","robot":"d","id":2})"});

@@ -481,7 +481,7 @@ TEST_F(Sessions, OfAnotherWorldAreRefused) {
   const std::size_t begin = older.find("\"world_hash\"");
   ASSERT_NE(begin, older.npos);
   older.erase(begin, older.find("\"options\"") - begin);
-  const Simulation other = changed("\"x_m\": 3", "\"x_m\": 4");
+  const Simulation other = changed("\"velocity_max_x_mps\": 1", "\"velocity_max_x_mps\": 2");
   EXPECT_NO_THROW(SessionReplay(write("older.jsonl", older), other)) << "it cannot tell";
 }
 

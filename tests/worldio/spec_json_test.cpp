@@ -51,6 +51,7 @@ std::string errors_of(const StoredSpec& stored, const Changes& changes = {}) {
 void expect_comes_back(const WorldSpec& spec) {
   const WorldSpec back = restored(store_spec(spec, make_registry()));
   EXPECT_EQ(spec_difference(spec, back, Places::compared), "");
+  EXPECT_EQ(hash_of_content(spec), hash_of_content(back));
 }
 
 WorldSpec loaded(const fs::path& file, std::optional<std::size_t> robots = std::nullopt) {
@@ -230,6 +231,33 @@ TEST(SpecJson, ADifferenceSaysWhereItIs) {
   EXPECT_EQ(difference([](WorldSpec& s) { s.bodies[1].where.line = 1; }, Places::compared),
             "bodies[1].where");
   EXPECT_EQ(difference([](WorldSpec& s) { s.types[1].parts[0].image.emplace(); }, Places::compared), "");
+}
+
+TEST(SpecJson, TheHashOfTheContentShowsWhatAffectsStates) {
+  const WorldSpec spec = full_spec();
+  const auto differs = [&spec](auto change) {
+    WorldSpec other = spec;
+    change(other);
+    return hash_of_content(spec) != hash_of_content(other);
+  };
+  EXPECT_TRUE(differs([](WorldSpec& s) { s.types[1].parts[2].solids[0].contours[0][1].y() = 0; }));
+  EXPECT_TRUE(differs([](WorldSpec& s) { s.types[1].devices[0].params.front() = 1.0; }));
+  EXPECT_TRUE(differs([](WorldSpec& s) { s.bodies[1].pose_world_body.y = 0.0; }));
+  EXPECT_TRUE(differs([](WorldSpec& s) { s.bodies[2].name = s.names.add("c", 0); }));
+  EXPECT_TRUE(differs([](WorldSpec& s) { s.part_aliases.clear(); }));
+  EXPECT_TRUE(differs([](WorldSpec& s) { s.aliases.pop_back(); }));
+  EXPECT_TRUE(differs([](WorldSpec& s) { s.experiment.at[2].whom.share.reset(); }));
+  EXPECT_FALSE(differs([](WorldSpec& s) {
+    s.title += "x";
+    s.quit_time_s = 77;
+    s.record.reset();
+    s.watch = {};
+    s.mortal = !s.mortal;
+    s.names.add("unused");
+    s.bodies[1].where.line = 1;
+    s.types[1].drive->where.line = 1;
+    s.experiment.at[2].where.line = 1;
+  }));
 }
 
 class ShippedWorld : public ::testing::TestWithParam<scenes::Run> {};

@@ -8,15 +8,6 @@
 #include <stdexcept>
 
 namespace troupe::worldio {
-namespace {
-
-void append_number(std::uint64_t number, std::string& out) {
-  for (; number > 127; number >>= 7) out += static_cast<char>(128 | (number & 127));
-  out += static_cast<char>(number);
-}
-
-}  // namespace
-
 void append_series(std::span<const std::int32_t> values, Expected expected, std::string& out) {
   std::int64_t last = 0;
   std::int64_t before = 0;

@@ -25,14 +25,20 @@ enum class Expected : std::uint8_t {
   line,  ///< continues the line through the previous two values; like `same` if one is missing or absent
 };
 
+/// Appends a number with 7 bits per byte, low bits first. Bit 7 is set in every byte except the last.
+/// Pictures of the live view have the same encoding.
+inline void append_number(std::uint64_t number, std::string& out) {
+  for (; number > 127; number >>= 7) out += static_cast<char>(128 | (number & 127));
+  out += static_cast<char>(number);
+}
+
 /// Appends a series to `out`. Each value must be k_absent, or from -k_most_in_series to k_most_in_series.
 ///
 /// Each value is converted to an unsigned number n. For k_absent, n is 0. For any other value, let d be the
 /// value minus its prediction: n is 1 + 2 d if d >= 0, else -2 d. The prediction of the first value that is
 /// not absent is 0. For example, the series 5, 7, 6 with Expected::same gives the numbers 11, 5, 2.
 ///
-/// Each number is then stored with 7 bits per byte, low bits first. Bit 7 is set in every byte of a number
-/// except the last.
+/// Each number is then stored with append_number().
 void append_series(std::span<const std::int32_t> values, Expected expected, std::string& out);
 
 /// Compresses bytes in the format of zlib (RFC 1950), which browsers call "deflate". Throws
