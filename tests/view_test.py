@@ -5,6 +5,7 @@
 """
 
 import base64
+import contextlib
 import importlib.util
 import json
 import os
@@ -1049,6 +1050,30 @@ class InABrowser(unittest.TestCase):
             page.wait(f"troupe.screenPlace('red')[0] > {SIZE[0]}")
             page.run("(input => { input.value = 'red'; input.onchange({target: input}); })(document.getElementById('find'))")
             page.wait(f"Math.abs(troupe.screenPlace('red')[0] - {SIZE[0] / 2}) < 30")
+            self.assertEqual(page.problems, [])
+
+    @contextlib.contextmanager
+    def opened(self, *arguments, world=WORLD, script=None):
+        """A view and its page, which runs `script` before its own script."""
+        with View(*arguments, world=world) as view, Page(PROGRAM, SIZE) as page:
+            if script:
+                page.call("Page.addScriptToEvaluateOnNewDocument", source=f"{{{script}}}")
+            page.open_address(view.address)
+            page.wait("window.troupe && troupe.state().tick > 2")
+            yield view, page
+
+    def pause(self, page):
+        self.press_button_of(page, "#play")
+        page.wait("!troupe.state().playing && troupe.state().line")
+
+    def test_readings_are_those_of_the_type_of_the_robot(self):
+        world = json.loads(json.dumps(WORLD))
+        world["types"]["watcher"] = {**world["types"]["runner"], "color": "gold"}
+        world["models"][1]["type"] = "watcher"  # both types have a ranger "eye"
+        with self.opened(world=world) as (_, page):
+            for name in ("red", "blue", "red"):
+                page.run(f"troupe.select('{name}')")
+                page.wait("troupe.state().scanned")
             self.assertEqual(page.problems, [])
 
     def test_layers_and_colours_are_drawn(self):

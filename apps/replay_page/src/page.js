@@ -143,7 +143,7 @@ export function remote(page) {
       robots: recording.robots,
       frame: page.drawn,
       selected: page.selected === null ? null : recording.header.robots.name[page.selected],
-      scanned: view.scan.object.visible,
+      scanned: view.scan.isDrawn,
       scriptMs: [...page.scriptTimes],
     }),
     play: (on = true) => player.play(on),
