@@ -211,6 +211,20 @@ class APage(Used):
                             f"(document.querySelector({json.dumps(selector)}).getBoundingClientRect())")
         return box[0] + box[2] / 2, box[1] + box[3] / 2
 
+    def test_the_space_bar_operates_the_control_with_the_focus(self):
+        self.page.click(*self.center("#slant"))
+        self.shown()
+        self.page.press(" ", "Space")  # after a click with the mouse, the space bar plays and pauses
+        self.shown()
+        self.assertEqual((self.text("#slant"), self.state()["playing"]), ("top", True))
+        self.page.press(" ", "Space")
+        self.page.run("document.activeElement.blur()")
+        self.page.press("Tab")  # the user now uses the keyboard
+        self.page.run("document.getElementById('slant').focus()")
+        self.page.press(" ", "Space")
+        self.shown()
+        self.assertEqual((self.text("#slant"), self.state()["playing"]), ("3D", False))
+
     def test_scrubs(self):
         self.page.click(*self.center("#scrub"))
         self.shown()
@@ -514,6 +528,7 @@ class ADamagedPage(unittest.TestCase):
             (folder / "cut.html").write_text(cut)
             page.open(folder / "cut.html")
             page.wait("document.getElementById('problem')?.innerText.startsWith('This page cannot be shown')")
+            self.assertEqual(page.run("document.getElementById('problem').getAttribute('role')"), "alert")
 
 
 if __name__ == "__main__":

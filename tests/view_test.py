@@ -1076,6 +1076,23 @@ class InABrowser(unittest.TestCase):
                 page.wait("troupe.state().scanned")
             self.assertEqual(page.problems, [])
 
+    def test_controls_are_operated_by_keyboard(self):
+        with self.opened() as (_, page):
+            self.pause(page)
+            page.press("Tab")
+            page.run("document.getElementById('follow-all').focus()")
+            page.press(" ", "Space")
+            page.wait("troupe.following()[1]")
+            self.assertFalse(page.run("troupe.state().playing"))
+            page.run("troupe.select('red')")
+            page.wait("document.querySelectorAll('#values .plottable[role=button]').length > 4")
+            for count, key in ((1, "Enter"), (0, " ")):
+                page.run("document.querySelector('#values > .plottable').focus()")
+                page.press(key, "Space" if key == " " else key)
+                self.assertEqual(page.run("document.querySelectorAll('#plots .plot').length"), count)
+            self.assertFalse(page.run("troupe.state().playing"))
+            self.assertEqual(page.problems, [])
+
     def test_layers_and_colours_are_drawn(self):
         with View("--rate", 0, world=YARD) as view, Page(PROGRAM, SIZE) as page:
             page.open_address(view.address)
