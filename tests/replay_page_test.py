@@ -531,6 +531,23 @@ class ADamagedPage(unittest.TestCase):
             self.assertEqual(page.run("document.getElementById('problem').getAttribute('role')"), "alert")
 
 
+class APageWithAnError(unittest.TestCase):
+    def test_says_so_and_goes_on(self):
+        with tempfile.TemporaryDirectory() as name, Page(PROGRAM) as page:
+            folder = Path(name)
+            (folder / "w.json").write_text(json.dumps(WORLD))
+            troupe(folder, "run", "w.json", "--quiet", "--for", 2, "--record", "run.h5")
+            troupe(folder, "replay", "run.h5", "-o", "page.html")
+            page.open(folder / "page.html")
+            page.wait("window.troupe && troupe.state().shown")
+            page.run("document.getElementById('time').remove(), troupe.setSpeed(0.1), troupe.play()")
+            page.wait("!document.getElementById('problem').hidden")
+            self.assertIn("Error in this page", page.run("document.getElementById('problem').innerText"))
+            frame = page.run("troupe.state().frame")
+            page.wait(f"troupe.state().frame > {frame + 2}")
+            self.assertEqual(len(page.problems), 1, page.problems)
+
+
 if __name__ == "__main__":
     TROUPE = str(Path(sys.argv.pop(1)).resolve())
     if len(sys.argv) > 1:
