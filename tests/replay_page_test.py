@@ -62,11 +62,15 @@ YARD = {
                   "controller": {"kind": "operate", "orders": [{"at_s": 1, "device": "arm", "order": "go_to", "value": 1.5708}]}},
         "door": {"size_m": [0.3, 0.3, 0.3], "color": "gold",
                  "devices": [{"name": "out", "kind": "spawner", "population": "walker", "every_s": 2, "pose": {"x_m": 0.5}}]},
+        "guard": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+                  "sensors": [{"name": "eye", "kind": "ranger", "pose": {"z_m": 0.1},
+                               "transducers": [{"range_max_m": 1, "samples": 5, "fov_deg": 60}]}]},
         "walker": {"size_m": [0.4, 0.4, 0.2], "color": [0.1, 0.2, 0.8], "drive": {"kind": "diff"},
                    "devices": [{"name": "pack", "kind": "power_pack", "capacity_kJ": 0.01, "mass_kg": 1, "when_empty": "die"}],
                    "controller": {"kind": "script", "legs": [{"until_s": 100, "forward_mps": 0.5}]}},
     },
     "models": [{"name": "crane", "type": "crane", "pose": {"x_m": -1, "y_m": 2}},
+               {"name": "guard", "type": "guard", "pose": {"x_m": 3, "y_m": -3}},
                {"name": "door", "type": "door", "pose": {"x_m": -4, "y_m": -3}}],
     "populations": [{"name": "walker", "type": "walker", "count": 0, "reserve": 3,
                      "place": {"rule": "uniform", "region_m": [[-4, -2], [-3, -1]]}}],
@@ -206,6 +210,20 @@ class APage(Used):
         box = self.page.run(f"(({{x, y, width, height}}) => [x, y, width, height])"
                             f"(document.querySelector({json.dumps(selector)}).getBoundingClientRect())")
         return box[0] + box[2] / 2, box[1] + box[3] / 2
+
+    def test_the_space_bar_operates_the_control_with_the_focus(self):
+        self.page.click(*self.center("#slant"))
+        self.shown()
+        self.page.press(" ", "Space")  # after a click with the mouse, the space bar plays and pauses
+        self.shown()
+        self.assertEqual((self.text("#slant"), self.state()["playing"]), ("top", True))
+        self.page.press(" ", "Space")
+        self.page.run("document.activeElement.blur()")
+        self.page.press("Tab")  # the user now uses the keyboard
+        self.page.run("document.getElementById('slant').focus()")
+        self.page.press(" ", "Space")
+        self.shown()
+        self.assertEqual((self.text("#slant"), self.state()["playing"]), ("3D", False))
 
     def test_scrubs(self):
         self.page.click(*self.center("#scrub"))
@@ -380,15 +398,29 @@ class PartsThatMove(Used):
         self.assertNotEqual(self.pixel(beam), before)
         self.page.run("troupe.select(null)")
 
+    def test_readings_are_those_of_the_type_of_the_robot(self):
+        self.seek(6)
+        beam = self.page.run("troupe.screenPlace('guard', [0.6, 0, 0.1])")  # "eye" is also a ranger of the type crane
+        before = self.pixel(beam)
+        self.page.run("troupe.select('guard')")
+        self.page.wait("troupe.state().scanned")
+        self.shown()
+        self.keep("guard_sees")
+        self.assertNotEqual(self.pixel(beam), before)
+        self.page.run("troupe.select('door')")
+        self.shown()
+        self.assertFalse(self.state()["scanned"], "it has no ranger")
+        self.page.run("troupe.select(null)")
+
     def test_who_is_born_comes_and_who_dies_goes(self):
         self.seek(0)
-        self.assertEqual(self.text("#about p"), "0 of 3 robots and 2 other bodies, seed 1")
+        self.assertEqual(self.text("#about p"), "1 of 4 robots and 2 other bodies, seed 1")
         self.page.run("troupe.select('walker0')")
         self.shown()
         self.assertRegex(self.text("#panel"), r"x\s+not in the world")
         self.assertRegex(self.text("#panel"), r"stalled\s+–")
         self.seek(3.5)
-        self.assertEqual(self.text("#about p"), "1 of 3 robots and 2 other bodies, seed 1")
+        self.assertEqual(self.text("#about p"), "2 of 4 robots and 2 other bodies, seed 1")
         self.assertRegex(self.text("#panel"), r"x\s+-?[0-9.]+ m")
         self.assertEqual(self.pixel(self.spot("walker0")), (26, 51, 204))
         self.keep("born")
@@ -496,6 +528,24 @@ class ADamagedPage(unittest.TestCase):
             (folder / "cut.html").write_text(cut)
             page.open(folder / "cut.html")
             page.wait("document.getElementById('problem')?.innerText.startsWith('This page cannot be shown')")
+            self.assertEqual(page.run("document.getElementById('problem').getAttribute('role')"), "alert")
+
+
+class APageWithAnError(unittest.TestCase):
+    def test_says_so_and_goes_on(self):
+        with tempfile.TemporaryDirectory() as name, Page(PROGRAM) as page:
+            folder = Path(name)
+            (folder / "w.json").write_text(json.dumps(WORLD))
+            troupe(folder, "run", "w.json", "--quiet", "--for", 2, "--record", "run.h5")
+            troupe(folder, "replay", "run.h5", "-o", "page.html")
+            page.open(folder / "page.html")
+            page.wait("window.troupe && troupe.state().shown")
+            page.run("document.getElementById('time').remove(), troupe.setSpeed(0.1), troupe.play()")
+            page.wait("!document.getElementById('problem').hidden")
+            self.assertIn("Error in this page", page.run("document.getElementById('problem').innerText"))
+            frame = page.run("troupe.state().frame")
+            page.wait(f"troupe.state().frame > {frame + 2}")
+            self.assertEqual(len(page.problems), 1, page.problems)
 
 
 if __name__ == "__main__":

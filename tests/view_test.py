@@ -5,6 +5,7 @@
 """
 
 import base64
+import contextlib
 import importlib.util
 import json
 import os
@@ -58,6 +59,42 @@ YARD = {
                       "devices": [{"name": "lamp", "kind": "led"}], "controller": {"kind": "wander"}}},
     "populations": [{"name": "b", "type": "bot", "count": 30, "reserve": 300, "place": {"rule": "uniform"}}],
 }
+
+
+# Scripts that change the WebSockets of a page. A test passes them to InABrowser.opened().
+REFUSED_ONCE = """
+    const Real = WebSocket;
+    let refusals = 1;
+    window.WebSocket = function (address) {
+      if (refusals-- <= 0) return new Real(address);
+      const refused = { send() {} };
+      setTimeout(() => (refused.onopen(), refused.onclose({ code: 1013, reason: "at most 16 viewers can be connected" })));
+      return refused;
+    };
+    window.WebSocket.OPEN = Real.OPEN;
+"""
+KEPT_SOCKETS = """
+    const Real = WebSocket;
+    window.sockets = [];
+    window.WebSocket = function (address) { return sockets[sockets.push(new Real(address)) - 1]; };
+    window.WebSocket.OPEN = Real.OPEN;
+"""
+SLOW_ANSWERS = """
+    const { set } = Object.getOwnPropertyDescriptor(WebSocket.prototype, "onmessage");
+    Object.defineProperty(WebSocket.prototype, "onmessage", { set(take) {
+      const isAnswer = ({ data }) => typeof data === "string" && JSON.parse(data).type === "done";
+      set.call(this, (event) => (isAnswer(event) ? setTimeout(() => take(event), 3000) : take(event)));
+    } });
+"""
+# A command that is not finite: the program sends such numbers as null.
+NULL_COMMANDS = """
+    const { parse } = JSON;
+    JSON.parse = (text) => {
+      const message = parse(text);
+      if (message?.inspected?.commands?.lamp) message.inspected.commands.lamp.red = [null];
+      return message;
+    };
+"""
 
 
 class View:
@@ -1146,6 +1183,182 @@ class InABrowser(unittest.TestCase):
             page.run("(input => { input.value = 'red'; input.onchange({target: input}); })(document.getElementById('find'))")
             page.wait(f"Math.abs(troupe.screenPlace('red')[0] - {SIZE[0] / 2}) < 30")
             self.assertEqual(page.problems, [])
+
+    @contextlib.contextmanager
+    def opened(self, *arguments, world=WORLD, script=None):
+        """A view and its page, which runs `script` before its own script."""
+        with View(*arguments, world=world) as view, Page(PROGRAM, SIZE) as page:
+            if script:
+                page.call("Page.addScriptToEvaluateOnNewDocument", source=f"{{{script}}}")
+            page.open_address(view.address)
+            page.wait("window.troupe && troupe.state().tick > 2")
+            yield view, page
+
+    def pause(self, page):
+        self.press_button_of(page, "#play")
+        page.wait("!troupe.state().playing && troupe.state().line")
+
+    def key(self, page, kind, key):
+        page.call("Input.dispatchKeyEvent", type=kind, key=key, code=key)
+
+    def told(self, page):
+        return page.run("document.getElementById('told').textContent")
+
+    def test_readings_are_those_of_the_type_of_the_robot(self):
+        world = json.loads(json.dumps(WORLD))
+        world["types"]["watcher"] = {**world["types"]["runner"], "color": "gold"}
+        world["models"][1]["type"] = "watcher"  # both types have a ranger "eye"
+        with self.opened(world=world) as (_, page):
+            for name in ("red", "blue", "red"):
+                page.run(f"troupe.select('{name}')")
+                page.wait("troupe.state().scanned")
+            self.assertEqual(page.problems, [])
+
+    def test_a_turn_keeps_the_position(self):
+        with self.opened() as (_, page):
+            page.wait("troupe.state().time > 2")
+            self.pause(page)
+            page.run("troupe.select('red')")
+            place = [-3.0004321, -2.0001234]
+            page.run(f"troupe.act({{do: 'move', robot: 'red', pose: [{place[0]}, {place[1]}, 0, 1]}})")
+            page.wait("troupe.inspected()?.pose[3] === 1")
+            self.assertEqual(page.run("troupe.inspected().pose.slice(0, 2)"), place)
+            page.press("q", "KeyQ")
+            page.wait("troupe.inspected().pose[3] > 1.2")
+            self.assertEqual(page.run("troupe.inspected().pose.slice(0, 2)"), place, "it was not rounded to 1 mm")
+
+            page.run("(back => { back.value = Number(back.max) - 1; back.oninput({target: back}); })(document.getElementById('back'))")
+            page.wait("document.getElementById('now').textContent.endsWith(' s ago')")
+            page.press("e", "KeyE")
+            page.wait("!document.getElementById('told').hidden")
+            self.assertIn("The page shows the past", self.told(page))
+            self.press_button_of(page, "#now")
+            page.run("troupe.act({do: 'disable', robot: 'blue'})")  # its answer comes after those of all earlier acts
+            self.assertEqual(page.run("troupe.inspected().pose.slice(0, 2)"), place)
+            self.assertGreater(page.run("troupe.inspected().pose[3]"), 1.2)
+            self.assertEqual(page.problems, [])
+
+    def test_a_key_drives_only_while_it_is_pressed(self):
+        turn = "troupe.inspected()?.components.find(c => c.name === 'velocity').fields.at(-1).values[0]"
+        with self.opened("--rate", 5) as (view, page):
+            page.run("troupe.select('red')")
+            page.press("m", "KeyM")
+            page.wait("document.getElementById('drive').checked")
+            self.key(page, "keyDown", "ArrowLeft")
+            page.wait(f"{turn} === 1.2")
+            page.run("document.getElementById('color').focus()")
+            self.key(page, "keyUp", "ArrowLeft")
+            page.wait(f"{turn} === 0")
+            for control in ("color", "drive-speed", "find", "back"):
+                page.run(f"document.getElementById('{control}').focus()")
+                self.key(page, "keyDown", "ArrowLeft")
+                self.key(page, "keyUp", "ArrowLeft")
+            page.run("document.getElementById('drive').focus()")  # a checkbox uses no arrow keys
+            self.key(page, "keyDown", "ArrowRight")
+            page.wait(f"{turn} === -1.2")
+            page.run("window.dispatchEvent(new Event('blur'))")
+            page.wait(f"{turn} === 0")
+            holds = [json.loads(line)["speed"][2] for line in view.session.read_text().split("\n") if '"hold"' in line]
+            self.assertEqual(holds, [0, 1.2, 0, -1.2, 0])
+            self.assertEqual(page.problems, [])
+
+    def test_an_error_does_not_stop_the_page(self):
+        with self.opened("--rate", 0) as (_, page):
+            page.run("document.getElementById('time').remove()")
+            page.wait("!document.getElementById('problem').hidden")
+            self.assertIn("Error in this page", page.run("document.getElementById('problem').textContent"))
+            frame, tick = page.run("[troupe.state().frame, troupe.state().tick]")
+            page.wait(f"troupe.state().frame > {frame + 5} && troupe.state().tick > {tick + 5}")
+            self.assertEqual(len(page.problems), 1, page.problems)
+
+    def test_commands_that_are_not_finite_are_shown(self):
+        red = "document.querySelector('[data-command=red]')"
+        with self.opened(world=YARD, script=NULL_COMMANDS) as (_, page):
+            page.run("troupe.select('b0')")
+            page.wait(f"{red}?.value === '–'")
+            frame = page.run("troupe.state().frame")
+            page.wait(f"troupe.state().frame > {frame + 5}")
+            for text in ("–", "", "x", "1,"):
+                page.run(f"(input => {{ input.value = '{text}'; input.onchange(); }})({red})")
+                self.assertEqual(self.told(page), f'The command "red" must be numbers, separated by commas; found "{text}".')
+            self.assertEqual(page.problems, [])
+
+    def test_robots_far_outside_the_bounds_are_followed(self):
+        world = {key: value for key, value in WORLD.items() if key != "bounds_m"}
+        with self.opened(world=world) as (_, page):
+            self.pause(page)
+            page.run("document.getElementById('follow-all').click()")
+            for slanted, x in ((False, 200), (True, 2000)):
+                if slanted:
+                    page.run("troupe.slant()")
+                page.run(f"troupe.act({{do: 'move', robot: 'red', pose: [{x}, 30, 0, 0]}})")
+                page.wait(f"Math.abs(troupe.pose('red')[0] - {x}) < 1e-2")
+                for name in ("red", "blue"):
+                    inside = f"(([x, y]) => x > 0 && y > 0 && x < {SIZE[0]} && y < {SIZE[1]})(troupe.screenPlace('{name}'))"
+                    page.wait(inside, 30)
+                page.wait("(([a, b]) => Math.hypot(a[0] - b[0], a[1] - b[1]) > 200)"
+                          "(['red', 'blue'].map(name => troupe.screenPlace(name)))", 30)
+            self.assertEqual(page.problems, [])
+
+    def test_a_click_while_a_drag_is_unanswered_moves_no_robot(self):
+        with self.opened(script=SLOW_ANSWERS) as (view, page):
+            self.pause(page)
+            page.run("troupe.select('red')")
+            page.wait("troupe.inspected()?.robot === 'red'")
+            x, y = page.run("troupe.pose('red')")[:2]
+            start, end = (page.run(f"troupe.screenPlace('red', {shift})") for shift in ([0, 0, 0], [-3 - x, -2 - y, 0]))
+            page.drag(start, end)
+            page.wait("Math.abs(troupe.pose('red')[1] + 2) < 0.05")
+            page.click(*end)
+            self.assertEqual(page.run("troupe.state().selected"), "red")
+            page.run("troupe.step(1)")
+            moves = [line for line in view.session.read_text().split("\n") if '"move"' in line]
+            self.assertEqual(len(moves), 1, moves)
+
+    def test_a_seed_is_a_whole_number(self):
+        with self.opened() as (_, page):
+            enter = "(text => { document.getElementById('seed').value = text; document.getElementById('restart').click(); })"
+            for text in ("1.5", "-1", "1e3", "18446744073709551616"):
+                page.run(f"{enter}('{text}')")
+                self.assertEqual(self.told(page), f"The seed must be a whole number from 0 to 2^64 - 1, found {text}.")
+            for text in ("9007199254740993", "18446744073709551615"):
+                page.run(f"{enter}('{text}')")
+                page.wait(f"window.troupe?.header.about.seed === '{text}'")
+            self.assertEqual(page.problems, [])
+
+    def test_controls_are_operated_by_keyboard(self):
+        with self.opened() as (_, page):
+            self.pause(page)
+            page.press("Tab")
+            page.run("document.getElementById('follow-all').focus()")
+            page.press(" ", "Space")
+            page.wait("troupe.following()[1]")
+            self.assertFalse(page.run("troupe.state().playing"))
+            page.run("troupe.select('red')")
+            page.wait("document.querySelectorAll('#values .plottable[role=button]').length > 4")
+            for count, key in ((1, "Enter"), (0, " ")):
+                page.run("document.querySelector('#values > .plottable').focus()")
+                page.press(key, "Space" if key == " " else key)
+                self.assertEqual(page.run("document.querySelectorAll('#plots .plot').length"), count)
+            self.assertFalse(page.run("troupe.state().playing"))
+            self.assertEqual(page.problems, [])
+
+    def test_a_page_that_is_refused_says_why_and_tries_again(self):
+        with View() as view, Page(PROGRAM, SIZE) as page:
+            page.call("Page.addScriptToEvaluateOnNewDocument", source=f"{{{REFUSED_ONCE}}}")
+            page.open_address(view.address)
+            page.wait("document.getElementById('problem')?.textContent === "
+                      "'The program refuses the connection: at most 16 viewers can be connected. The page tries again every 2 s.'")
+            page.wait("window.troupe && troupe.state().tick > 2 && document.getElementById('problem').hidden")
+
+    def test_a_page_that_loses_its_connection_is_reloaded_once(self):
+        with self.opened(script=KEPT_SOCKETS) as (_, page):
+            page.run("window.isOld = true, performance.now = () => 1e6, sockets.at(-1).close()")
+            page.wait("document.getElementById('problem')?.textContent.startsWith('The program has ended')")
+            page.wait("!window.isOld && window.troupe && troupe.state().tick > 2")
+            page.run("window.isOld = true, performance.now = () => 1e3, sockets.at(-1).close()")
+            page.wait("document.getElementById('problem').textContent.startsWith('The connection to the program was lost soon')")
+            self.assertTrue(page.run("window.isOld"))
 
     def test_layers_and_colours_are_drawn(self):
         with View("--rate", 0, world=YARD) as view, Page(PROGRAM, SIZE) as page:

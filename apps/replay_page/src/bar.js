@@ -6,6 +6,7 @@ import { roundLength } from "./view.js";
 
 export const TRAILS = [0, 2, 5, 10, 30, 60, 300]; // s
 const SCALE_PIXELS = 150; // at most
+const PRESSED_BY_SPACE = 'button, select, summary, [type="checkbox"], [role="button"]';
 
 export const byId = (id) => document.getElementById(id);
 
@@ -39,6 +40,10 @@ export class Bar {
     byId("close").onclick = () => page.select(null);
     byId("follow").onchange = (event) => page.follow(event.target.checked);
     window.addEventListener("keydown", (event) => this.key(event));
+    // Whether the user has moved the focus with a pointer, not with the keyboard. (:focus-visible does not tell, because a
+    // browser may set it when any key is pressed.)
+    this.isPointed = false;
+    window.addEventListener("pointerdown", () => (this.isPointed = true), { capture: true });
   }
 
   /** Functions of the keys, by letter or name of the key. */
@@ -64,9 +69,16 @@ export class Bar {
 
   key(event) {
     const { target } = event;
+    if (event.key === "Tab") this.isPointed = false;
     if (target instanceof HTMLInputElement && target.type !== "range" && target.type !== "checkbox") return;
     const isMenu = target instanceof HTMLSelectElement;
     if (event.ctrlKey || event.altKey || event.metaKey || byId("keys").open) return;
+    // After a click, the space bar plays and pauses; it does not press the clicked button again.
+    if (event.key === " " && !this.isPointed && target.matches?.(PRESSED_BY_SPACE)) {
+      if (target.getAttribute("role") !== "button") return; // the browser operates the control
+      event.preventDefault(); // otherwise the panel would be scrolled
+      return target.click();
+    }
     const actions = this.actions(event);
     const action = actions[event.key] ?? actions[event.key.toLowerCase()];
     if (!action || (isMenu && event.key.length > 1)) return;

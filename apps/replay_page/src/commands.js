@@ -1,6 +1,14 @@
 // The commands to the devices of the selected robot, as fields that the user can change.
 
 import { element } from "./panel.js";
+import { tell } from "./told.js";
+
+const NONE = "–"; // shown for a number that is not finite, which the program sends as null
+
+const textOf = (number) => (number === null ? NONE : String(Number(number.toPrecision(6))));
+
+/** The number that a user has typed; NaN if the text is not a number. */
+const numberOf = (text) => (text.trim() === "" ? NaN : Number(text));
 
 export class Commands {
   /** `act` sends an action on the selected robot to the program; `mayActs`: whether the user may change commands. */
@@ -25,7 +33,7 @@ export class Commands {
     for (const [device, fields] of Object.entries(commands))
       for (const [field, values] of Object.entries(fields)) {
         const input = this.inputs.get(`${device} ${field}`);
-        if (input && input !== document.activeElement) input.value = values.map((value) => Number(value.toPrecision(6))).join(", ");
+        if (input && input !== document.activeElement) input.value = values.map(textOf).join(", ");
       }
   }
 
@@ -37,7 +45,9 @@ export class Commands {
         input.dataset.command = field;
         input.onchange = () => {
           input.blur();
-          this.act({ do: "command", device, values: { [field]: input.value.split(",").map(Number) } });
+          const numbers = input.value.split(",").map(numberOf);
+          if (!numbers.every(Number.isFinite)) return tell(`The command "${field}" must be numbers, separated by commas; found "${input.value}".`);
+          this.act({ do: "command", device, values: { [field]: numbers } });
         };
         this.inputs.set(`${device} ${field}`, input);
         this.list.append(element("label", { className: "row" }, element("span", { textContent: field }), input));

@@ -8,9 +8,12 @@ import { LivePanel } from "./live_panel.js";
 import { LiveSource } from "./live_source.js";
 import { checkBrowser, Page, problem, remote, show } from "./page.js";
 import { DARK } from "./palette.js";
+import { tell } from "./told.js";
 
-const TOLD_MS = 6000; // time for which a refusal is shown
-const RETRY_MS = 2000;
+const REVOKE_MS = 2000; // time after which the memory of a downloaded picture is freed
+const RETRY_MS = 2000; // time until the page tries to connect again
+const LEAST_LIFE_MS = 10000; // a page that loses its connection sooner is not reloaded, because that might never end
+const TRY_AGAIN_LATER = 1013; // code with which the program closes the connection of one viewer too many
 const DRAG_PIXELS = 4; // distance that a pointer moves before it drags a robot
 const ADDRESS = `${window.location.protocol === "https:" ? "wss" : "ws"}://${window.location.host}/live`;
 const KEY = "troupe-token";
@@ -164,7 +167,7 @@ class LivePage extends Page {
     const picture = await this.view.picture();
     const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(picture), download: `${this.recording.header.title || "troupe"}-${this.recording.state?.tick ?? 0}.png` });
     link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), RETRY_MS);
+    setTimeout(() => URL.revokeObjectURL(link.href), REVOKE_MS);
   }
 
   /** Called when the run was restarted. */
@@ -183,11 +186,16 @@ class LivePage extends Page {
     document.getElementById("add").selectedIndex = 0;
   }
 
+  /** The present pose of a robot, if the user does not look back: where a drag has put the robot, else exact if the program has
+   *  sent the state of the robot, else rounded as in pictures. */
   poseOf(robot) {
+    const { inspected, override } = this.recording;
+    if (override?.robot !== robot && inspected?.robot === this.nameOf(robot) && inspected.pose) return inspected.pose;
     return [...this.view.poses.subarray(4 * robot, 4 * robot + 4)];
   }
   async turn(by) {
     if (this.selected === null) return;
+    if (this.recording.lookTime !== null) return tell("The page shows the past: press now, then turn the robot.");
     const [x, y, z, heading] = this.poseOf(this.selected);
     await this.actOn({ do: "move", pose: [x, y, z, heading + by] });
   }
@@ -202,7 +210,7 @@ class LivePage extends Page {
         if (event.target !== canvas || !event.isPrimary || event.button !== 0 || this.selected === null || this.recording.lookTime !== null) return;
         if (this.view.robotAt(event.clientX, event.clientY) !== this.selected) return;
         controls.enabled = false; // the drag must not move the view
-        drag = { robot: this.selected, from: [event.clientX, event.clientY], pose: this.poseOf(this.selected), moved: false };
+        drag = { robot: this.selected, from: [event.clientX, event.clientY], pose: this.poseOf(this.selected), moved: false, wanted: null };
       },
       { capture: true },
     );
@@ -212,17 +220,16 @@ class LivePage extends Page {
       const place = this.view.floorAt(event.clientX, event.clientY);
       if (!drag.moved || !place) return;
       const [x, y, , heading] = drag.pose;
-      const robot = { robot: drag.robot };
-      if (event.shiftKey) Object.assign(robot, { x, y, heading: Math.atan2(place[1] - y, place[0] - x) });
-      else Object.assign(robot, { x: place[0], y: place[1], heading });
-      this.recording.override = robot;
+      drag.wanted = { robot: drag.robot };
+      if (event.shiftKey) Object.assign(drag.wanted, { x, y, heading: Math.atan2(place[1] - y, place[0] - x) });
+      else Object.assign(drag.wanted, { x: place[0], y: place[1], heading });
+      this.recording.override = drag.wanted;
     });
     const end = async (event) => {
       if (!drag) return;
-      const { pose, robot } = drag;
+      const { pose, robot, wanted } = drag;
       drag = null;
       controls.enabled = true;
-      const wanted = this.recording.override;
       if (wanted && event.type === "pointerup")
         await this.act({ do: "move", robot: this.nameOf(robot), pose: [wanted.x, wanted.y, pose[2], wanted.heading] });
       // A next drag may have begun while the answer was on its way.
@@ -242,18 +249,18 @@ class LivePage extends Page {
     if (this.run !== undefined && run !== this.run) this.restarted();
     this.run = run;
     this.lines.update(this.recording.state?.lines ?? NO_LINES);
-    super.draw(now);
-    this.recording.drawn();
+    try {
+      super.draw(now);
+    } finally {
+      this.recording.drawn(); // also after an error: without confirmations, the program sends no further pictures
+    }
   }
 }
 
-let told = 0;
-function tell(text) {
-  const place = document.getElementById("told");
-  place.textContent = text;
-  place.hidden = false;
-  clearTimeout(told);
-  told = setTimeout(() => (place.hidden = true), TOLD_MS);
+/** The JSON text of a request. Its members may be BigInt numbers, which JSON.stringify() rejects. */
+function textOf(request) {
+  const members = Object.entries(request).map(([key, value]) => `${JSON.stringify(key)}:${typeof value === "bigint" ? value : JSON.stringify(value)}`);
+  return `{${members.join(",")}}`;
 }
 
 /** The connection to the program. */
@@ -269,26 +276,38 @@ class Link {
   open() {
     this.socket = new WebSocket(ADDRESS);
     this.socket.binaryType = "arraybuffer";
-    this.socket.onopen = () => this.socket.send(token());
-    this.socket.onmessage = ({ data }) => (typeof data === "string" ? this.text(JSON.parse(data)) : this.source.takePicture(data));
-    this.socket.onclose = () => {
-      const isKnown = this.source !== null;
-      problem(isKnown ? "The program has ended or cannot be reached." : "This address has no valid token. Open the address that the program has printed.");
-      if (isKnown) setTimeout(() => this.retry(), RETRY_MS);
+    this.isOpened = false;
+    this.isGreeted = false; // whether the program has accepted the token of this connection
+    this.socket.onopen = () => {
+      this.isOpened = true;
+      this.socket.send(token());
     };
+    this.socket.onmessage = ({ data }) => (typeof data === "string" ? this.text(JSON.parse(data)) : this.source.takePicture(data));
+    this.socket.onclose = ({ code, reason }) => this.closed(code, reason);
   }
 
-  /** Tries to reconnect; reloads the page when the program answers. */
-  retry() {
-    const socket = new WebSocket(ADDRESS);
-    socket.onopen = () => window.location.reload();
-    socket.onerror = () => setTimeout(() => this.retry(), RETRY_MS);
+  /** Says why there is no connection, and tries again, except after a wrong token. */
+  closed(code, reason) {
+    if (code === TRY_AGAIN_LATER) problem(`The program refuses the connection: ${reason}. The page tries again every ${RETRY_MS / 1000} s.`);
+    else if (this.isOpened && !this.isGreeted) return problem("This address has no valid token. Open the address that the program has printed.");
+    else problem("The program has ended or cannot be reached.");
+    setTimeout(() => this.open(), RETRY_MS);
+  }
+
+  /** Called when the program has accepted a new connection after an earlier one was lost. */
+  reconnected() {
+    if (performance.now() > LEAST_LIFE_MS) return window.location.reload(); // the program may show another world now
+    this.socket.onclose = null;
+    this.socket.close();
+    problem("The connection to the program was lost soon after it began. Reload the page to try again.");
   }
 
   text(message) {
     if (message.type === "hello" && this.source) {
+      if (!this.isGreeted) return this.reconnected();
       window.location.reload(); // a restart with another seed has placed the bodies elsewhere
     } else if (message.type === "hello") {
+      this.isGreeted = true;
       this.source = new LiveSource(message, (what) => this.send(what));
       this.onHello(this.source, this);
     } else if (message.type === "state") {
@@ -301,7 +320,7 @@ class Link {
   }
 
   send(message) {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(textOf(message));
   }
 
   ask(message) {
@@ -336,9 +355,13 @@ function liveRemote(page) {
   };
 }
 
-checkBrowser();
-new Link((source, link) => {
-  const page = new LivePage(source, link);
-  window.troupe = liveRemote(page);
-  show(page);
-});
+async function begin() {
+  checkBrowser();
+  new Link((source, link) => {
+    const page = new LivePage(source, link);
+    window.troupe = liveRemote(page);
+    show(page);
+  });
+}
+
+begin();

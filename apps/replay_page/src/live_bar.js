@@ -2,12 +2,17 @@
 
 import { Bar, byId, fill } from "./bar.js";
 import { Plot } from "./plot.js";
+import { tell } from "./told.js";
 
 export const RATES = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100, 0]; // times real time; 0: as fast as possible
 const LAYERS = { radio: "radio links", sights: "fiducials", grips: "grippers", carries: "carried bodies" };
 const MOST_NAMES = 1000; // names that the page suggests; more would make it slow
 const TURN = Math.PI / 12; // rad per key press
 const DRIVEN = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"];
+const MOST_SEED = 2n ** 64n - 1n;
+
+/** Whether a control uses the arrow keys itself: a menu, a slider or a field for text or numbers. */
+const usesArrows = (target) => target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type !== "checkbox");
 
 export class LiveBar extends Bar {
   constructor(page) {
@@ -49,7 +54,7 @@ export class LiveBar extends Bar {
     byId("remove").onclick = () => page.actOn({ do: "remove" });
     for (const what of ["disable", "enable", "remove"]) byId(`group-${what}`).onclick = () => page.actOnGroup({ do: what });
     byId("until").onchange = (event) => event.target.value !== "" && page.act({ do: "until", time_s: Number(event.target.value) });
-    byId("restart").onclick = () => page.act({ do: "restart", ...(byId("seed").value === "" ? {} : { seed: Number(byId("seed").value) }) });
+    byId("restart").onclick = () => this.restart();
     byId("checkpoint").onclick = () => page.actOnFile({ do: "checkpoint" });
     byId("record").onclick = () => page.actOnFile({ do: page.recording.state?.recording ? "stop_recording" : "record" });
     window.addEventListener("keydown", (event) => this.steer(event, true), { capture: true });
@@ -94,6 +99,16 @@ export class LiveBar extends Bar {
     byId("group").querySelector("h2").textContent = `${count} ${count === 1 ? "robot" : "robots"}`;
   }
 
+  /** Restarts the run with the seed of the field, or with the same seed if the field is empty. */
+  restart() {
+    const { value, validity } = byId("seed");
+    if (value === "" && !validity.badInput) return this.page.act({ do: "restart" });
+    // BigInt, because a Number cannot represent every seed above 2^53.
+    const seed = /^\d+$/.test(value) ? BigInt(value) : -1n;
+    if (seed < 0n || seed > MOST_SEED) return tell(`The seed must be a whole number from 0 to 2^64 - 1${value === "" ? "" : `, found ${value}`}.`);
+    return this.page.act({ do: "restart", seed });
+  }
+
   /** Called when the run was restarted, which has released all robots. */
   restarted() {
     this.plot.clear();
@@ -117,11 +132,15 @@ export class LiveBar extends Bar {
     this.page.player.driving = this.driven;
   }
 
+  /** Starts to drive when an arrow key is pressed, unless a control with the focus uses this key. The release of the key always
+   *  stops, because the focus may have moved to such a control meanwhile. */
   steer(event, down) {
-    if (!this.driven || !DRIVEN.includes(event.key) || event.target instanceof HTMLSelectElement) return;
+    if (!this.driven || !DRIVEN.includes(event.key)) return;
+    const isPressed = this.pressed.has(event.key);
+    if (down ? usesArrows(event.target) : !isPressed) return;
     event.preventDefault();
     event.stopPropagation();
-    if (this.pressed.has(event.key) === down) return;
+    if (isPressed === down) return;
     if (down) this.pressed.add(event.key);
     else this.pressed.delete(event.key);
     this.hold();

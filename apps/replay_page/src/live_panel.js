@@ -51,11 +51,15 @@ export class LivePanel extends Panel {
       this.makePlottable(this.poseRows.get(name), `pose ${name} ${unit}`, ({ pose }) => (pose ? of(pose) : null));
   }
 
-  /** A click on the row begins or ends the plot of a value over time. `read` returns it from the state of the robot. */
+  /** A click on the row begins or ends the plot of a value over time, as do Enter and the space bar (Bar.key()) if the row has the
+   *  focus. `read` returns the value from the state of the robot. */
   makePlottable(object, label, read) {
     object.classList.add("plottable");
     object.title = [object.title, "a click plots the value over time"].filter(Boolean).join("; ");
+    object.tabIndex = 0;
+    object.setAttribute("role", "button");
     object.onclick = () => this.togglePlot(label, read);
+    object.onkeydown = ({ key }) => key === "Enter" && object.onclick();
   }
 
   togglePlot(label, read) {

@@ -99,7 +99,7 @@ export class Page {
     this.following = on && this.selected !== null;
   }
 
-  // The loop.
+  // Drawing.
 
   /** Called when the poses of a picture are known, before it is drawn. */
   posed() {}
@@ -128,7 +128,6 @@ export class Page {
     this.recording.pump(Math.max(least, share * 1000 * Math.min(seconds, 1)));
     this.scriptTimes.push(performance.now() - begin);
     if (this.scriptTimes.length > 240) this.scriptTimes.shift();
-    requestAnimationFrame((time) => this.draw(time));
   }
 }
 
@@ -143,7 +142,7 @@ export function remote(page) {
       robots: recording.robots,
       frame: page.drawn,
       selected: page.selected === null ? null : recording.header.robots.name[page.selected],
-      scanned: view.scan.object.visible,
+      scanned: view.scan.isDrawn,
       scriptMs: [...page.scriptTimes],
     }),
     play: (on = true) => player.play(on),
@@ -175,12 +174,28 @@ export function checkBrowser() {
     throw new Error("it needs a browser of 2023 or later with WebGL 2.");
 }
 
-/** Starts drawing. */
+/** Draws a picture whenever the browser requests one. If an error prevents a picture, the page shows the error, once, and
+ *  still tries to draw the next pictures. */
 export function show(page) {
+  const known = new Set();
+  const draw = (time) => {
+    requestAnimationFrame(draw);
+    try {
+      page.draw(time);
+    } catch (error) {
+      if (known.has(error.message)) return;
+      known.add(error.message);
+      console.error(error);
+      fail(error);
+    }
+  };
   requestAnimationFrame((time) => {
     document.getElementById("problem").hidden = true;
-    page.draw(time);
+    draw(time);
   });
 }
 
+const fail = (error) => problem(`Error in this page, which may now show wrong things: ${error.message ?? error}. Reload the page.`);
+
+window.addEventListener("error", ({ error }) => error && fail(error)); // null: not an error of the script of this page
 window.addEventListener("unhandledrejection", (event) => problem(`This page cannot be shown: ${event.reason?.message ?? event.reason}`));

@@ -2,11 +2,13 @@
 
 import { BufferAttribute, BufferGeometry, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial } from "three";
 
-/** The rangers of a type whose readings were recorded: fans, the joint that moves them, and the field of readings. */
-function eyesOf(header, type) {
+/** The rangers of a robot whose readings were recorded: fans, the joint that moves them, and the field of readings. */
+function eyesOf({ header, fieldRows }, robot, type) {
   return Object.entries(header.types[type].eyes).flatMap(([name, { fans, joint }]) => {
+    // Rangers of several types may have the same name. Each of them has its own field, which only robots of its type have.
     const field = header.fields.findIndex(
-      ({ component, name: what }) => what === "ranges" && component.startsWith("sensors/") && component.endsWith(`/${name}`),
+      ({ component, name: what }, index) =>
+        what === "ranges" && component.startsWith("sensors/") && component.endsWith(`/${name}`) && fieldRows[index].of[robot] >= 0,
     );
     const beams = fans.reduce((sum, fan) => sum + fan.beams, 0);
     return field >= 0 && header.fields[field].columns === beams ? [{ field, fans, joint }] : [];
@@ -77,6 +79,11 @@ export class Scan {
     for (const material of Object.values(this.materials)) material.color.set(beam);
   }
 
+  /** Whether readings are drawn. */
+  get isDrawn() {
+    return this.eyes.length > 0 && this.object.visible;
+  }
+
   /** Indices of the fields that it shows. */
   get fields() {
     return this.eyes.map(({ field }) => field);
@@ -86,8 +93,7 @@ export class Scan {
   show(robot, type) {
     for (const eye of this.eyes) eye.dispose();
     this.robot = robot;
-    const { header, fieldRows } = this.recording;
-    const known = robot === null ? [] : eyesOf(header, type).filter(({ field }) => fieldRows[field].of[robot] >= 0);
+    const known = robot === null ? [] : eyesOf(this.recording, robot, type);
     this.eyes = known.map((eye) => new Eye(eye, this.materials));
     this.object.clear();
     for (const eye of this.eyes) this.object.add(eye.object);

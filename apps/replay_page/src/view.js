@@ -257,9 +257,10 @@ export class View {
       }
       return box;
     };
+    const extent = Math.max(x1 - x0, y1 - y0, this.size); // robots may be far outside of the bounds
     let distance = 0;
     for (let pass = 0; pass < 4; pass++) {
-      let [near, far] = [0, 20 * this.size];
+      let [near, far] = [0, 20 * extent];
       for (let i = 0; i < 40; i++) {
         distance = (near + far) / 2;
         const box = seenFrom(distance);
@@ -275,7 +276,7 @@ export class View {
     this.camera.position.copy(target).addScaledVector(back, distance);
     this.slanted = slanted;
     this.controls.minDistance = this.size * 1e-3;
-    this.controls.maxDistance = this.size * 15;
+    this.controls.maxDistance = Math.max(extent * 15, distance);
     this.controls.update();
   }
 
