@@ -416,8 +416,10 @@ TEST(Measures, AreRecognisedByTheirKindRobotsAndParameters) {
   const std::vector<std::byte> memory = saved.memory();
   MeasureSpec named = covered(1, "minibot");
   named.name = "seen";
-  MeasureSet others = measures(world, {named, covered(1, ""), covered(0.5, "minibot"), spec("stalls"),
-                                       spec("order"), covered(0.5, "")});
+  MeasureSpec fine = covered(0.5, "");
+  fine.name = "fine";
+  MeasureSet others =
+      measures(world, {named, covered(1, ""), covered(0.5, "minibot"), spec("stalls"), spec("order"), fine});
   EXPECT_THAT(others.remember(memory), ElementsAre(1, 2, 4));
   EXPECT_TRUE(others.has_memory(1));
   EXPECT_FALSE(others.has_memory(4)) << "order";
