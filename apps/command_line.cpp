@@ -164,7 +164,7 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     if (python_is_wanted()) run_in_python(argc, argv);
     return told(run_command(app, commands, limit));
   } catch (const InputError& error) {
-    print_common_error(fmt::format("{}\n", error.what()));
+    fmt::print(stderr, "{}\n", error.what());
     return k_bad_input;
   } catch (const std::exception& error) {
     fmt::print(stderr, "troupe: error: {}\n", error.what());

@@ -412,13 +412,6 @@ class OnProcesses:
         self.refused(self.run_on(3, "run", "room.json", "--hash-log", "log", TROUPE_MPI="none"),
                      "there is no module libtroupe_mpi_none.so")
 
-    def test_a_missing_module_of_one_rank_is_an_error(self):
-        command = [self.launcher, *self.launcher_options, "-n", "1", PROGRAM, "run", "room.json", ":",
-                   "-n", "1", "env", "TROUPE_MPI=none", PROGRAM, "run", "room.json"]
-        done = self.call(command)
-        self.assertNotEqual(done.returncode, 0)
-        self.assertRegex(done.stderr, r"rank 1 on \S+: troupe: error: .* there is no module libtroupe_mpi_none.so")
-
     def test_a_world_of_one_under_a_launcher_of_three_is_an_error(self):
         other = {"openmpi": "mpich", "mpich": "openmpi"}[self.mpi]
         if not (pathlib.Path(PROGRAM).parent / f"libtroupe_mpi_{other}.so").exists():

@@ -40,12 +40,6 @@ using partition::MessageReader;
 using partition::MessageWriter;
 using partition::MpiTransport;
 
-/// An error that all ranks have, because rank 0 has found it and told the other ranks. Only rank 0 prints it.
-class AgreedError : public InputError {
- public:
-  using InputError::InputError;
-};
-
 std::string module_file(const std::string& mpi) { return "libtroupe_mpi_" + mpi + ".so"; }
 
 /// Returns the file of the module (a shared library) that connects Troupe with the MPI of the launcher. The
@@ -199,7 +193,7 @@ void finish(MpiTransport& transport, unsigned nodes, double limit_s) {
   transport.finish();
 }
 
-/// Compares the program, its version and its arguments on all ranks. Throws AgreedError on all ranks if they
+/// Compares the program, its version and its arguments on all ranks. Throws InputError on all ranks if they
 /// differ. Returns the host names of the ranks, by rank. limit_s: the longest time that ending the connection
 /// may take, s
 std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
@@ -253,7 +247,7 @@ std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
   }
   if (!difference.empty()) {
     finish(transport, nodes_of(hosts), limit_s);
-    throw AgreedError(difference);
+    throw InputError(difference);
   }
   return hosts;
 }
@@ -333,17 +327,13 @@ ExitCode on_processes(MpiTransport& transport, const std::vector<std::string>& h
   return run(simulation);
 }
 
-/// Called on ranks other than 0 before they end with an error that rank 0 may have too. Waits for two
-/// seconds, because a launcher ends all processes, also rank 0, as soon as one of them has ended with an
-/// error.
-void let_rank_0_print() { std::this_thread::sleep_for(std::chrono::seconds(2)); }
-
-/// Prints an error that may occur on all ranks. Rank 0 prints it at once. The other ranks print it after
-/// let_rank_0_print(): if rank 0 has the same error, most launchers have ended these processes by then.
+/// Prints an error that occurs on all ranks. Only rank 0 prints it. The other ranks wait for two seconds,
+/// because a launcher ends all processes, also rank 0, as soon as one of them has ended with an error.
 void print_common_error(unsigned rank, std::string_view text) {
-  if (rank == 0) return fmt::print(stderr, "{}", text);
-  let_rank_0_print();
-  fmt::print(stderr, "rank {} on {}: {}", rank, host(), text);
+  if (rank == 0)
+    fmt::print(stderr, "{}", text);
+  else
+    std::this_thread::sleep_for(std::chrono::seconds(2));
 }
 
 /// Throws InputError if the launcher started more processes than Transport allows.
@@ -361,13 +351,7 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
   try {
     check_number(launcher);
     return work();
-  } catch (const AgreedError& error) {
-    if (launcher.rank == 0)
-      fmt::print(stderr, "{}\n", error.what());
-    else
-      let_rank_0_print();
-    return k_bad_input;
-  } catch (const InputError& error) {  // on all ranks, or on this rank alone
+  } catch (const InputError& error) {  // the same error on all ranks
     print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const partition::RankError& error) {
@@ -434,12 +418,8 @@ bool is_refused_on_ranks(std::string_view command) {
 }
 
 void print_common_error(std::string_view text) {
-  unsigned rank = 0;
-  try {
-    if (const std::optional<Launcher> launcher = find_launcher()) rank = launcher->rank;
-  } catch (const InputError&) {  // ignored: srun has started several processes without --mpi, and no ranks
-  }
-  print_common_error(rank, text);
+  const std::optional<Launcher> launcher = find_launcher();
+  print_common_error(launcher ? launcher->rank : 0, text);
 }
 
 }  // namespace troupe::apps

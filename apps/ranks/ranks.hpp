@@ -18,10 +18,8 @@ namespace troupe::apps {
 /// With several processes, exceptions are handled as follows:
 ///
 /// - If run() throws InputError, rank 0 prints it and returns k_bad_input. The other ranks return k_finished.
-/// - If the ranks run different programs or have different arguments, rank 0 prints the error. All ranks
-///   return k_bad_input.
-/// - If the connection fails on a rank, or --ranks is given, this rank prints the error as
-///   print_common_error() does, and returns k_bad_input.
+/// - If the connection fails, the ranks run different programs, or --ranks is given, rank 0 prints the error.
+///   All ranks return k_bad_input.
 /// - After any other exception, the process prints the error and ends without returning, because other
 ///   processes may wait for it.
 ///
@@ -34,9 +32,9 @@ ExitCode on_ranks(const WorldOptions& options,
 /// a launcher, or with one process, calls run() once and passes its exceptions on.
 ///
 /// With several processes (ranks), run() may throw InputError only on all ranks, or on rank 0 before
-/// RankDeal::share(). The ranks that throw print the error as print_common_error() does, and return
-/// k_bad_input. After any other exception, the process prints the error and ends without returning, because
-/// other processes may wait for it.
+/// RankDeal::share(). The ranks that throw return k_bad_input, and rank 0 prints the error. After any other
+/// exception, the process prints the error and ends without returning, because other processes may wait for
+/// it.
 ///
 /// threads: number of runs that each process makes at the same time (RankDeal::threads()); 0: the number of
 /// processors that the launcher or the system gives this process
@@ -44,15 +42,15 @@ ExitCode on_ranks(const WorldOptions& options,
 ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<ExitCode(RankDeal& deal)>& run);
 
 /// Checks whether a launcher such as mpirun started several processes. Commands that run in one process call
-/// this function first. If it returns true, the command must not run, and the function has printed an error
-/// as print_common_error() does. command: name of the command, for the error.
+/// this function first. If it returns true, the command must not run, and rank 0 has printed an error.
+/// command: name of the command, for the error.
 bool is_refused_on_ranks(std::string_view command);
 
-/// Prints an error that may occur on all processes of a launcher, such as wrong usage. Rank 0 prints it at
-/// once. Every other rank waits for two seconds, and then prints the error with its number and its host. If
-/// rank 0 has the same error, most launchers have ended the other ranks by then, because they end all
-/// processes as soon as one has failed. If only this rank has the error, for example because a file is
-/// missing on its computer, no other rank prints it. Without a launcher, prints the error at once.
+/// Prints an error that occurs on all processes of a launcher, such as wrong usage. Only rank 0 prints it.
+/// The other ranks wait for two seconds instead, because a launcher ends all processes as soon as one has
+/// failed. An error that occurs on another rank alone is therefore not printed. The ranks do not know whether
+/// rank 0 has the same error, and some launchers (MPICH's) do not end the other processes, so that each of
+/// them would print it.
 void print_common_error(std::string_view text);
 
 }  // namespace troupe::apps

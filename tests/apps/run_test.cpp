@@ -215,33 +215,6 @@ TEST_F(Run, TheInstructionSetOfTheEnvironmentHoldsUnlessAnotherIsGiven) {
               StartsWith("TROUPE_SIMD: error: \"avx9\" is not an instruction set that this program is"));
 }
 
-// Rank 0 would print errors that all ranks have. An error may also occur on another rank alone.
-TEST_F(Run, EachRankPrintsAnErrorThatOccursBeforeTheConnection) {
-  const std::vector<std::string> run{"run", "room.world", "--for", "1"};
-  const std::vector<std::string> wrong_usage{"run", "room.world", "--thread", "3"};
-  setenv("OMPI_COMM_WORLD_SIZE", "2", 1);
-  setenv("TROUPE_MPI", "none", 1);
-  setenv("OMPI_COMM_WORLD_RANK", "0", 1);
-  const Outcome first = troupe(run);
-  setenv("OMPI_COMM_WORLD_RANK", "1", 1);
-  const Outcome lacks_module = troupe(run);
-  const Outcome misused = troupe(wrong_usage);
-  setenv("TROUPE_SIMD", "avx9", 1);
-  const Outcome is_old = troupe(run);
-  for (const char* name : {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "TROUPE_MPI", "TROUPE_SIMD"})
-    unsetenv(name);
-  constexpr const char* k_no_module =
-      "troupe: error: mpirun of Open MPI started 2 processes, but there is no module libtroupe_mpi_none.so";
-  EXPECT_THAT(first.err, StartsWith(k_no_module));
-  EXPECT_THAT(lacks_module.err, HasSubstr(std::string(": ") + k_no_module));
-  EXPECT_THAT(misused.err, HasSubstr("unknown option \"--thread\""));
-  EXPECT_THAT(is_old.err, HasSubstr(": TROUPE_SIMD: error: \"avx9\" is not an instruction set"));
-  for (const Outcome& other : {lacks_module, misused, is_old}) {
-    EXPECT_EQ(other.code, 2);
-    EXPECT_THAT(other.err, StartsWith("rank 1 on "));
-  }
-}
-
 constexpr std::string_view k_runner = R"({"troupe": 1, "bounds_m": [[-1, -1], [20, 1]],
   "types": {"bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"},
     "controller": {"kind": "script", "legs": [{"until_s": 1000, "forward_mps": 1}]}}},
