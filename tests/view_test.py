@@ -657,6 +657,51 @@ def can_run(file, other):
         return False
 
 
+class ASlowLink(unittest.TestCase):
+    def test_page_and_long_message_arrive(self):
+        def slow(text):
+            """Opens a connection over which the server can send only about 100 kB before the client reads."""
+            connection = socket.socket()
+            self.addCleanup(connection.close)
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_MAXSEG, 536)
+            connection.settimeout(WAIT_S)
+            connection.connect(("127.0.0.1", view.port))
+            connection.sendall(text.encode())
+            return connection
+        world = json.loads(json.dumps(YARD))
+        world["bounds_m"] = [[-200, -200], [200, 200]]
+        world["populations"][0] |= {"count": 30000, "reserve": 0, "place": {"rule": "grid", "region_m": [[-190, -190], [190, 190]], "pitch_m": 2}}
+        with View("--rate", 1, world=world) as view:
+            page = slow("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            viewer = slow("GET /live HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n")
+            head = b""
+            while not head.endswith(b"\r\n\r\n"):
+                head += viewer.recv(1)
+            token = view.token.encode()
+            viewer.sendall(bytes([0x81, 0x80 | len(token), 0, 0, 0, 0]) + token)
+            time.sleep(8)  # a connection without a token ends after 5 s
+            answer = b""
+            while data := page.recv(1 << 16):
+                answer += data
+            head, _, body = answer.partition(b"\r\n\r\n")
+            length = next(int(line.split(b":")[1]) for line in head.split(b"\r\n") if line.lower().startswith(b"content-length"))
+            self.assertEqual(len(body), length)
+            time.sleep(30)  # a client that is silent for 30 s is disconnected, unless a long message is being sent to it
+            frame = b""
+            while len(frame) < 10:
+                frame += viewer.recv(10 - len(frame))
+            self.assertEqual(frame[:2], b"\x81\x7f", "a long text")
+            (size,) = struct.unpack(">Q", frame[2:10])
+            self.assertGreater(size, 250_000)
+            while len(frame) < 10 + size:
+                data = viewer.recv(1 << 16)
+                self.assertTrue(data, "the server has closed the connection")
+                frame += data
+            self.assertEqual(json.loads(frame[10:10 + size])["type"], "hello")
+
+
 class Attacked(unittest.TestCase):
     """Invalid requests: each is refused and reported once, and the run goes on."""
 
@@ -827,49 +872,6 @@ class Attacked(unittest.TestCase):
                 break
             except ConnectionError:
                 time.sleep(0.02)  # the server has not yet noticed the end of the connection
-
-    def test_a_slow_link(self):
-        def slow(text):
-            """Opens a connection over which the server can send only about 100 kB before the client reads."""
-            connection = socket.socket()
-            self.addCleanup(connection.close)
-            connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_MAXSEG, 536)
-            connection.settimeout(WAIT_S)
-            connection.connect(("127.0.0.1", view.port))
-            connection.sendall(text.encode())
-            return connection
-        world = json.loads(json.dumps(YARD))
-        world["bounds_m"] = [[-200, -200], [200, 200]]
-        world["populations"][0] |= {"count": 30000, "reserve": 0, "place": {"rule": "grid", "region_m": [[-190, -190], [190, 190]], "pitch_m": 2}}
-        with View("--rate", 1, world=world) as view:
-            page = slow("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
-            viewer = slow("GET /live HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-                          "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n")
-            head = b""
-            while not head.endswith(b"\r\n\r\n"):
-                head += viewer.recv(1)
-            token = view.token.encode()
-            viewer.sendall(bytes([0x81, 0x80 | len(token), 0, 0, 0, 0]) + token)
-            time.sleep(8)  # a connection without a token ends after 5 s
-            answer = b""
-            while data := page.recv(1 << 16):
-                answer += data
-            head, _, body = answer.partition(b"\r\n\r\n")
-            length = next(int(line.split(b":")[1]) for line in head.split(b"\r\n") if line.lower().startswith(b"content-length"))
-            self.assertEqual(len(body), length)
-            time.sleep(30)  # a client that is silent for 30 s is disconnected, unless a long message is being sent to it
-            frame = b""
-            while len(frame) < 10:
-                frame += viewer.recv(10 - len(frame))
-            self.assertEqual(frame[:2], b"\x81\x7f", "a long text")
-            (size,) = struct.unpack(">Q", frame[2:10])
-            self.assertGreater(size, 250_000)
-            while len(frame) < 10 + size:
-                data = viewer.recv(1 << 16)
-                self.assertTrue(data, "the server has closed the connection")
-                frame += data
-            self.assertEqual(json.loads(frame[10:10 + size])["type"], "hello")
 
     def test_half_open_connections(self):
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
