@@ -687,7 +687,7 @@ TypeSpec World::type_at(TypeId type, std::size_t count) const {
 Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   require_whole();
   require_unfrozen();
-  const Result<> done = insert_setting(setting, registry);
+  Result<> done = insert_setting(setting, registry);
   if (done && replica_ != nullptr) replica_->set(setting);
   return done;
 }
