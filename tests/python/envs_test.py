@@ -184,6 +184,21 @@ class Checkers(unittest.TestCase):
         discrete.reset(seed=1)
         with self.assertRaisesRegex(ValueError, r"action: must have the shape \(\), found \(1,\)"):
             discrete.step([0])
+        with self.assertRaisesRegex(ValueError, r"action: must consist of whole numbers, found 1.9"):
+            discrete.step(1.9)
+        parallel = troupe.envs.ParallelEnv(Looker())
+        parallel.reset(seed=1)
+        with self.assertRaisesRegex(ValueError, r"action of r1: must consist of whole numbers, found 1.9"):
+            parallel.step({"r1": 1.9})
+
+    def test_actions_of_agents_are_not_rounded(self):
+        parallel, vector = troupe.envs.ParallelEnv(Short(2)), troupe.envs.VectorEnv(Short(2), 2)
+        seen, _ = parallel.reset(seed=1)
+        rows, _ = vector.reset(seed=1)
+        for _ in range(5):
+            seen, *_ = parallel.step({"r0": np.array([0.1, 0.2]), "r1": np.array([0.3, 0.7])})
+            rows, *_ = vector.step(np.array([[0.1, 0.2], [0.3, 0.7]]))
+        self.assertTrue(np.array_equal(np.stack([seen["r0"], seen["r1"]]), rows))
 
     def test_a_robot_may_have_the_name_of_a_type(self):
         def bot(range_max_m):
@@ -333,6 +348,29 @@ class Vector(unittest.TestCase):
                 troupe.envs.VectorEnv(task, 1)
             self.assertEqual(str(raised.exception), text)
 
+    def test_names_and_shapes_of_parts_are_unique(self):
+        eye = {"device": "eye", "field": "color", "shape": (4, 8, 4)}
+        for members, text in (
+            ({"arrays": {"observation": [lidar(1)]}}, 'Team.arrays has the name "observation" of an observation: give the array another name'),
+            ({"observation": {"near": [lidar()]}, "arrays": {"near": [lidar(1)]}},
+             'Team.arrays has the name "near" of an observation: give the array another name'),
+            ({"observation": [lidar(), eye]},
+             'Team.observation: has a part with a "shape" and other parts: a part with a shape must be the only one of its list'),
+        ):
+            task = Looker()
+            task.teams = [dataclasses.replace(task.teams[0], **{"rewards": [], **members})]
+            with self.assertRaises(ValueError) as raised:
+                troupe.envs.VectorEnv(task, 3)
+            self.assertEqual(str(raised.exception), text)
+
+    def test_a_negative_scale_has_bounds_in_order(self):
+        task = Short(2)
+        task.teams = [dataclasses.replace(task.teams[0], observation=[lidar(-1.0)], rewards=[], ends=[], arrays={})]
+        env = troupe.envs.VectorEnv(task, 2)
+        space = env.single_observation_space
+        self.assertTrue((space.high == 0).all() and (space.low == -3).all(), space)
+        self.assertTrue(space.contains(env.reset(seed=1)[0][0]))
+
     def test_choices_and_levels_fit_the_actions(self):
         for members, error, text in (
             ({"choices": [[1]]}, ValueError, "Team.choices[0] has 1 number: give 2, one per entry of actions"),
@@ -384,6 +422,27 @@ class Vector(unittest.TestCase):
                 'Acting.act(), team "team0": must return an array of the shape (3, 2, 2) (copies, robots, commands), '
                 f"found {np.shape(commands)}",
             )
+
+        class Rewarding(Short):
+            result = None
+
+            def reward(self, batch, team):
+                return self.result
+
+            def terminated(self, batch, team):
+                return None if self.result is None else np.zeros(self.ends, np.bool_)
+
+        batch = troupe.envs.Batch(Rewarding(2), 2, threads=1)
+        for rewards, ends, text in (
+            ((2,), (2, 2), "reward(), team \"team0\": must return an array of the shape (2, 2) (copies, robots), found (2,)"),
+            ((2, 1), (2, 2), "reward(), team \"team0\": must return an array of the shape (2, 2) (copies, robots), found (2, 1)"),
+            ((2, 2), (2,), "terminated(), team \"team0\": must return an array of the shape (2, 2) (copies, robots), found (2,)"),
+        ):
+            batch.reset()
+            batch.task.result, batch.task.ends = np.zeros(rewards), ends
+            with self.assertRaises(ValueError) as raised:
+                batch.step([np.zeros((2, 2, 2))])
+            self.assertEqual(str(raised.exception), f"Rewarding.{text}")
 
         task = Short(2)
         task.teams = [dataclasses.replace(task.teams[0], levels=[[-1, 1], [0, 1]])]
@@ -520,6 +579,14 @@ class RobotsThatAreBorn(unittest.TestCase):
             self.assertEqual(truncations.all(), step == 19)
             self.assertFalse(observations[~there].any())
             self.assertTrue(observations[there].any(axis=1).all())
+
+    def test_columns_of_the_task_are_0_for_robots_that_are_not_in_the_world(self):
+        class Constant(Births):
+            def observe(self, batch, team, name):
+                return np.full((batch.copies, 5, 1), -1.0, np.float32)
+
+        observations, *_ = self.run_vector(Constant(), "NextStep", 1)[0]
+        self.assertEqual(observations[:5, -1].tolist(), [-1.0, -1.0, -1.0, 0.0, 0.0])
 
     def test_a_measure_ends_the_episode_of_all(self):
         for mode in ("NextStep", "SameStep"):
@@ -718,6 +785,13 @@ class Benchmark(unittest.TestCase):
 
 
 class Tasks(unittest.TestCase):
+    def test_robots_begin_inside_the_room(self):
+        for task in (troupe.envs.Flocking(robots=12, size=6.0), troupe.envs.Dispersion(robots=12, size=6.0)):
+            simulation = troupe.Simulation(task.world)
+            for seed in range(20):
+                simulation.reset(seed=seed)
+                self.assertLess(np.abs(simulation.swarm("r").poses[:, :2]).max(), 2.51, (type(task).__name__, seed))
+
     def returns(self, task, act, copies=8):
         env = troupe.envs.VectorEnv(task, copies * len(troupe.envs.ParallelEnv(task).possible_agents), autoreset_mode="Disabled")
         observations, _ = env.reset(seed=1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -83,8 +83,8 @@ class Batch:
     def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
         """Advances all copies by one step. actions: one array per team, copies x robots x the shape of an action.
         begins: one bool per copy; copies with True begin their next episode instead of making a step. Raises ValueError
-        for actions of another number or shape, and if Task.act() returns commands of another shape than copies x robots
-        x commands."""
+        for actions of another number or shape, if Task.act() returns commands of another shape than copies x robots x
+        commands, and if Task.reward() or Task.terminated() returns an array of another shape than copies x robots."""
         if len(actions) != len(self.teams):
             raise ValueError(f"actions: found {len(actions)}: give {len(self.teams)}, one array per team")
         finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
@@ -95,26 +95,32 @@ class Batch:
             if found != shape:
                 raise ValueError(f'actions of team "{team.name}": must have the shape {shape}, found {found}')
             commands = self.task.act(self, index, commands_of(team, actions[index]))
-            if np.shape(commands) != target.shape:
-                raise ValueError(
-                    f'{type(self.task).__name__}.act(), team "{team.name}": must return an array of the shape '
-                    f"{target.shape} (copies, robots, commands), found {np.shape(commands)}"
-                )
+            self._check_result("act", team, commands, target.shape, "copies, robots, commands")
             target[...] = commands
         self.core.step(begins)
-        for index in range(len(self.teams)):
+        for index, team in enumerate(self.teams):
             # As with Team.rewards and Team.ends, a robot that is finished or not in the world gets no reward and no end.
             counts = ~finished[index] & self.core.alive(index)
             if begins is not None:
                 counts &= ~begins[:, np.newaxis]
             more = self.task.reward(self, index)
             if more is not None:
+                self._check_result("reward", team, more, counts.shape, "copies, robots")
                 self.core.rewards(index)[...] += np.where(counts, more, 0.0)
             ends = self.task.terminated(self, index)
             if ends is not None:
+                self._check_result("terminated", team, ends, counts.shape, "copies, robots")
                 self.core.terminated(index)[...] |= ends & counts
         if begins is not None and begins.any():
             self.task.begin(self, begins)
+
+    def _check_result(self, function: str, team: Team, result: Any, shape: Tuple[int, ...], axes: str) -> None:
+        """Raises ValueError if a function of the task returned an array of another shape, which NumPy would broadcast."""
+        if np.shape(result) != shape:
+            raise ValueError(
+                f'{type(self.task).__name__}.{function}(), team "{team.name}": must return an array of the shape {shape} '
+                f"({axes}), found {np.shape(result)}"
+            )
 
     def observations(self, team: int = 0) -> Any:
         """Returns the observations of a team as new arrays: an array, or a dict of arrays if Team.observation is a
@@ -128,7 +134,8 @@ class Batch:
         own = self.core.array(name, team)
         more = self.task.observe(self, team, name)
         if more is not None:
-            return np.concatenate([own, more.astype(np.float32)], axis=-1)
+            there = self.core.alive(team)[..., np.newaxis]
+            return np.concatenate([own, np.where(there, more, 0.0).astype(np.float32)], axis=-1)
         shape = _shape_of(parts)
         return own.copy() if shape is None else own.reshape(own.shape[:2] + shape).copy()
 
@@ -147,9 +154,8 @@ class Batch:
             return spaces.Box(low, high, shape, array.dtype.type)
         lows: List[float] = []
         highs: List[float] = []
-        for index, part in enumerate(parts):
-            left = array.shape[-1] - len(lows)
-            low, high = _bounds(part, left if index == len(parts) - 1 else None, simulation, self.names[team][0])
+        for part in parts:
+            low, high = _bounds(part, simulation, self.names[team][0])
             lows += low
             highs += high
         more = self.task.observe(self, team, name)
@@ -191,13 +197,13 @@ def _team_spec(team: Team, robot: str) -> Dict[str, Any]:
     }
 
 
-def _bounds(part: Dict[str, Any], rest: Optional[int], simulation: Simulation, robot: str) -> Any:
+def _bounds(part: Dict[str, Any], simulation: Simulation, robot: str) -> Any:
     """Returns the lower and upper bounds of the columns of a part of an observation (Team.observation): the members low
     and high of the part if given, or else the bounds that the kind of the part implies."""
     of = part.get("of", "reading")
-    scale = abs(part.get("scale", 1.0))
+    scale = part.get("scale", 1.0)
     infinity = float("inf")
-    reach = part.get("range_m", infinity) * scale
+    reach = part.get("range_m", infinity) * abs(scale)
     if of == "nearest":
         low, high = [-reach, -reach, -1.0, -1.0, 0.0], [reach, reach, 1.0, 1.0, 1.0]
         low, high = low * part.get("count", 1), high * part.get("count", 1)
@@ -214,7 +220,7 @@ def _bounds(part: Dict[str, Any], rest: Optional[int], simulation: Simulation, r
         count = len(np.atleast_1d(simulation.find(robot).readings(field, *([device] if device else []))))
         is_range = field == "ranges"
         bound = columns.range_bound(device) * scale if is_range else infinity
-        low, high = [0.0 if is_range else -infinity] * count, [bound] * count
+        low, high = [min(bound, 0.0) if is_range else -infinity] * count, [max(bound, 0.0)] * count
     if "low" in part:
         low = [float(part["low"])] * len(low)
     if "high" in part:

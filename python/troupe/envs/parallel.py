@@ -7,6 +7,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 import numpy.typing as npt
+from gymnasium import spaces
 from pettingzoo import ParallelEnv as _ParallelEnv
 
 from .batch import Batch, one_copy
@@ -90,7 +91,8 @@ class ParallelEnv(_ParallelEnv):
         all zeros (in a discrete space the action with the index 0). Returns (observations, rewards, terminations,
         truncations, infos), dicts by agent, of the robots that were agents before the step and of robots born in the
         step; all dicts are empty if there are no agents. Raises ValueError for a name that is not in `agents`, and for
-        an action of a wrong shape, and RuntimeError before the first reset()."""
+        an action of a wrong shape or, in a discrete space, that is not a whole number, and RuntimeError before the first
+        reset()."""
         batch = self.batch
         if not self._was_reset:
             raise RuntimeError("step(): call reset() before the first step")
@@ -101,7 +103,9 @@ class ParallelEnv(_ParallelEnv):
             raise ValueError(f"actions: found actions of {', '.join(strangers)}, which are not agents at this time; agents: {', '.join(self.agents)}")
         tables = []
         for team, space in enumerate(batch.action_spaces):
-            table = np.zeros((1, len(batch.names[team]), *(space.shape or ())), space.dtype)
+            # Not float32, the type of a Box, which would round the actions of a policy that uses float64.
+            dtype = np.float64 if isinstance(space, spaces.Box) else space.dtype
+            table = np.zeros((1, len(batch.names[team]), *(space.shape or ())), dtype)
             tables.append(table)
         for agent, action in actions.items():
             team, row = self._places[agent]

@@ -22,12 +22,14 @@ def first_of(observations: Any, *index: int) -> Any:
 
 
 def checked(action: Any, space: "gymnasium.Space[Any]", what: str) -> npt.NDArray[Any]:
-    """Returns an action as an array. Raises ValueError unless it has the shape of the action space. what: the name of
-    the action in the error text."""
+    """Returns an action as an array. Raises ValueError unless it has the shape of the action space, and, if the space is
+    discrete, consists of whole numbers. what: the name of the action in the error text."""
     given = np.asarray(action)
     shape = space.shape or ()
     if given.shape != shape:
         raise ValueError(f"{what}: must have the shape {shape}, found {given.shape}")
+    if space.dtype is not None and space.dtype.kind in "iu" and given.dtype.kind not in "iu":
+        raise ValueError(f"{what}: must consist of whole numbers, found {action!r}")
     return given
 
 

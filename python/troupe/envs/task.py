@@ -88,18 +88,20 @@ class Task:
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
         """Returns rewards that are added to those of Team.rewards, copies x robots, or None for no rewards. Called once
         per step, after the step. Rewards for robots that were finished before the step or are not in the world are
-        ignored."""
+        ignored. A result of another shape makes the step raise ValueError."""
         return None
 
     def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:
         """Returns which robots are finished in addition to those of Team.ends: bools, copies x robots, or None for no
-        robots. Called once per step, after reward(). True for a robot that is not in the world has no effect."""
+        robots. Called once per step, after reward(). True for a robot that is not in the world has no effect. A result
+        of another shape makes the step raise ValueError."""
         return None
 
     def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
         """Returns columns to append to the observed array `name` (a key of Team.observation, or "observation" if that
         is a list), copies x robots x columns, or None for no columns. In the observation space, these columns have the
-        bounds -1 and 1. Also called before the first episode, to find the number of columns."""
+        bounds -1 and 1. In the rows of robots that are not in the world, the columns are replaced by 0. Also called
+        before the first episode, to find the number of columns."""
         return None
 
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
@@ -118,8 +120,9 @@ def require_task(task: Any) -> None:
 
 
 def check_team(team: Team) -> None:
-    """Raises TypeError if a member of a team is not made of lists as Team describes, and ValueError if `choices` or
-    `levels` do not fit `actions`, have numbers outside of -1 to 1, or are both given."""
+    """Raises TypeError if a member of a team is not made of lists as Team describes. Raises ValueError if `choices` or
+    `levels` do not fit `actions`, have numbers outside of -1 to 1, or are both given, if an array has the name of an
+    observation, or if a part with a shape is not the only part of its list."""
     if not isinstance(team.arrays, dict):
         raise TypeError(f"Team.arrays: must be a dict from names to lists of parts, found {team.arrays!r}")
     observation = team.observation
@@ -132,6 +135,12 @@ def check_team(team: Team) -> None:
     for member, parts in lists.items():
         if not isinstance(parts, _LISTS) or not all(isinstance(part, dict) for part in parts):
             raise TypeError(f"Team.{member}: must be a list of dicts, found {parts!r}")
+        if len(parts) > 1 and any("shape" in part for part in parts):
+            raise ValueError(f'Team.{member}: has a part with a "shape" and other parts: a part with a shape must be the only one of its list')
+    observed = observation if isinstance(observation, dict) else ["observation"]
+    for name in team.arrays:
+        if name in observed:
+            raise ValueError(f'Team.arrays has the name "{name}" of an observation: give the array another name')
     for member, rows in (("choices", team.choices), ("levels", team.levels)):
         if rows is not None:
             _check_numbers(member, rows)

@@ -76,6 +76,15 @@ def spread(name: str, kind: str, count: int, size: float) -> Dict[str, Any]:
     return {"name": name, "type": kind, "count": count, "place": {"rule": "uniform", "region_m": [[-half, -half], [half, half]]}}
 
 
+def gathered(name: str, kind: str, count: int, size: float, deviation: float) -> Dict[str, Any]:
+    """Returns a population of `count` bodies of the type `kind` whose positions are normally distributed around the
+    origin, in a square room that is centred there, at least 0.5 m from its sides. size: length of a side of the room, m.
+    deviation: standard deviation along each axis, m."""
+    population = spread(name, kind, count, size)
+    population["place"] |= {"rule": "gaussian", "mean_m": [0, 0], "deviation_m": [deviation, deviation]}
+    return population
+
+
 def lidar(scale: float = 1 / LIDAR_RANGE) -> Dict[str, Any]:
     """Returns a part of an observation: the ranges of the lidar in m, multiplied by `scale`."""
     return {"field": "ranges", "device": "lidar", "scale": scale}
@@ -196,8 +205,7 @@ class Dispersion(Task):
     seconds = 60.0
 
     def __init__(self, robots: int = 12, size: float = 10.0) -> None:
-        middle = {"name": "r", "type": "robot", "count": robots, "place": {"rule": "gaussian", "mean_m": [0, 0], "deviation_m": [1, 1]}}
-        self.world = room(size, [middle], {"robot": robot_type()})
+        self.world = room(size, [gathered("r", "robot", robots, size, 1.0)], {"robot": robot_type()})
         self.teams = [
             Team(
                 robots="r",
@@ -233,8 +241,7 @@ class Flocking(Task):
     nearest = 4
 
     def __init__(self, robots: int = 12, size: float = 12.0) -> None:
-        middle = {"name": "r", "type": "robot", "count": robots, "place": {"rule": "gaussian", "mean_m": [0, 0], "deviation_m": [1.5, 1.5]}}
-        self.world = room(size, [middle], {"robot": robot_type()})
+        self.world = room(size, [gathered("r", "robot", robots, size, 1.5)], {"robot": robot_type()})
         near = {"of": "nearest", "name": "r", "count": self.nearest, "range_m": self.reach, "scale": 1 / self.reach}
         self.teams = [
             Team(
