@@ -351,7 +351,7 @@ class Vector(unittest.TestCase):
     def test_names_and_shapes_of_parts_are_unique(self):
         eye = {"device": "eye", "field": "color", "shape": (4, 8, 4)}
         for members, text in (
-            ({"arrays": {"observation": [lidar(1)]}}, 'Team.arrays has the name "observation" of an observation: give the array another name'),
+            ({"observation": [lidar()], "arrays": {"observation": [lidar(1)]}}, 'Team.arrays has the name "observation" of an observation: give the array another name'),
             ({"observation": {"near": [lidar()]}, "arrays": {"near": [lidar(1)]}},
              'Team.arrays has the name "near" of an observation: give the array another name'),
             ({"observation": [lidar(), eye]},
@@ -790,7 +790,7 @@ class Tasks(unittest.TestCase):
             simulation = troupe.Simulation(task.world)
             for seed in range(20):
                 simulation.reset(seed=seed)
-                self.assertLess(np.abs(simulation.swarm("r").poses[:, :2]).max(), 2.51, (type(task).__name__, seed))
+                self.assertLess(np.abs(simulation.swarm("r").poses()[:, :2]).max(), 2.51, (type(task).__name__, seed))
 
     def returns(self, task, act, copies=8):
         env = troupe.envs.VectorEnv(task, copies * len(troupe.envs.ParallelEnv(task).possible_agents), autoreset_mode="Disabled")
