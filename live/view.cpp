@@ -1,6 +1,7 @@
 #include "live/view.hpp"
 
 #include "base/diagnostics.hpp"
+#include "base/raised.hpp"
 #include "engine/sensing/shown_color.hpp"
 #include "engine/world/world.hpp"
 #include "live/request.hpp"
@@ -28,18 +29,6 @@ using Json = nlohmann::ordered_json;
 constexpr int k_wire = 2;                                          // version of the wire protocol
 constexpr std::chrono::nanoseconds k_picture{1'000'000'000 / 30};  // mean time between two pictures, at least
 constexpr std::chrono::milliseconds k_nap{50};  // longest wait, so that Ctrl-C takes effect soon
-
-/// Sets a flag while an object of this class exists.
-class Raised {
- public:
-  explicit Raised(bool& flag) : flag_(flag) { flag_ = true; }
-  ~Raised() { flag_ = false; }
-  Raised(const Raised&) = delete;
-  Raised& operator=(const Raised&) = delete;
-
- private:
-  bool& flag_;
-};
 
 /// Returns the names of the measures that viewers can plot: those that have no required parameters and are
 /// not a second name (alias) of another measure.

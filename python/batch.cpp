@@ -1,3 +1,4 @@
+#include "base/raised.hpp"
 #include "live/view.hpp"
 #include "python/bindings.hpp"
 
@@ -50,13 +51,7 @@ class HeldBatch {
     // Another thread could otherwise destroy a view while the step waits in it.
     std::vector<std::shared_ptr<void>> views;
     for (const std::weak_ptr<void>& view : views_) views.push_back(view.lock());
-    struct Busy {
-      explicit Busy(bool& flag) : flag_(flag) { flag_ = true; }
-      ~Busy() { flag_ = false; }
-      Busy(const Busy&) = delete;
-      Busy& operator=(const Busy&) = delete;
-      bool& flag_;
-    } const busy(is_busy_);
+    const Raised busy(is_busy_);
     is_cancelled_ = false;
     const bool has_view = std::ranges::any_of(views, [](const auto& view) { return view != nullptr; });
     if (has_view && is_main_thread()) return work_elsewhere([&] { what(batch); });

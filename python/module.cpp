@@ -1,3 +1,4 @@
+#include "base/raised.hpp"
 #include "engine/world/world.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/version.hpp"
@@ -129,14 +130,11 @@ Simulation& Held::use_outside(std::string_view what) {
 /// destroys the view if Python has released it meanwhile.
 class Held::Stepping {
  public:
-  explicit Stepping(Held& held) : flag_(held.stepping_), view_(held.view_.lock()) { flag_ = true; }
-  ~Stepping() { flag_ = false; }
-  Stepping(const Stepping&) = delete;
-  Stepping& operator=(const Stepping&) = delete;
+  explicit Stepping(Held& held) : view_(held.view_.lock()), stepping_(held.stepping_) {}
 
  private:
-  bool& flag_;
   std::shared_ptr<void> view_;
+  Raised stepping_;
 };
 
 void Held::work(const std::function<void(Simulation&)>& task) {

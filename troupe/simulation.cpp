@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "base/raised.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/sensing/sight.hpp"
 #include "engine/spec/ticks.hpp"
@@ -32,18 +33,6 @@ std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
         fmt::format("{}({}): give a time from 0 to {} s", call, seconds, engine::k_longest_run_s));
   return engine::ticks_until(seconds, tick_s);
 }
-
-/// Sets a flag while an object of this class exists: while callbacks run.
-class Calling {
- public:
-  explicit Calling(bool& flag) : flag_(flag) { flag_ = true; }
-  ~Calling() { flag_ = false; }
-  Calling(const Calling&) = delete;
-  Calling& operator=(const Calling&) = delete;
-
- private:
-  bool& flag_;
-};
 
 }  // namespace
 
@@ -97,7 +86,7 @@ void Simulation::step() {
   if (impl_->before_step) impl_->before_step(*this);
   if (impl_->before_tick || !impl_->holds.empty())
     impl_->world->before_tick([this] {
-      const Calling calling(impl_->in_before_tick);
+      const Raised calling(impl_->in_before_tick);
       if (impl_->before_tick) impl_->before_tick(*this);
       impl_->holds.apply(*this);
     });
@@ -107,7 +96,7 @@ void Simulation::step() {
   if (impl_->stop) impl_->stop->see();
   if (impl_->recording) impl_->recording->observe(*this);
   if (impl_->on_tick.empty()) return;
-  const Calling calling(impl_->in_callbacks);
+  const Raised calling(impl_->in_callbacks);
   for (const auto& callback : impl_->on_tick) callback(*this);
 }
 

@@ -1,4 +1,5 @@
 #include "base/fp_environment.hpp"
+#include "base/raised.hpp"
 #include "engine/kinds/finite.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/state/batches.hpp"
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 namespace troupe::engine {
@@ -29,18 +31,6 @@ bool is_command(const Command& command) {
 }
 
 Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
-
-/// Exists while the hook `apply` of a kind runs: `may_carry` then says whether the kind declares `carries`.
-class Applying {
- public:
-  Applying(bool& may_carry, const DeviceKind& kind) : may_carry_(may_carry) { may_carry_ = kind.carries; }
-  ~Applying() { may_carry_ = true; }
-  Applying(const Applying&) = delete;
-  Applying& operator=(const Applying&) = delete;
-
- private:
-  bool& may_carry_;
-};
 
 }  // namespace
 
@@ -424,7 +414,7 @@ void World::move() {
 /// a hook changed a tree, distributed ranks would apply later effects on the tree to an old state of it
 /// (SharedEffects). call: the function of World that the hook has called
 void World::require_carries(std::string_view call) const {
-  if (may_carry_) return;
+  if (!must_not_carry_) return;
   throw std::logic_error(
       fmt::format("World::{} was called by a kind that does not declare that it can carry bodies: set "
                   "DeviceKind::carries to true",
@@ -440,7 +430,8 @@ void World::apply_effects() {
     const Row source = row(effect.source);
     call_kind(*this, {&source, 1}, device, [&] {
       if (blinkers_) blinkers_->begin_effect(effect);
-      const Applying applying(may_carry_, *device.kind);
+      std::optional<Raised> plain;
+      if (!device.kind->carries) plain.emplace(must_not_carry_);
       device.kind->apply(*this, device.prepared.data, effect);
       if (blinkers_) blinkers_->end_effect(device, effect);
     });

@@ -831,9 +831,9 @@ class World {
   bool has_collective_ = false;  // a type has a controller with ControllerKind::is_collective
 
   // State, and counters.
-  bool is_half_made_ = false;  // a step threw: only reset(), restart() and restore() are allowed
-  bool is_frozen_ = false;     // an object Frozen exists
-  bool may_carry_ = true;      // false while the hook `apply` of a kind without `carries` is running
+  bool is_half_made_ = false;    // a step threw: only reset(), restart() and restore() are allowed
+  bool is_frozen_ = false;       // an object Frozen exists
+  bool must_not_carry_ = false;  // the hook `apply` of a kind without `carries` is running
   std::uint64_t beams_ = 0;
   std::uint64_t conflict_rounds_ = 0;
 
