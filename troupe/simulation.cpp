@@ -37,9 +37,12 @@ std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
 }  // namespace
 
 void Simulation::Impl::refuse_in_callbacks(std::string_view what) const {
-  if (in_callbacks)
-    throw std::logic_error(
-        fmt::format("{} is not allowed in a callback of on_tick(): call it outside the callback", what));
+  if (!in_on_tick && !in_before_tick && !in_before_step) return;
+  throw std::logic_error(fmt::format("{} is not allowed in a callback of {}: call it outside the callback",
+                                     what,
+                                     in_on_tick       ? "on_tick()"
+                                     : in_before_tick ? "before_tick()"
+                                                      : "before_step()"));
 }
 
 void Simulation::Impl::require_own(const Model& model) const {
@@ -83,7 +86,10 @@ void Simulation::step() {
   Model::refuse_in_for_each(*impl_->world, "step()");
   // A library loaded since the last step may have switched on flush-to-zero for this thread.
   if (!check_fp_environment()) restore_fp_environment();
-  if (impl_->before_step) impl_->before_step(*this);
+  if (impl_->before_step) {
+    const Raised calling(impl_->in_before_step);
+    impl_->before_step(*this);
+  }
   if (impl_->before_tick || !impl_->holds.empty())
     impl_->world->before_tick([this] {
       const Raised calling(impl_->in_before_tick);
@@ -96,7 +102,7 @@ void Simulation::step() {
   if (impl_->stop) impl_->stop->see();
   if (impl_->recording) impl_->recording->observe(*this);
   if (impl_->on_tick.empty()) return;
-  const Raised calling(impl_->in_callbacks);
+  const Raised calling(impl_->in_on_tick);
   for (const auto& callback : impl_->on_tick) callback(*this);
 }
 
@@ -110,11 +116,13 @@ void Simulation::on_tick(std::function<void(Simulation&)> callback) {
 }
 
 void Simulation::before_tick(std::function<void(Simulation&)> callback) {
+  if (impl_->in_before_tick) impl_->refuse_in_callbacks("before_tick()");  // it would destroy the callback
   Model::refuse_in_for_each(*impl_->world, "before_tick()");
   impl_->before_tick = std::move(callback);
 }
 
 void Simulation::before_step(std::function<void(Simulation&)> callback) {
+  if (impl_->in_before_step) impl_->refuse_in_callbacks("before_step()");  // it would destroy the callback
   Model::refuse_in_for_each(*impl_->world, "before_step()");
   impl_->before_step = std::move(callback);
 }

@@ -582,18 +582,18 @@ class Simulation {
   /// interventions and faults of the world file. tick() is then still the number of the previous tick. The
   /// callback may do everything that a program may do between two steps, except save(), and may call act().
   /// In the callback, save() throws std::logic_error, because a run that is resumed from the checkpoint would
-  /// repeat the interventions and faults of this tick. The callback must not call step() or reset(); Troupe
-  /// does not check this. If the callback throws, step() passes the exception on,
-  /// and the state is then incomplete, as described at step(). A second call replaces the callback; a null
-  /// callback removes it.
+  /// repeat the interventions and faults of this tick. step(), reset(), on_tick() and before_tick() throw
+  /// std::logic_error there, too. If the callback throws, step() passes the exception on, and the state is
+  /// then incomplete, as described at step(). A second call replaces the callback; a null callback removes
+  /// it.
   void before_tick(std::function<void(Simulation&)> callback);
   bool has_before_tick() const;  ///< whether a callback of before_tick() is set
   /// Sets the callback that is called at the beginning of every step, before the interventions and faults of
   /// the world file. The state is that after the previous tick, or that after a reset with the changes that
   /// the program has made since. A live view (live/view.hpp) uses this callback. The callback may do
-  /// everything that a program may do between two steps, except step() and reset(); Troupe does not check
-  /// this. If the callback throws, step() passes the exception on and computes nothing. A second call
-  /// replaces the callback; a null callback removes it.
+  /// everything that a program may do between two steps, except step(), reset(), on_tick() and before_step(),
+  /// which throw std::logic_error. If the callback throws, step() passes the exception on and computes
+  /// nothing. A second call replaces the callback; a null callback removes it.
   void before_step(std::function<void(Simulation&)> callback);
   /// Applies an act to the running world: a change that a user or a program requests, such as moving,
   /// removing or steering a robot (docs/live.md). Call it between two steps, or in the callback of

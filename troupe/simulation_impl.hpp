@@ -60,7 +60,7 @@ struct Simulation::Impl {
   /// The recording that record() started; null if none is running.
   std::unique_ptr<Recording> recording;
   std::deque<std::function<void(Simulation&)>> on_tick;  ///< callbacks of Simulation::on_tick()
-  bool in_callbacks = false;                             ///< whether a callback of `on_tick` is running
+  bool in_on_tick = false;                               ///< whether a callback of `on_tick` is running
   /// Renderer and options of the last call of snapshot() or picture(); null before the first call.
   std::unique_ptr<Pictures> pictures;
   PictureOptions picture_options;
@@ -68,12 +68,13 @@ struct Simulation::Impl {
   std::function<void(Simulation&)> before_tick;  ///< callback of Simulation::before_tick(); may be empty
   bool in_before_tick = false;                   ///< whether the callback `before_tick` is running
   std::function<void(Simulation&)> before_step;  ///< callback of Simulation::before_step(); may be empty
+  bool in_before_step = false;                   ///< whether the callback `before_step` is running
   /// The held robots: robots that get their speeds from a user or a program instead of from their
   /// controllers. Simulation::act() holds and releases robots.
   Holds holds;
 
-  /// Throws std::logic_error if a callback of on_tick() is running. what: name of the calling function, which
-  /// is not allowed in these callbacks, for the error.
+  /// Throws std::logic_error if a callback of on_tick(), before_tick() or before_step() is running. what:
+  /// name of the calling function, which is not allowed in these callbacks, for the error.
   void refuse_in_callbacks(std::string_view what) const;
   /// Throws std::logic_error for a model of another simulation.
   void require_own(const Model& model) const;

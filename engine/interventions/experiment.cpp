@@ -176,7 +176,12 @@ Result<> build_device_setting(const SettingContext& context, TypeSpec& spec,
   // Checked before the device is prepared, because preparing too many samples could exhaust the memory.
   if (samples_asked_for(kind.params, params) != samples_asked_for(kind.params, device.params))
     return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
-  const bool keeps_body = same_body(kind, device.params, params);
+  bool keeps_body = false;
+  try {
+    keeps_body = same_body(kind, device.params, params);
+  } catch (...) {
+    return Error{fmt::format("{} ({}) {}", owner, kind.name, thrown_text())};
+  }
   device.params = std::move(params);
   Result<DeviceKind::Prepared> prepared = prepare_device(kind, device, context.world, spec);
   if (!prepared) return Error{fmt::format("{} {}", owner, prepared.error().text)};

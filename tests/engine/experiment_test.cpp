@@ -621,6 +621,24 @@ TEST(Experiment, TheCapacityOfAPowerPackIsNotSet) {
   EXPECT_EQ(error_of_setting("power_pack", pack, "draw", 3.0), "no error");
 }
 
+TEST(Experiment, AnExceptionOfTheBodyOfADeviceNamesTheDevice) {
+  Registry registry = test::registry();
+  DeviceKind kind = *registry.device("power_pack");
+  kind.name = "crane";
+  kind.body = [](const Record& params) -> std::vector<DeviceKind::Fixture> {
+    if (params != test::record(test::registry().device("power_pack")->params, {}))
+      throw std::runtime_error("bent");
+    return {};
+  };
+  registry.devices.push_back(kind);
+  Squad row(1);
+  row.scene[row.type].devices = {{.name = "d", .kind = "crane", .params = test::record(kind.params, {})}};
+  row.scene.spec.experiment.at = {setting(1, row.type, SettingSpec::Of::device, kind.params, "draw", 2.0)};
+  Diagnostics diagnostics;
+  EXPECT_THAT([&] { World(row.scene.spec, registry, {.threads = 1}, diagnostics); },
+              ::testing::ThrowsMessage<InputError>(HasSubstr("device \"d\" (crane) threw: bent")));
+}
+
 /// Expects that interventions and faults for a group without bodies are no errors and have no effect.
 void expect_no_effect(Squad& row, const GroupSpec& idle) {
   row.scene.spec.experiment.at = {at(0.1, Action::disable, idle), at(0.2, Action::remove, idle),

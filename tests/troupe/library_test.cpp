@@ -249,6 +249,41 @@ TEST(OnTick, MayNotStepAndItsExceptionsComeOutOfTheStep) {
   EXPECT_EQ(simulation.tick(), 3u);
 }
 
+// A step within a step would apply the interventions twice; a callback that replaces itself would be
+// destroyed while it runs.
+TEST(BeforeTick, MayNotStepNorReplaceItself) {
+  using Callback = std::function<void(Simulation&)>;
+  const std::vector<std::pair<std::string, Callback>> forbidden = {
+      {"step()", [](Simulation& s) { s.step(); }},
+      {"step()", [](Simulation& s) { s.run_for(1); }},
+      {"reset()", [](Simulation& s) { s.reset(); }},
+      {"reset()", [](Simulation& s) { s.reset(7); }},
+      {"on_tick()", [](Simulation& s) { s.on_tick([](Simulation&) {}); }},
+  };
+  Simulation simulation(yard());
+  const auto expect_refused = [&](const std::string& what, const std::string& callback) {
+    EXPECT_EQ(message_of<std::logic_error>([&] { simulation.step(); }),
+              what + " is not allowed in a callback of " + callback + ": call it outside the callback");
+    EXPECT_EQ(simulation.tick(), 0u);
+    simulation.before_tick(nullptr);
+    simulation.before_step(nullptr);
+    simulation.reset();
+  };
+  for (const auto& [what, callback] : forbidden) {
+    simulation.before_tick(callback);
+    expect_refused(what, "before_tick()");
+    simulation.before_step(callback);
+    expect_refused(what, "before_step()");
+  }
+  simulation.before_tick([](Simulation& s) { s.before_tick(nullptr); });
+  expect_refused("before_tick()", "before_tick()");
+  simulation.before_step([](Simulation& s) { s.before_step(nullptr); });
+  expect_refused("before_step()", "before_step()");
+  simulation.on_tick([](Simulation& s) { s.before_tick(nullptr); });
+  simulation.step();
+  EXPECT_EQ(simulation.tick(), 1u);
+}
+
 TEST(RunUntil, EndsWithThePredicateOrTheTime) {
   Simulation simulation(yard());
   Model robot = simulation.find("r0");
