@@ -2,6 +2,7 @@
 #include "engine/kinds/controller.hpp"
 #include "models/devices/gripper.hpp"
 #include "models/devices/led.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -22,22 +23,12 @@
 namespace troupe {
 namespace {
 
+using test::message_of;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::FloatEq;
 using ::testing::HasSubstr;
-
-template <class Exception, class Call>
-std::string message_of(Call&& call) {
-  try {
-    call();
-  } catch (const Exception& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing of this kind was thrown";
-  return {};
-}
 
 /// A wall ahead at x = 2, and a row of bots that look at it.
 WorldBuilder yard(int bots = 1) {

@@ -4,6 +4,7 @@
 #include "engine/kinds/controller.hpp"
 #include "engine/world/world.hpp"
 #include "partition/simd_target.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/frame_data.hpp"
@@ -27,6 +28,7 @@ namespace troupe {
 namespace {
 
 namespace fs = std::filesystem;
+using test::message_of;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -88,17 +90,6 @@ class SimulationTest : public test::ScratchTest {
     return Simulation(write("population.json", k_population_json), options);
   }
 };
-
-template <class Exception, class Call>
-std::string message_of(Call&& call) {
-  try {
-    call();
-  } catch (const Exception& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing of this kind was thrown";
-  return {};
-}
 
 // ---- loading
 

@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/math.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -19,6 +20,7 @@
 namespace troupe {
 namespace {
 
+using test::message_of;
 using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::ElementsAre;
@@ -52,17 +54,6 @@ constexpr std::string_view k_yard = R"({
 
 Simulation yard(std::string_view text = k_yard) {
   return Simulation::from_text(std::string(text), "yard.json");
-}
-
-template <class Exception, class Call>
-std::string message_of(Call&& call) {
-  try {
-    call();
-  } catch (const Exception& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing of this kind was thrown";
-  return {};
 }
 
 TEST(WorldsFromText, AreThoseOfTheirFiles) {
