@@ -30,7 +30,7 @@ struct ValueHint {
 ValueHint hint_of(const CommandOption& option) {
   ValueHint hint;
   const auto is_in = [&](std::string_view part) { return option.value.find(part) != option.value.npos; };
-  hint.file = is_in("FILE") || is_in("DIR") || option.positional;
+  hint.file = is_in("FILE") || is_in("DIR") || is_in("SCRIPT") || option.positional;
   if (!is_in("|")) return hint;
   for (std::size_t at = 0; at <= option.value.size();) {
     const std::size_t end = std::min(option.value.find('|', at), option.value.size());

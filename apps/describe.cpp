@@ -367,8 +367,11 @@ void add_describe_options(CLI::App& command, DescribeOptions& options) {
           "NAME", options.name,
           "Kind, such as ranger, or key of JSON worlds, such as populations (default: list all kinds)")
       ->option_text(" ");
-  command.add_flag("--schema", options.schema, "Print the JSON Schema of worlds, for editors and programs");
+  CLI::Option* const schema = command.add_flag("--schema", options.schema,
+                                               "Print the JSON Schema of worlds, for editors and programs");
   add_kind_options(command, options.sources);
+  for (const char* other : {"NAME", "--plugin-path", "--controller"})  // no part of the schema
+    schema->excludes(command.get_option(other));
   command.footer(
       "\nA name of several keys is separated by dots. A JSON pointer, as in errors, may also be given.\n"
       "\nExamples:\n  troupe describe\n  troupe describe ranger\n  troupe describe populations\n"

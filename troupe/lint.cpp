@@ -2,6 +2,7 @@
 
 #include "base/fp_environment.hpp"
 #include "engine/observing/measures.hpp"
+#include "engine/observing/stop_conditions.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "sensors/radio.hpp"
@@ -404,12 +405,14 @@ void Lint::check_interventions() {
               intervention.time_s, *spec_.quit_time_s));
 }
 
-/// Reports the errors that a run with the measures and the recording of the world would report.
+/// Reports the errors that a run with the measures, the stop conditions and the recording of the world would
+/// report.
 void check_outputs(engine::World& world, const engine::Registry& registry, Diagnostics& diagnostics) {
   const engine::WorldSpec& spec = world.spec();
   std::vector<std::string> paths;
   for (std::size_t i = 0; i < spec.measures.size(); ++i) paths.push_back(fmt::format("/measures/{}", i));
   const engine::MeasureSet measures(world, registry, spec.measures, diagnostics, paths);
+  const engine::StopConditions conditions(world, registry, spec.experiment.stop_when, diagnostics);
   if (!spec.record) return;
   worldio::check_recording_file(*spec.record, diagnostics);
   if (spec.record->fields.empty()) return;

@@ -173,6 +173,7 @@ auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unkn
   const std::string_view library_name = name.substr(0, colon);
   const std::string_view own_name = colon == name.npos ? name : name.substr(colon + 1);
   if (!plugin::is_name(library_name) || !plugin::is_name(own_name)) return Error{std::move(unknown)};
+  const std::scoped_lock lock(mutex_);
   Loaded& library = loaded(library_name);
   const Group& own = library.*kinds;
   if (!library.found)
@@ -196,6 +197,7 @@ Result<const Plugins::Library*> Plugins::load(std::string_view name, bool may_be
         "\"{}\" is not a valid name of a plug-in: give one word that does not begin with a dot and contains "
         "none of : = / \\ and quotation marks",
         name)};
+  const std::scoped_lock lock(mutex_);
   const Loaded& library = loaded(name);
   if (!library.found) return may_be_script ? Error{library.missing_script()} : library.found.error();
   if (!library.opened) return library.opened.error();
@@ -204,10 +206,16 @@ Result<const Plugins::Library*> Plugins::load(std::string_view name, bool may_be
 
 std::vector<Plugins::Library> Plugins::libraries() const {
   std::vector<Library> in_use;
+  const std::scoped_lock lock(mutex_);
   for (const auto& library : loaded_)
     if (library->is_usable()) in_use.push_back(*library);
   std::ranges::sort(in_use, {}, &Library::name);
   return in_use;
+}
+
+std::vector<std::string> Plugins::warnings() const {
+  const std::scoped_lock lock(mutex_);
+  return warnings_;
 }
 
 /// Returns the library of this name. The first call with a name searches the folders and opens the file.
@@ -318,6 +326,7 @@ void Plugins::add(std::shared_ptr<const Script> script) {
         "{}: error: the script has the name \"{}\", but its name must be one word that does not begin with a "
         "dot and contains none of : = / \\ and quotation marks: rename the file",
         script->file.string(), name));
+  const std::scoped_lock lock(mutex_);
   for (const auto& library : loaded_)
     if (library->name == name)
       throw InputError(fmt::format("{}: error: another script or plug-in is also called \"{}\": rename one",

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,7 +17,7 @@ namespace troupe {
 
 /// Loads kinds by name from plug-ins, which are shared libraries in certain folders (docs/controllers.md). A
 /// kind is an implementation of a controller, of a sensor or other device, or of a measure (a number computed
-/// from the state). Not thread-safe.
+/// from the state). Several threads may call its functions at the same time.
 ///
 /// The name "dancer" refers to the kind "dancer" in dancer.so, and "swarm:leader" to the kind "leader" in
 /// swarm.so. If several folders have a file dancer.so, the first of these folders is used. A script (such as
@@ -70,10 +71,11 @@ class Plugins {
   std::vector<Library> libraries() const;
   /// Warnings about side effects of loading a library, such as a changed floating-point environment:
   /// `plugins/dancer.so: warning: ...`.
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  std::vector<std::string> warnings() const;
 
  private:
   struct Loaded;
+  // The caller of these functions must hold mutex_.
   Loaded& loaded(std::string_view name);
   Result<> open(Loaded& library);
   struct Kinds;
@@ -84,6 +86,7 @@ class Plugins {
 
   std::vector<std::filesystem::path> path_;
   std::vector<std::string> taken_controllers_, taken_devices_, taken_measures_;
+  mutable std::mutex mutex_;  // for the members below
   std::vector<std::unique_ptr<Loaded>> loaded_;
   std::vector<std::string> warnings_;
 };

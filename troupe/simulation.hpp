@@ -810,8 +810,8 @@ class Simulation {
   /// called during a step, because it exchanges messages with the other ranks.
   std::vector<RankCounts> rank_counts();
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
-  /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). A second call
-  /// replaces the callback; a null callback removes it.
+  /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). Set it between
+  /// two steps. A second call replaces the callback; a null callback removes it.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
   /// Sets a callback for profilers. Parallel loops are divided into tasks for the worker threads. The
   /// callback is called when a task of a loop begins (`begins` is true) and when the task ends (false);

@@ -345,7 +345,8 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
   header.emplace_back("title", title());
   if (impl_->recording) impl_->recording->flush();  // a resumed recording must reach the checkpoint's tick
   worldio::Memories memories;
-  for (const auto& [name, memory] : impl_->on_save) memories[name] = memory();
+  const auto on_save = impl_->on_save;  // a copy, because a callback may remove itself
+  for (const auto& [name, memory] : on_save) memories[name] = memory();
   if (impl_->stop)
     if (std::vector<std::byte> memory = impl_->stop->memory(); !memory.empty())
       memories[k_stop_conditions] = std::move(memory);

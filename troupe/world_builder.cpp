@@ -6,9 +6,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <stdexcept>
+#include <string>
 
 namespace troupe {
 namespace {
@@ -229,11 +231,16 @@ WorldBuilder& WorldBuilder::population(std::string_view name, std::string_view t
 WorldBuilder& WorldBuilder::wall(const Vec2& from, const Vec2& to, double thickness, double height) {
   const Vec2 along = to - from;
   const double length = std::sqrt(along.squaredNorm());
-  if (!(length > 0))
+  if (!(length > 0 && std::isfinite(length)))
     throw std::invalid_argument(
         fmt::format("wall(): the end points must be finite and different, found ({}, {}) m and ({}, {}) m",
                     from.x(), from.y(), to.x(), to.y()));
-  const std::string name = fmt::format("wall{}", ++walls_);
+  if (!std::isfinite(thickness) || !std::isfinite(height))
+    throw std::invalid_argument(fmt::format(
+        "wall(): the thickness and the height must be finite, found {} m and {} m", thickness, height));
+  std::string name;
+  do name = fmt::format("wall{}", ++walls_);
+  while (std::ranges::find(types_, name, &Type::name_) != types_.end());
   type(name).size(length, thickness, height).color("gray40");
   const Vec2 middle = (from + to) / 2;
   return add(name, name, {middle.x(), middle.y(), 0, atan2(along.y(), along.x())});

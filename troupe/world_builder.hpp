@@ -175,7 +175,8 @@ class WorldBuilder {
                            const Settings& place, const Settings& more = {});
   /// Adds a straight wall between two points in the world frame; points, thickness and height in m. Each call
   /// adds a type and a body of this type. Both have the name `wall1` in the first call, `wall2` in the
-  /// second, and so on. Throws std::invalid_argument if the points are equal or a number is not finite.
+  /// second, and so on; names of types that exist already are left out. Throws std::invalid_argument, and
+  /// adds nothing, if the points are equal or a number is not finite.
   WorldBuilder& wall(const Vec2& from, const Vec2& to, double thickness = 0.1, double height = 0.5);
   /// Adds a floor plan: a body whose walls are the dark pixels of the image file `bitmap`. The bounding box
   /// of the dark pixels is scaled to x by y metres and centred on the origin of the body. If `more` contains

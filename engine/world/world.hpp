@@ -239,7 +239,7 @@ class World {
   double time_s() const { return static_cast<double>(state_.now.tick) * state_.spec.tick_s; }
   /// Replaces the callback that step() calls at the beginning of each phase and at the end of the tick. The
   /// argument is the phase that begins, or std::nullopt at the end of the tick. An empty callback is not
-  /// called.
+  /// called. Call on_phase() between steps.
   void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
   /// Sets the callback that each step calls in the phase `intervene`, after it has applied the interventions
   /// and faults of the world file, and before any sensor runs. The callback may change the world in all ways

@@ -52,6 +52,14 @@ TEST_F(HostileUsage, ASecondCommandIsNotIgnored) {
   }
 }
 
+TEST_F(HostileUsage, TheSchemaIsOfNoKind) {
+  const Outcome named = troupe({"describe", "--schema", "ranger"});
+  EXPECT_EQ(named.code, 2);
+  EXPECT_THAT(named.out, IsEmpty());
+  EXPECT_THAT(named.err, HasSubstr("--schema excludes NAME"));
+  EXPECT_EQ(troupe({"describe", "--schema", "--plugin-path", "."}).code, 2);
+}
+
 TEST_F(HostileUsage, LostOutputIsAFailure) {
   study("study.json");
   for (const char* command :

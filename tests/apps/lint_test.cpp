@@ -59,6 +59,8 @@ TEST_F(LintTest, MeasuresAndRecordedFieldsThatNoRunCanHaveAreErrors) {
   for (const auto& [keys, message] : std::vector<std::pair<std::string, std::string>>{
            {R"("measures": ["stalls:zz"])", "w.json:1: error: /measures/0: "},
            {R"("measures": ["stalls", "stalls"])", "w.json:1: error: /measures/1: "},
+           {R"("stop_when": ["stalls:zz >= 1"])",
+            "w.json:1: error: /stop_when/0: unknown type or population of robots \"zz\""},
            {R"("measures": [{"kind": "state_mean", "component": "lamp", "field": "x"}])",
             "w.json:1: error: /measures/0: "},
            {R"("record": {"file": "../run.h5"})",

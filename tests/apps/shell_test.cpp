@@ -49,6 +49,9 @@ TEST_F(Shell, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_THAT(offered({"troupe", "describe", "gripp"}), ElementsAre("gripper", "gripper_return"))
       << "a kind, a key";
   EXPECT_THAT(offered({"troupe", "describe", "quit_"}), ElementsAre("quit_time_s"));
+  write("follow.py", "");
+  EXPECT_THAT(offered({"troupe", "run", "--controller", path("fol").string()}),
+              ElementsAre(path("follow.py").string()));
   EXPECT_THAT(offered({"troupe", "diff", "--acr"}),
               UnorderedElementsAre("--across-domains", "--across-runs"));
 }

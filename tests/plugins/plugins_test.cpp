@@ -18,6 +18,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -27,6 +28,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -226,6 +228,22 @@ TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
               EndsWith(" (the file name of a plug-in does not begin with \"lib\": rename " +
                        (folder_ / "libgo.so").string() + ")" + script_remedy("go")));
   EXPECT_THAT(error_of(stage_world("team:go"), options({folder_})), EndsWith(script_remedy("team")));
+}
+
+// Simulations that another() makes share the plug-ins, and a program may step each on a thread of its own.
+TEST_F(PluginsTest, AreSearchedByManyThreadsAtOnce) {
+  Plugins plugins({folder_of("unusable")}, make_registry());
+  std::vector<std::thread> threads;
+  std::atomic<int> errors = 0;
+  for (int t = 0; t < 8; ++t)
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 300; ++i) {
+        if (!plugins.measure("none" + std::to_string(t % 4 + 4 * i), "unknown")) ++errors;
+        if (!plugins.libraries().empty()) ADD_FAILURE() << "a library that does not exist is in use";
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(errors, 8 * 300);
 }
 
 TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {

@@ -7,8 +7,8 @@
 
 namespace troupe::test {
 
-/// Returns the text of the exception of type `Exception` that call() throws. If call() throws nothing, the test
-/// fails and the result is empty.
+/// Returns the text of the exception of type `Exception` that call() throws. If call() throws nothing, the
+/// test fails and the result is empty.
 template <class Exception, class Call>
 std::string message_of(Call&& call) {
   try {

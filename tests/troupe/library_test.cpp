@@ -183,11 +183,24 @@ TEST(WorldBuilder, AKeyThatIsSaidTwiceIsAnError) {
 TEST(WorldBuilder, RefusesWhatNoFileCanSay) {
   EXPECT_EQ(message_of<std::invalid_argument>([] { Setting(std::nan("")); }),
             "numbers in a world must be finite, found nan");
-  EXPECT_THROW(WorldBuilder().wall({1, 1}, {1, 1}), std::invalid_argument);
+  WorldBuilder world;
+  const std::string empty = world.json();
+  EXPECT_THROW(world.wall({1, 1}, {1, 1}), std::invalid_argument);
+  EXPECT_THROW(world.wall({1, 1}, {2, 1}, std::nan("")), std::invalid_argument);
+  EXPECT_THROW(world.wall({1, 1}, {std::numeric_limits<double>::infinity(), 1}), std::invalid_argument);
+  EXPECT_EQ(world.json(), empty);
   EXPECT_EQ(Setting("a \"b\"\n\\").json(), R"("a \"b\"\u000a\\")");
   EXPECT_EQ(Setting(std::numeric_limits<std::uint64_t>::max()).json(), "18446744073709551615");
   EXPECT_EQ(Setting(0.1).json(), "0.1");
   EXPECT_EQ(Setting({1, 2.5, true, "x", {3}}).json(), R"([1, 2.5, true, "x", [3]])");
+}
+
+TEST(WorldBuilder, WallsLeaveTypesOfTheProgramAlone) {
+  WorldBuilder world;
+  world.type("wall1").size(3, 3, 3);
+  world.wall({0, 0}, {2, 0});
+  EXPECT_THAT(world.json(), HasSubstr(R"("wall2")"));
+  EXPECT_THAT(world.json(), HasSubstr("[3, 3, 3]"));
 }
 
 // ---- callbacks, and runs until
