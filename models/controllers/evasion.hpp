@@ -44,6 +44,11 @@ struct Evasion {
               engine::Command& command) const {
     const auto [obstruction, is_near, left, right] = scanner.ahead(ranges, min_front, stop);
     if (!obstruction && !is_near && memory.avoid_updates == 0) return false;
+    // A program may have commanded another control mode between two ticks.
+    if (command.mode != engine::ControlMode::velocity) {
+      command.mode = engine::ControlMode::velocity;
+      memory.avoid_updates = 0;  // `turn` is no turn rate
+    }
     command.x = is_near ? 0 : avoid_speed;
     command.y = 0;
     if (memory.avoid_updates < 1) {
@@ -66,7 +71,8 @@ struct Evasion {
   /// Returns true while the robot backs out; the caller must then not change `command`.
   template <class Memory>
   bool escapes(Memory& memory, const Pose& here, Random& random, engine::Command& command) const {
-    const bool is_to_move = command.x != 0 || command.turn != 0;
+    const bool is_to_move =
+        command.mode == engine::ControlMode::velocity && (command.x != 0 || command.turn != 0);
     const bool is_still = here.x == memory.x && here.y == memory.y && here.heading == memory.heading;
     memory.still_updates = is_to_move && is_still ? memory.still_updates + 1 : 0;
     memory.x = here.x;

@@ -37,8 +37,10 @@ struct Goal {
                            "speed at which the robot moves straight to the goal; 0: `at` determines the "
                            "speed; if `at` is also 0, the drive determines the path and the speed "
                            "(docs/driving.md)");
-    d.member<&Goal::wait_s>("wait", seconds, within(0, engine::k_most_seconds),
-                            "how long the robot waits at the goal before it goes on");
+    d.member<&Goal::wait_s>(
+        "wait", seconds, within(0, engine::k_most_seconds),
+        "how long the robot waits at the goal before it goes on; if it is moved away from the goal "
+        "meanwhile, it returns and waits again");
   }
   /// Whether the goal gives a time or a speed. The robot moves to tracked goals in a straight line. To other
   /// goals it moves as its drive does in the control mode `position` (docs/driving.md).
@@ -112,7 +114,10 @@ struct Waypoints {
     // An intervention may have shortened the list of goals.
     memory.goal = std::min(memory.goal, static_cast<std::uint32_t>(params.goals.size() - 1));
     const Ahead ahead = look_ahead(percept, actions.command);
-    if (has_arrived(memory, percept, ahead) && waits_no_more(memory, percept, ahead)) go_on(memory, ahead);
+    if (!has_arrived(memory, percept, ahead))
+      memory.leaves = 0;  // also if the robot was pushed away or got other goals while it waited
+    else if (waits_no_more(memory, percept, ahead))
+      go_on(memory, ahead);
     const Goal& goal = params.goals[memory.goal];
     if (goal.is_tracked())
       track(goal, due(memory, percept), ahead, percept, actions);

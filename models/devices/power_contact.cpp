@@ -128,11 +128,9 @@ void PowerContact::apply(World& world, const Effect& effect) const {
   if (taker.infinite != 0) return;
   const double watts = std::min(params.give, as_contact(taking)->params.take);
   double joules = std::min(watts * effect.payload[1], taker.capacity - taker.stored);
-  if (giver.infinite == 0) {
-    joules = std::min(joules, giver.stored);
-    giver.stored -= joules;
-  }
+  if (giver.infinite == 0) joules = std::min(joules, giver.stored);
   if (!(joules > 0)) return;
+  if (giver.infinite == 0) giver.stored -= joules;
   giver.given += joules;
   taker.stored += joules;
   taker.received += joules;

@@ -5,6 +5,7 @@
 
 #include "base/random.hpp"
 #include "engine/world/world.hpp"
+#include "models/controllers/evasion.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
@@ -15,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <ostream>
 #include <string>
@@ -111,6 +113,33 @@ TEST(Scanner, TheOrderOfTheBeamsDoesNotShow) {
       expect_equal(a.ahead(scan, 0.5, 0.4), b.ahead(mixed_scan, 0.5, 0.4), fmt::format("{} of {}", near, n));
     }
   }
+}
+
+// A program may have told the robot to drive to a goal: its coordinates are no speeds.
+TEST(Evasion, TurnsAwayWhateverTheModeOfTheLastCommand) {
+  struct Memory {
+    std::int32_t avoid_updates = 0;
+    std::uint32_t still_updates = 0, escape_updates = 0;
+    double x = 0, y = 0, heading = 0;
+  };
+  const Scanner scanner = scanner_of(fan(k_pi / 2, 9), Evasion::window_share);
+  const std::vector<float> wall(9, 0.6f);
+  const Evasion evasion;
+  Random random(1, 2, 3, 4);
+  for (const std::int32_t turning : {0, 3}) {
+    Memory memory{.avoid_updates = turning};
+    engine::Command command{7, 8, 3, engine::ControlMode::position};
+    EXPECT_TRUE(evasion.avoids(memory, scanner, wall, random, command));
+    EXPECT_EQ(command.mode, engine::ControlMode::velocity);
+    EXPECT_EQ(command.x, evasion.avoid_speed);
+    EXPECT_EQ(std::abs(command.turn), evasion.avoid_turn);
+    const double turn = command.turn;
+    EXPECT_TRUE(evasion.avoids(memory, scanner, wall, random, command));
+    EXPECT_EQ(command.turn, turn) << "a turn goes on";
+  }
+  Memory memory;
+  engine::Command command{7, 8, 3, engine::ControlMode::position};
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(evasion.escapes(memory, {}, random, command));
 }
 
 TEST(Scanner, LooksAheadWhereverItsFanIsTurnedTo) {

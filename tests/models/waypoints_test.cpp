@@ -106,6 +106,18 @@ TEST(Movers, GoAtTheirSpeedsAndWait) {
   EXPECT_NEAR(way[90].y, 1, k_exact);
 }
 
+TEST(Movers, WaitAgainAtAGoalFromWhichTheyWereMovedAway) {
+  const Mover mover({{0, 0, 0, 0, 0, 5}, {2, 0}});
+  engine::World world = mover.scene.world();
+  way_of(world, mover.body, 40);
+  world.set_poses(std::vector<engine::World::Placed>{{world.row(mover.body), {-1, 0, 0, 0}}});
+  way_of(world, mover.body, 25);
+  EXPECT_NEAR(world.pose(mover.body).x, 0, 0.1) << "it has come back";
+  for (const Pose& pose : way_of(world, mover.body, 35)) EXPECT_NEAR(pose.x, 0, 0.1);
+  way_of(world, mover.body, 50);
+  EXPECT_NEAR(world.pose(mover.body).x, 2, 0.1);
+}
+
 TEST(Movers, BeginAgainAfterTheLastGoal) {
   const Mover mover({{0, 0, 0, 1}, {1, 0, 0, 2}, {1, 0, 0, 3}, {0, 0, 0, 4}}, true);
   engine::World world = mover.scene.world();
