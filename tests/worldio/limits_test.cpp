@@ -51,15 +51,17 @@ class Limits : public test::ScratchTest {
 };
 
 TEST_F(Limits, RingsInRings) {
-  const auto world = [](int parts) {
+  const auto world = [](std::string_view parts) {
     return fmt::format(R"({{"troupe": 1, "types": {{"a": {{"size_m": [1, 1, 1], "parts": [
 {{"name": "p", "ring": {{"count": 10000}}, "parts": [{{"name": "q", "ring": {{"count": {}}}}}]}}]}}}}}})",
                        parts);
   };
-  EXPECT_THAT(refusal("rings.json", world(10000)),
-              HasSubstr("rings.json:2: error: /types/a/parts/0/ring: up to here, the rings of the world make "
-                        "more than 1000000 objects"));
-  EXPECT_THAT(refusal("wrong.json", world(10001)), HasSubstr("/ring/count: must be from 1 to 10000"));
+  for (const std::string_view parts : {"10000", "10000.0", "1e4"})
+    EXPECT_THAT(
+        refusal("rings.json", world(parts)),
+        HasSubstr("rings.json:2: error: /types/a/parts/0/ring: up to here, the rings of the world make "
+                  "more than 1000000 objects"));
+  EXPECT_THAT(refusal("wrong.json", world("10001")), HasSubstr("/ring/count: must be from 1 to 10000"));
 }
 
 std::string repeated(std::string_view text, std::size_t count) {
