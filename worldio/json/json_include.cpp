@@ -100,7 +100,8 @@ class Includer {
   }
 
   void add_file(const JsonCursor& at, const fs::path& name) {
-    const fs::path file = (folder_ / name).lexically_normal();
+    const fs::path file =
+        folder_ / name;  // not normalised: after a symbolic link, ".." is in the link's target
     const fs::path path = canonical(file);
     const auto same = std::ranges::find(open_, path, &OpenFile::path);
     if (same != open_.end()) {
