@@ -129,7 +129,7 @@ class Includer {
     const JsonCursor root(document, diagnostics_);
     JsonObject keys(root);
     if (!keys.is_object()) return;
-    for (const std::string_view known : {"$schema", "include", "types"}) keys.find(known);
+    for (const std::string_view known : k_included_keys) keys.find(known);
     if (const JsonNode* version = keys.find("troupe"))
       if (const auto* number = std::get_if<std::int64_t>(&version->value);
           number == nullptr || *number != k_format_version)

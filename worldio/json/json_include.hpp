@@ -3,12 +3,17 @@
 #include "base/diagnostics.hpp"
 #include "worldio/json/json_node.hpp"
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::worldio {
+
+/// The keys that an included file may have besides `troupe`, the version of the format.
+inline constexpr std::array<std::string_view, 3> k_included_keys{"$schema", "include", "types"};
 
 /// Replaces the key `include`, a list of files, in the JSON object of a world: the types of these files are
 /// added in front of the types of the world. A type describes bodies of the same construction. Does nothing
