@@ -52,6 +52,24 @@ std::size_t edit_distance(std::string_view a, std::string_view b,
   return last[b.size()];
 }
 
+/// Returns the value of the longest key with which `text` begins and after which `text` has one of the
+/// characters `ends`. Null if there is no such key.
+const std::size_t* longest_beginning(const std::map<std::string, std::size_t, std::less<>>& keys,
+                                     std::string_view text, std::string_view ends) {
+  std::string_view beginning = text;
+  while (true) {
+    auto entry = keys.upper_bound(beginning);
+    if (entry == keys.begin()) return nullptr;
+    const std::string& key = (--entry)->first;
+    const auto same = static_cast<std::size_t>(std::ranges::mismatch(key, beginning).in1 - key.begin());
+    if (same == 0) return nullptr;
+    const bool is_whole = same == key.size();
+    if (is_whole && same < text.size() && ends.find(text[same]) != ends.npos) return &entry->second;
+    // There is no key between this one and `beginning`, so a shorter one ends within their common characters.
+    beginning = beginning.substr(0, is_whole ? same - 1 : same);
+  }
+}
+
 }  // namespace
 
 std::uint32_t SourceFiles::add(std::string_view name) {
@@ -93,15 +111,19 @@ void Diagnostics::warning_once(Where where, std::string message) {
 }
 
 std::size_t Diagnostics::kin_of(const Inheritable& part) {
-  const auto found = std::ranges::find(kin_, part.path, [](const Kin& kin) { return kin.part.path; });
-  if (found != kin_.end()) return static_cast<std::size_t>(found - kin_.begin());
-  kin_.push_back({part, kin_.size()});
-  return kin_.size() - 1;
+  const auto [place, is_new] = paths_.emplace(part.path, kin_.size());
+  if (is_new) {
+    names_.emplace(part.name, kin_.size());
+    kin_.push_back({part, kin_.size()});
+  }
+  return place->second;
 }
 
 void Diagnostics::inherits(const Inheritable& heir, const Inheritable& base) {
   const std::size_t from = kin_of(base);
   kin_[kin_of(heir)].base = from;
+  alike_.clear();  // the most distant bases may have changed
+  listed_ = 0;
 }
 
 bool Diagnostics::is_heir(std::size_t heir, std::size_t base) const {
@@ -114,42 +136,47 @@ std::optional<std::size_t> Diagnostics::to_common_base(std::string& message) con
     while (kin_[part].base != part) part = kin_[part].base;
     return part;
   };
-  for (std::size_t i = 0; i < kin_.size(); ++i) {
-    const std::string& path = kin_[i].part.path;
-    if (!message.starts_with(path) || message.size() == path.size()) continue;
-    if (message[path.size()] != '/' && message[path.size()] != ':') continue;
-    message.replace(0, path.size(), kin_[root(i)].part.path);
-    return i;
+  if (const std::size_t* part = longest_beginning(paths_, message, "/:")) {
+    message.replace(0, kin_[*part].part.path.size(), kin_[root(*part)].part.path);
+    return *part;
   }
-  std::optional<std::size_t> about;
-  std::size_t first = message.size();
-  for (std::size_t i = 0; i < kin_.size(); ++i) {
-    const std::string quoted = fmt::format("\"{}\"", kin_[i].part.name);
-    const std::size_t at = message.find(quoted);
-    if (at >= first) continue;
-    first = at;
-    about = i;
+  for (std::size_t at = message.find('"'); at != message.npos; at = message.find('"', at + 1)) {
+    const std::size_t* part = longest_beginning(names_, std::string_view(message).substr(at + 1), "\"");
+    if (!part) continue;
+    message.replace(at + 1, kin_[*part].part.name.size(), kin_[root(*part)].part.name);
+    return *part;
   }
-  if (about) message.replace(first + 1, kin_[*about].part.name.size(), kin_[root(*about)].part.name);
-  return about;
+  return std::nullopt;
+}
+
+std::string Diagnostics::common_text(Severity severity, Where where, std::string common) const {
+  return text({severity, where, shortened(std::move(common))});
 }
 
 bool Diagnostics::is_inherited(Severity severity, Where where, const std::string& message) {
   const auto same_place = [](const Where& a, const Where& b) { return a.file == b.file && a.line == b.line; };
   if (kin_.empty()) return false;
+  for (; listed_ < findings_.size(); ++listed_) {
+    const Finding& finding = findings_[listed_];
+    std::string common = finding.message;
+    const auto about = to_common_base(common);
+    alike_[common_text(finding.severity, finding.where, std::move(common))].push_back({listed_, about});
+  }
   std::string common = message;
   const auto about = to_common_base(common);
-  for (Finding& earlier : findings_) {
-    if (earlier.severity != severity || !same_place(earlier.where, where)) continue;
-    std::string its_common = earlier.message;
-    const auto its_about = to_common_base(its_common);
-    if (its_common != common || about.has_value() != its_about.has_value()) continue;
+  const auto alike = alike_.find(common_text(severity, where, std::move(common)));
+  if (alike == alike_.end()) return false;
+  for (auto& [finding, its_about] : alike->second) {
+    if (about.has_value() != its_about.has_value()) continue;
     if (!about) return true;
     if (is_heir(*about, *its_about)) return true;
     const bool has_heir = is_heir(*its_about, *about);
     const auto is_own = [&](std::size_t part) { return same_place(kin_[part].part.where, where); };
     if (!has_heir && (is_own(*about) || is_own(*its_about))) continue;
-    if (has_heir) earlier.message = message;
+    if (has_heir) {
+      findings_[finding].message = message;
+      its_about = about;
+    }
     return true;
   }
   return false;

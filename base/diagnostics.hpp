@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -144,6 +145,8 @@ class Diagnostics {
   /// Returns whether `message` repeats an earlier finding, as inherits() describes. The caller must then drop
   /// the message. In the first special case of inherits(), replaces the message of the earlier finding.
   bool is_inherited(Severity severity, Where where, const std::string& message);
+  /// Returns the text of a finding whose message to_common_base() has changed: the key of alike_.
+  std::string common_text(Severity severity, Where where, std::string common) const;
 
   bool thorough_;
   std::shared_ptr<SourceFiles> files_;
@@ -152,6 +155,16 @@ class Diagnostics {
   std::vector<std::size_t> repeats_;         // per finding: how often warning_once() repeated it
   std::map<std::string, std::size_t> once_;  // text of a warning -> its index in findings_
   std::size_t errors_ = 0;
+  std::map<std::string, std::size_t, std::less<>> paths_;  // path of a part -> its index in kin_
+  std::map<std::string, std::size_t, std::less<>> names_;  // name of a part -> index of the first such part
+
+  /// A finding and the part that it is about (to_common_base()), as indices in findings_ and kin_.
+  struct About {
+    std::size_t finding;
+    std::optional<std::size_t> part;
+  };
+  std::map<std::string, std::vector<About>> alike_;  // common_text() -> the findings with this text
+  std::size_t listed_ = 0;                           // number of findings in alike_
 };
 
 /// Returns a suggestion such as ` (did you mean "omni"?)`, with a leading space. It contains the name in

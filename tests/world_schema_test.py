@@ -122,6 +122,10 @@ def main():
     jsonschema.Draft7Validator.check_schema(schema)
     validator = jsonschema.Draft7Validator(schema)
 
+    included = {"$schema": "world.schema.json", "include": [], "types": {"box": {"size_m": [1, 1, 1]}}}
+    check_fits(validator, "an included file without \"troupe\"", included)
+    if not findings(validator, {**included, "models": []}):
+        faults.append("the schema takes a world without \"troupe\"")
     draws = random.Random(1)
     worlds = [ROOT / "worlds" / name for name in shipped() if name.endswith(".json")] + [
         ROOT / "apps/examples/plugin/room.json", ROOT / "apps/examples/sensor_plugin/room.json"]

@@ -101,8 +101,11 @@ bool stays_inside(const sensors::RangerBeams& ranger, const partition::ObstacleS
 class Lint {
  public:
   /// base_types: names of the types that other types extend.
-  Lint(const engine::World& world, std::vector<std::string> base_types, Diagnostics& diagnostics)
-      : world_(world), spec_(world.spec()), base_types_(std::move(base_types)), diagnostics_(diagnostics) {
+  Lint(const engine::World& world, const std::vector<std::string>& base_types, Diagnostics& diagnostics)
+      : world_(world),
+        spec_(world.spec()),
+        base_types_(base_types.begin(), base_types.end()),
+        diagnostics_(diagnostics) {
     levels_.resize(spec_.types.size());
     for (const engine::BodySpec& body : spec_.bodies) ++levels_[body.type.index()][body.pose_world_body.z];
   }
@@ -131,14 +134,14 @@ class Lint {
 
   const engine::World& world_;
   const engine::WorldSpec& spec_;
-  std::vector<std::string> base_types_;
+  std::set<std::string> base_types_;
   Diagnostics& diagnostics_;
   std::vector<std::map<double, std::size_t>> levels_;  // per type: z of bodies -> number of bodies
 };
 
 void Lint::check_types() {
   const auto is_used = [&](std::size_t t) {
-    return !levels_[t].empty() || std::ranges::count(base_types_, spec_.types[t].name) > 0;
+    return !levels_[t].empty() || base_types_.contains(spec_.types[t].name);
   };
   const auto file_of = [&](std::size_t t) { return spec_.types[t].parts.front().where.file; };
   std::set<std::uint32_t> used_files;
@@ -444,7 +447,7 @@ std::vector<std::string> lint(const std::filesystem::path& file, const Simulatio
   engine::World world(std::move(spec), registry, {options.threads, options.tile_size_m}, diagnostics);
   check_outputs(world, registry, diagnostics);
   diagnostics.throw_if_errors();
-  Lint(world, std::move(base_types), diagnostics).check();
+  Lint(world, base_types, diagnostics).check();
 
   std::vector<Finding> findings(diagnostics.findings().begin(), diagnostics.findings().end());
   std::ranges::stable_sort(findings, {},

@@ -172,6 +172,43 @@ TEST(Diagnostics, AnInheritedFindingIsReportedOnceForTheBase) {
                                  "maze.json:9: warning: /types/tall/drive: slow"));
 }
 
+TEST(Diagnostics, AFindingIsAboutThePartWithTheLongestPathOrName) {
+  Diagnostics diagnostics;
+  const std::uint32_t file = diagnostics.files()->add("maze.json");
+  const Inheritable base{"/types/b", "b", {file, 1}};
+  diagnostics.inherits({"/types/a", "a", {file, 2}}, base);
+  diagnostics.inherits({"/types/a:c", "a\"c", {file, 3}}, base);
+  diagnostics.inherits({"/types/a:c:d", "aa", {file, 4}}, base);
+  diagnostics.warning({file, 9}, "/types/b/drive: slow");
+  for (const std::string path : {"/types/a", "/types/a:c", "/types/a:c:d"})
+    diagnostics.warning({file, 9}, path + "/drive: slow");
+  diagnostics.warning({file, 9}, "type \"b\" is odd");
+  for (const std::string name : {"a", "a\"c", "aa"})
+    diagnostics.warning({file, 9}, "type \"" + name + "\" is odd");
+  diagnostics.warning({file, 9}, "type \"ab\" is odd");  // not an heir
+  EXPECT_THAT(diagnostics.warnings(), ElementsAre("maze.json:9: warning: /types/b/drive: slow",
+                                                  "maze.json:9: warning: type \"b\" is odd",
+                                                  "maze.json:9: warning: type \"ab\" is odd"));
+}
+
+// If each finding were compared with all parts and all findings, this test would run for minutes.
+TEST(Diagnostics, FindingsAboutManyHeirs) {
+  constexpr std::uint32_t k_heirs = 50000;
+  Diagnostics diagnostics;
+  const std::uint32_t file = diagnostics.files()->add("maze.json");
+  const auto heir = [&](std::uint32_t i) {
+    return Inheritable{"/types/h" + std::to_string(i), "h" + std::to_string(i), {file, i + 2}};
+  };
+  for (std::uint32_t i = 0; i < k_heirs; ++i)
+    diagnostics.inherits(heir(i), {"/types/base", "base", {file, 1}});
+  for (std::uint32_t i = 0; i < k_heirs; ++i) {
+    diagnostics.warning({file, 1}, heir(i).path + ": slow");  // inherited: reported for the first heir only
+    diagnostics.warning(heir(i).where, heir(i).path + ": slow");
+    diagnostics.warning(heir(i).where, "type \"" + heir(i).name + "\" is never used");
+  }
+  EXPECT_EQ(diagnostics.findings().size(), 2 * k_heirs + 1);
+}
+
 TEST(Diagnostics, AFindingThatQuotesTwoPartsIsAboutTheFirst) {
   Diagnostics diagnostics;
   const std::uint32_t file = diagnostics.files()->add("maze.json");

@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <filesystem>
 
 namespace troupe::worldio {
 namespace {
@@ -270,6 +271,18 @@ TEST_F(IncludeTest, PathsOfImagesAreRelativeToTheirFile) {
   const LoadedArena loaded = load(R"("include": ["lib/plan.json"])");
   ASSERT_THAT(loaded.found, IsEmpty());
   EXPECT_EQ(loaded.type("plan").parts[0].solids.size(), 1u);
+}
+
+TEST_F(IncludeTest, ParentFoldersOfSymbolicLinksAreThoseOfTheirTargets) {
+  write("base.json", "another file");
+  write("store/base.json", k_base);
+  write("store/robots/all.json", R"({"include": ["../base.json"]})");
+  std::filesystem::create_directory_symlink("store/robots", folder_ / "lib");
+  for (const char* name : {"lib/all.json", "lib/../base.json"}) {
+    const LoadedArena loaded = load(fmt::format(R"("include": ["{}"])", name));
+    ASSERT_THAT(loaded.found, IsEmpty()) << name;
+    EXPECT_EQ(loaded.type("Base").controllers.size(), 2u);
+  }
 }
 
 TEST_F(IncludeTest, ErrorsNameTheirFileAndLine) {

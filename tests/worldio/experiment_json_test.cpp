@@ -283,6 +283,10 @@ TEST(PlacementJson, RulesAreReadAndWhatDoesNotFitIsCounted) {
               HasSubstr("(or \"polygon_m\"), which is needed because the world has no bounds"));
   EXPECT_THAT(found(R"({"rule": "uniform", "polygon_m": [[0, 0], [2, 2], [2, 0], [0, 2]]})"),
               HasSubstr("/populations/0/place/polygon_m: "));
+  std::string points = "[0, 0]";
+  for (int i = 1; i < 100000; ++i) points += fmt::format(", [{}, 1]", i);  // its check would take minutes
+  EXPECT_THAT(found(fmt::format(R"({{"rule": "uniform", "polygon_m": [{}]}})", points)),
+              HasSubstr("/populations/0/place/polygon_m: expected 3 to 1000 points, found 100000"));
   EXPECT_THAT(found(R"({"rule": "poison_disc"})"),
               HasSubstr("known: free_floor, gaussian, grid, poisson_disc, "
                         "uniform (did you mean \"poisson_disc\"?)"));

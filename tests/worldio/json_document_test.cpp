@@ -13,6 +13,7 @@ namespace troupe::worldio {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
 
 struct Parsed {
@@ -59,6 +60,28 @@ TEST(JsonDocument, KnowsTheLineOfEveryValue) {
   EXPECT_EQ(root.find("d")->find("e")->where.line, 10u);     // its value
   EXPECT_EQ(std::get<std::int64_t>(root.find("a")->value), 1);
   EXPECT_EQ(std::get<double>(root.find("b")->value), 2.5);
+}
+
+TEST(JsonDocument, LinesEndWithLfOrCrOrBoth) {
+  for (const std::string end : {"\n", "\r", "\r\n"}) {
+    const Parsed parsed("{" + end + "\"a\": 1," + end + end + "\"b\": 2" + end + ", \"c\": [" + end + "3]}");
+    ASSERT_THAT(parsed.errors, IsEmpty());
+    EXPECT_EQ(parsed.root->find("a")->where.line, 2u);
+    EXPECT_EQ(parsed.root->find("b")->where.line, 4u);
+    EXPECT_EQ(parsed.root->find("c")->where.line, 5u);
+    EXPECT_EQ(parsed.root->find("c")->list()->front().where.line, 6u);
+    EXPECT_EQ(error("{" + end + end + " \"a\" 1}"),
+              "maze.json:3: error: column 6: expected a colon after the key \"a\", found 1");
+    EXPECT_EQ(error(end + "[" + end + "1"),
+              "maze.json:3: error: column 2: the text ends too early: the [ of line 2 has no closing ]");
+    EXPECT_EQ(error("{" + end + "\"a\": \"b" + end + "\"}"),
+              "maze.json:2: error: column 6: this string has no closing quotation mark on its line; a line "
+              "break in a string is written as \\n");
+    EXPECT_EQ(error("{" + end + "'b" + end + "'}"),
+              "maze.json:2: error: column 1: JSON has no single quotes: write strings in double quotes, \"");
+    EXPECT_EQ(error("[" + end + std::string("\0]", 2)),
+              "maze.json:2: error: the text contains a NUL byte (U+0000), which is not allowed in JSON");
+  }
 }
 
 TEST(JsonDocument, KeepsWholeNumbersWhole) {

@@ -339,6 +339,20 @@ TEST_F(JsonWorldOfPictures, MapsOfRosSayTheirSizeAndPlaceThemselves) {
                                "the ROS map \"explored.yaml\" has no unknown cell: remove this key")));
 }
 
+TEST_F(JsonWorldOfPictures, AnImageThatIsASymbolicLinkIsWrittenAsTheLink) {
+  const auto file = write_picture("site/lab.pgm", {"....", ".##.", "...."});
+  write("store/map", "image: lab.pgm\nresolution: 0.5\norigin: [0, 0, 0]\n");
+  std::filesystem::create_symlink("../store/map", folder_ / "site/lab.yaml");
+  const Loaded loaded(R"({"troupe": 1, "floorplans": [{"name": "a", "bitmap": "site/lab.yaml"}]})", {}, file);
+  ASSERT_THAT(loaded.found, IsEmpty());
+  Diagnostics diagnostics;
+  const auto written =
+      write_json_world(loaded.spec, folder_ / "written.json", json_test_registry(), diagnostics);
+  EXPECT_THAT(findings(diagnostics), IsEmpty());
+  ASSERT_TRUE(written);
+  EXPECT_EQ(*written->find("floorplans")->list()->front().find("bitmap")->text(), "site/lab.yaml");
+}
+
 TEST(JsonWorld, ItSaysHowItIsToBeWatched) {
   const Loaded loaded(R"({"troupe": 1,
     "watch": {"clock": true, "clock_ticks": 10, "rate": 2.5, "paused": true},

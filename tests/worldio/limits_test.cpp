@@ -14,6 +14,7 @@
 #include <zlib.h>
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 namespace troupe::worldio {
@@ -50,15 +51,17 @@ class Limits : public test::ScratchTest {
 };
 
 TEST_F(Limits, RingsInRings) {
-  const auto world = [](int parts) {
+  const auto world = [](std::string_view parts) {
     return fmt::format(R"({{"troupe": 1, "types": {{"a": {{"size_m": [1, 1, 1], "parts": [
 {{"name": "p", "ring": {{"count": 10000}}, "parts": [{{"name": "q", "ring": {{"count": {}}}}}]}}]}}}}}})",
                        parts);
   };
-  EXPECT_THAT(refusal("rings.json", world(10000)),
-              HasSubstr("rings.json:2: error: /types/a/parts/0/ring: up to here, the rings of the world make "
-                        "more than 1000000 objects"));
-  EXPECT_THAT(refusal("wrong.json", world(10001)), HasSubstr("/ring/count: must be from 1 to 10000"));
+  for (const std::string_view parts : {"10000", "10000.0", "1e4"})
+    EXPECT_THAT(
+        refusal("rings.json", world(parts)),
+        HasSubstr("rings.json:2: error: /types/a/parts/0/ring: up to here, the rings of the world make "
+                  "more than 1000000 objects"));
+  EXPECT_THAT(refusal("wrong.json", world("10001")), HasSubstr("/ring/count: must be from 1 to 10000"));
 }
 
 std::string repeated(std::string_view text, std::size_t count) {
@@ -218,6 +221,63 @@ TEST_F(Limits, Populations) {
   EXPECT_THAT(refusal("w.json", world("1", "0.08")),
               HasSubstr("w.json:3: error: /populations/1/place: the grids of this population and of the grid "
                         "populations before it have 112.5 million cells"));
+}
+
+/// A world of types t0, t1, ..., each on its own line from line 2, of which each type but t0 extends another.
+std::string heirs(std::size_t types, bool from_the_end, const std::function<std::string(std::size_t)>& keys) {
+  std::string text = R"({"troupe": 1, "types": {)";
+  for (std::size_t i = 0; i < types; ++i) {
+    const std::size_t t = from_the_end ? types - 1 - i : i;
+    text += fmt::format("{}\n\"t{}\": {{{}}}", i > 0 ? "," : "", t, keys(t));
+  }
+  return text + "}}";
+}
+
+TEST_F(Limits, ChainsOfTypes) {
+  const auto chain = [](std::size_t types, bool from_the_end) {
+    return heirs(types, from_the_end, [](std::size_t t) {
+      return t == 0 ? std::string(R"("size_m": [1, 1, 1])") : fmt::format(R"("extends": "t{}")", t - 1);
+    });
+  };
+  constexpr std::string_view k_error =
+      "error: /types/t1001/extends: the type inherits from more than 1000 types, directly or through other "
+      "types, which is the limit: extend a type that inherits from fewer types";
+  const auto only = [&](int line) {
+    return AllOf(HasSubstr(fmt::format("chain.json:{}: {}", line, k_error)), Not(HasSubstr("\n")));
+  };
+  EXPECT_THAT(refusal("chain.json", chain(100000, false)), only(1003));
+  EXPECT_THAT(refusal("chain.json", chain(100000, true)), only(99000));
+  EXPECT_NO_THROW(Simulation(write("chain.json", chain(1001, true))));
+}
+
+TEST_F(Limits, InheritedValues) {
+  // A type inherits 10,000 values: itself, a list of 3 numbers and a list of 9,994 numbers.
+  const std::string base = R"("size_m": [1, 1, 1], "x": [)" + repeated("1,", 9993) + "1]";
+  const std::string text = refusal("w.json", heirs(600, false, [&](std::size_t t) {
+                                     return t == 0 ? base : std::string(R"("extends": "t0")");
+                                   }));
+  EXPECT_THAT(
+      text,
+      HasSubstr("w.json:503: error: /types/t501/extends: up to here, the types of the world inherit more "
+                "than 5000000 values, which is the limit: extend smaller types, or use fewer types with "
+                "\"extends\""));
+}
+
+// If each key and each entry of the base were compared with all those of the heir, this test would run for
+// hours.
+TEST_F(Limits, ManyKeysThatAreMerged) {
+  const auto keys = [](std::string_view name) {
+    std::string text, entries;
+    for (int i = 0; i < 50000; ++i) {
+      text += fmt::format("\"{}{}_m\": 1, ", name, i);
+      entries += fmt::format("{{\"name\": \"{}{}\"}}, ", name, i);
+    }
+    return fmt::format("{}\"parts\": [{}{{}}]", text, entries);
+  };
+  const std::string text = refusal("w.json", heirs(2, false, [&](std::size_t t) {
+                                     return t == 0 ? keys("a") : keys("b") + R"(, "extends": "t0")";
+                                   }));
+  EXPECT_THAT(text, HasSubstr("the rest of the input was not read"));
 }
 
 TEST_F(Limits, ErrorsAndWhatTheyQuote) {

@@ -78,11 +78,7 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
 }
 
 Value read_integer(const JsonCursor& at, const Field& field) {
-  constexpr double k_exact = 9007199254740992.0;  // 2^53: larger doubles are not exact integers
-  std::optional<std::int64_t> given;
-  if (const auto* x = std::get_if<std::int64_t>(&at.node().value)) given = *x;
-  if (const auto* x = std::get_if<double>(&at.node().value))
-    if (*x == std::floor(*x) && std::abs(*x) <= k_exact) given = static_cast<std::int64_t>(*x);
+  const std::optional<std::int64_t> given = whole_number_of(at.node());
   const bool too_big = std::holds_alternative<std::uint64_t>(at.node().value);
   if (!given && !too_big) {
     at.expected("a whole number");
@@ -271,6 +267,14 @@ bool same_records(const Record& a, const Record& b) {
 }
 
 }  // namespace
+
+std::optional<std::int64_t> whole_number_of(const JsonNode& node) {
+  constexpr double k_exact = 9007199254740992.0;  // 2^53: larger doubles are not exact integers
+  if (const auto* x = std::get_if<std::int64_t>(&node.value)) return *x;
+  if (const auto* x = std::get_if<double>(&node.value))
+    if (*x == std::floor(*x) && std::abs(*x) <= k_exact) return static_cast<std::int64_t>(*x);
+  return std::nullopt;
+}
 
 bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);

@@ -5,6 +5,7 @@
 #include "engine/fields/fields.hpp"
 #include "worldio/json/json_reader.hpp"
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,6 +21,11 @@
 /// record  one value for each field of a table, in the order of the table (engine::Record)
 /// cursor  a JSON value that is being read, with its path for errors (JsonCursor)
 namespace troupe::worldio {
+
+/// Returns the value of a whole number, which may be written as 5, 5.0 or 5e0. Empty for any other JSON
+/// value, for a whole number outside -2^63 to 2^63 - 1, and for a number such as 1e17, which has a point or
+/// an exponent and is beyond 2^53.
+std::optional<std::int64_t> whole_number_of(const JsonNode& node);
 
 /// Reads one field of an object and returns its value. The key of a field with a unit ends in the unit, such
 /// as `fov_rad` or `fov_deg`. Returns an empty value if the object lacks the field. If the value is wrong

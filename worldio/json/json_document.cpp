@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t k_max_depth = 64;  // limited, because the reader and the destructors are recursive
 
 /// How far the parser has read the text: the present line, from 1, and the last character that it has read.
+/// A line ends with LF, CR LF or CR, as in line_at().
 struct Progress {
   std::uint32_t line = 1;
   char last = 0;
@@ -36,8 +37,8 @@ class CountingIterator {
   CountingIterator(const char* at, Progress* progress) : at_(at), progress_(progress) {}
   reference operator*() const { return *at_; }
   CountingIterator& operator++() {
+    progress_->line += *at_ == '\r' || (*at_ == '\n' && progress_->last != '\r');
     progress_->last = *at_;
-    progress_->line += *at_ == '\n';
     ++at_;
     return *this;
   }
@@ -48,16 +49,11 @@ class CountingIterator {
   Progress* progress_;
 };
 
-/// Returns the line, from 1, of the character at this position of a text.
-std::uint32_t line_at(std::string_view text, std::size_t position) {
-  return 1 + static_cast<std::uint32_t>(std::ranges::count(text.substr(0, position), '\n'));
-}
-
 /// Returns the column, from 1, of the character at this position of a text in UTF-8.
 std::size_t column_at(std::string_view text, std::size_t position) {
   const std::string_view before = text.substr(0, position);
-  std::string_view line = before.substr(before.rfind('\n') + 1);  // npos + 1 is 0
-  if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);    // byte-order mark
+  std::string_view line = before.substr(before.find_last_of("\r\n") + 1);  // npos + 1 is 0
+  if (line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);             // byte-order mark
   const auto is_first = [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; };
   return 1 + static_cast<std::size_t>(std::ranges::count_if(line, is_first));
 }
@@ -137,7 +133,7 @@ class TreeBuilder {
   /// the line.
   Where here(bool read_ahead) const {
     if (fixed_place_) return start_;
-    const bool passed = read_ahead && progress_.last == '\n';
+    const bool passed = read_ahead && (progress_.last == '\n' || progress_.last == '\r');
     return {start_.file, progress_.line - (passed ? 1 : 0)};
   }
 

@@ -12,10 +12,12 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <ranges>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -98,7 +100,8 @@ class Includer {
   }
 
   void add_file(const JsonCursor& at, const fs::path& name) {
-    const fs::path file = (folder_ / name).lexically_normal();
+    const fs::path file =
+        folder_ / name;  // not normalised: after a symbolic link, ".." is in the link's target
     const fs::path path = canonical(file);
     const auto same = std::ranges::find(open_, path, &OpenFile::path);
     if (same != open_.end()) {
@@ -126,7 +129,7 @@ class Includer {
     const JsonCursor root(document, diagnostics_);
     JsonObject keys(root);
     if (!keys.is_object()) return;
-    for (const std::string_view known : {"$schema", "include", "types"}) keys.find(known);
+    for (const std::string_view known : k_included_keys) keys.find(known);
     if (const JsonNode* version = keys.find("troupe"))
       if (const auto* number = std::get_if<std::int64_t>(&version->value);
           number == nullptr || *number != k_format_version)
@@ -155,25 +158,18 @@ class Includer {
 
 // ---- extends
 
-/// Whether two keys give one quantity in different units, such as `size_m` and `size_cm`.
-bool differ_in_unit(std::string_view a, std::string_view b) {
-  const auto stem = [](std::string_view key, std::string_view suffix) {
-    return key.ends_with(suffix) ? key.substr(0, key.size() - suffix.size()) : std::string_view();
-  };
+/// Returns names for the quantities that a key gives. No object may have two keys that give the same
+/// quantity, such as `size_m` and `size_cm`, or `controller` and `controllers`.
+std::vector<std::string> quantities(std::string_view key) {
+  if (key == "controller" || key == "controllers") return {"controllers"};
+  std::vector<std::string> names;
   for (auto unit = engine::Unit::meters; unit <= engine::Unit::watts;
        unit = static_cast<engine::Unit>(static_cast<int>(unit) + 1))
-    for (const engine::UnitSuffix& of_a : engine::unit_suffixes(unit))
-      for (const engine::UnitSuffix& of_b : engine::unit_suffixes(unit))
-        if (of_a.suffix != of_b.suffix && !stem(a, of_a.suffix).empty() &&
-            stem(a, of_a.suffix) == stem(b, of_b.suffix))
-          return true;
-  return false;
-}
-
-/// Whether no object may have both keys.
-bool excludes(std::string_view a, std::string_view b) {
-  return (a == "controller" && b == "controllers") || (a == "controllers" && b == "controller") ||
-         differ_in_unit(a, b);
+    for (const engine::UnitSuffix& in : engine::unit_suffixes(unit))
+      if (key.ends_with(in.suffix) && key.size() > in.suffix.size())
+        names.push_back(
+            fmt::format("{} {}", static_cast<int>(unit), key.substr(0, key.size() - in.suffix.size())));
+  return names;
 }
 
 bool is_named_list(std::string_view key) {
@@ -192,22 +188,26 @@ void merge(JsonNode& own, const JsonNode& base);
 /// merged with the entry of `own` that has the same name, then the other entries of `own`.
 void merge_lists(JsonNode& own, const JsonNode& base) {
   auto& list = std::get<JsonNode::List>(own.value);
+  std::multimap<std::string_view, std::size_t> named;  // entries to merge; equal names in the order of `list`
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (const std::string* name = text_of(list[i], "name")) named.emplace(*name, i);
+  std::vector<bool> is_merged(list.size());
   JsonNode::List merged;
   for (const JsonNode& inherited : *base.list()) {
     const std::string* name = text_of(inherited, "name");
-    const auto same = std::ranges::find_if(list, [name](const JsonNode& entry) {
-      const std::string* its_name = text_of(entry, "name");
-      return name && its_name && *name == *its_name;
-    });
-    if (same == list.end()) {
+    const auto same = name ? named.lower_bound(*name) : named.end();
+    if (same == named.end() || same->first != *name) {
       merged.push_back(inherited);
       continue;
     }
-    merge(*same, inherited);
-    merged.push_back(std::move(*same));
-    list.erase(same);
+    const std::size_t i = same->second;
+    named.erase(same);
+    is_merged[i] = true;
+    merge(list[i], inherited);
+    merged.push_back(std::move(list[i]));
   }
-  std::ranges::move(list, std::back_inserter(merged));
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (!is_merged[i]) merged.push_back(std::move(list[i]));
   own.value = std::move(merged);
 }
 
@@ -229,17 +229,26 @@ void remove_nulls(Members& members) {
 void merge(JsonNode& own, const JsonNode& base) {
   Members* members = members_of(&own);
   if (!members || !base.object() || have_other_kinds(own, base)) return;
+  members->reserve(members->size() + base.object()->size());  // so that `places` stays valid
+  std::unordered_map<std::string_view, JsonNode*> places;
+  std::unordered_set<std::string> given;  // quantities
+  const auto note = [&](JsonMember& member) {
+    places.emplace(member.key, &member.node);
+    for (std::string& quantity : quantities(member.key)) given.insert(std::move(quantity));
+  };
+  for (JsonMember& member : *members) note(member);
   for (const JsonMember& inherited : *base.object()) {
-    const auto same = std::ranges::find(*members, inherited.key, &JsonMember::key);
-    if (same != members->end()) {
-      const bool are_lists = same->node.list() && inherited.node.list() && is_named_list(same->key);
+    const auto same = places.find(inherited.key);
+    if (same != places.end()) {
+      JsonNode& node = *same->second;
+      const bool are_lists = node.list() && inherited.node.list() && is_named_list(inherited.key);
       if (are_lists)
-        merge_lists(same->node, inherited.node);
+        merge_lists(node, inherited.node);
       else
-        merge(same->node, inherited.node);
-    } else if (std::ranges::none_of(
-                   *members, [&](const JsonMember& member) { return excludes(member.key, inherited.key); })) {
-      members->push_back(inherited);
+        merge(node, inherited.node);
+    } else if (std::ranges::none_of(quantities(inherited.key),
+                                    [&](const std::string& quantity) { return given.contains(quantity); })) {
+      note(members->emplace_back(inherited));
     }
   }
   remove_nulls(*members);
@@ -255,31 +264,58 @@ void remove_all_nulls(JsonNode& node) {
   }
 }
 
+/// Returns the number of JSON values in a value, including the value itself.
+std::size_t count_values(const JsonNode& node) {
+  std::size_t values = 1;
+  if (const JsonNode::List* list = node.list())
+    for (const JsonNode& entry : *list) values += count_values(entry);
+  if (const Members* members = node.object())
+    for (const JsonMember& member : *members) values += count_values(member.node);
+  return values;
+}
+
 /// Resolves `extends` of all types, each type after the one that it extends.
 class TypeMerger {
  public:
   /// bases: if not null, the list to which the names of base types are added.
   TypeMerger(Members& types, Diagnostics& diagnostics, std::vector<std::string>* bases)
-      : types_(types), diagnostics_(diagnostics), bases_(bases) {}
+      : types_(types),
+        diagnostics_(diagnostics),
+        bases_(bases),
+        is_visited_(types.size()),
+        depths_(types.size()) {
+    for (std::size_t t = 0; t < types.size(); ++t) indices_.emplace(types[t].key, t);
+  }
 
   void merge_all() {
-    for (JsonMember& type : types_) resolve(type);
+    for (std::size_t t = 0; t < types_.size(); ++t) resolve(t);
   }
 
  private:
-  void resolve(JsonMember& type);
+  void resolve(std::size_t type);
+  std::optional<std::size_t> find_base(const JsonMember& type);
+  void inherit(std::size_t type, std::size_t base);
   static Inheritable inheritable(const JsonMember& type) {
     const std::string* name = text_of(type.node, "name");
     return {"/types/" + escape_pointer_token(type.key), name ? *name : type.key, type.where};
   }
-  void error(const JsonMember& type, Where where, std::string_view message) {
-    diagnostics_.error(where, fmt::format("/types/{}/extends: {}", escape_pointer_token(type.key), message));
+  void error(const JsonMember& type, std::string_view message) {
+    diagnostics_.error(type.node.find("extends")->where,
+                       fmt::format("/types/{}/extends: {}", escape_pointer_token(type.key), message));
+  }
+  /// Reports that a limit is exceeded. Throws, because the other types would only repeat the error.
+  void limit_error(const JsonMember& type, std::string_view message) {
+    error(type, message);
+    diagnostics_.throw_if_errors();
   }
 
   Members& types_;
   Diagnostics& diagnostics_;
   std::vector<std::string>* bases_;
-  std::vector<const JsonMember*> open_;  // types that are being resolved, each extends the next one
+  std::unordered_map<std::string_view, std::size_t> indices_;  // key of a type -> its index in types_
+  std::vector<bool> is_visited_;                               // per type: resolved, or being resolved
+  std::vector<std::size_t> depths_;  // per type: number of types that it inherits from
+  std::size_t inherited_values_ = 0;
 };
 
 /// Removes the key "extends" of a type whose base is wrong, and gives the type a shape if it has none.
@@ -297,45 +333,72 @@ void replace_wrong_base(JsonNode& type) {
   members.push_back({"size_m", where, {JsonNode::List{one, one, one}, where}});
 }
 
-void TypeMerger::resolve(JsonMember& type) {
-  const JsonNode* extends = type.node.find("extends");
-  if (!extends) return;
-  const Where where = extends->where;
-  const JsonNode value = *extends;
-  const auto circle = std::ranges::find(open_, &type);
-  if (circle != open_.end()) {
-    std::string chain;
-    for (auto each = circle; each != open_.end(); ++each) chain += fmt::format("{} extends ", (*each)->key);
-    replace_wrong_base(type.node);
-    return error(type, where,
-                 fmt::format("the types extend each other in a circle: {}{}; remove one \"extends\"", chain,
-                             type.key));
+/// Resolves `extends` of a type, after that of all types from which it inherits. Not recursive, because the
+/// chain of these types may be long.
+void TypeMerger::resolve(std::size_t type) {
+  std::vector<std::size_t> chain;  // each type extends the next one
+  for (std::optional<std::size_t> next = type; next && types_[*next].node.find("extends");) {
+    JsonMember& each = types_[*next];
+    if (is_visited_[*next]) {
+      std::string circle;
+      for (auto t = std::ranges::find(chain, *next); t != chain.end(); ++t)
+        circle += fmt::format("{} extends ", types_[*t].key);
+      error(each, fmt::format("the types extend each other in a circle: {}{}; remove one \"extends\"", circle,
+                              each.key));
+      replace_wrong_base(each.node);
+      break;
+    }
+    is_visited_[*next] = true;
+    chain.push_back(*next);
+    next = find_base(each);
+    if (!next) replace_wrong_base(each.node);
   }
-  const std::string* name = value.text();
-  const auto base = name ? std::ranges::find(types_, *name, &JsonMember::key) : types_.end();
-  if (base == types_.end()) {
-    std::vector<std::string_view> known;
-    for (const JsonMember& each : types_)
-      if (&each != &type) known.push_back(each.key);
-    error(type, where,
-          name ? unknown_name("type", *name, std::move(known))
-               : fmt::format("expected the name of a type, found {}", value.describe()));
-    return replace_wrong_base(type.node);
+  for (const std::size_t heir : chain | std::views::reverse)
+    if (const JsonNode* extends = types_[heir].node.find("extends"))
+      inherit(heir, indices_.find(*extends->text())->second);
+}
+
+/// Returns the index of the type that `type` extends. Empty, with an error, if there is no such type.
+std::optional<std::size_t> TypeMerger::find_base(const JsonMember& type) {
+  const JsonNode& extends = *type.node.find("extends");
+  const std::string* name = extends.text();
+  const auto found = name ? indices_.find(*name) : indices_.end();
+  if (found != indices_.end()) {
+    const JsonMember& base = types_[found->second];
+    const std::string* base_name = text_of(base.node, "name");
+    if (bases_) bases_->push_back(base_name ? *base_name : base.key);
+    return found->second;
   }
-  const std::string* base_name = text_of(base->node, "name");
-  if (bases_) bases_->push_back(base_name ? *base_name : base->key);
-  open_.push_back(&type);
-  resolve(*base);
-  open_.pop_back();
-  if (type.node.find("extends") == nullptr) return;  // the circle of types is already reported
-  diagnostics_.inherits(inheritable(type), inheritable(*base));
-  remove_key(*members_of(&type.node), "extends");
-  JsonNode inherited = base->node;
+  std::vector<std::string_view> known;
+  for (const JsonMember& each : types_)
+    if (&each != &type) known.push_back(each.key);
+  error(type, name ? unknown_name("type", *name, std::move(known))
+                   : fmt::format("expected the name of a type, found {}", extends.describe()));
+  return std::nullopt;
+}
+
+void TypeMerger::inherit(std::size_t type, std::size_t base) {
+  JsonMember& heir = types_[type];
+  JsonNode inherited = types_[base].node;
+  depths_[type] = depths_[base] + 1;
+  if (depths_[type] > k_most_bases)
+    limit_error(heir,
+                fmt::format("the type inherits from more than {} types, directly or through other types, "
+                            "which is the limit: extend a type that inherits from fewer types",
+                            k_most_bases));
+  inherited_values_ += count_values(inherited);
+  if (inherited_values_ > k_most_inherited_values)
+    limit_error(heir,
+                fmt::format("up to here, the types of the world inherit more than {} values, which is the "
+                            "limit: extend smaller types, or use fewer types with \"extends\"",
+                            k_most_inherited_values));
+  diagnostics_.inherits(inheritable(heir), inheritable(types_[base]));
+  remove_key(*members_of(&heir.node), "extends");
   if (Members* members = members_of(&inherited)) {
     remove_key(*members, "name");
-    if (type.node.find("kind")) remove_key(*members, "kind");
+    if (heir.node.find("kind")) remove_key(*members, "kind");
   }
-  merge(type.node, inherited);
+  merge(heir.node, inherited);
 }
 
 }  // namespace

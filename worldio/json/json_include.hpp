@@ -3,11 +3,17 @@
 #include "base/diagnostics.hpp"
 #include "worldio/json/json_node.hpp"
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::worldio {
+
+/// The keys that an included file may have besides `troupe`, the version of the format.
+inline constexpr std::array<std::string_view, 3> k_included_keys{"$schema", "include", "types"};
 
 /// Replaces the key `include`, a list of files, in the JSON object of a world: the types of these files are
 /// added in front of the types of the world. A type describes bodies of the same construction. Does nothing
@@ -24,6 +30,14 @@ namespace troupe::worldio {
 /// circle, an unknown key or a wrong value in an included file, and two types with the same key.
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
+/// Greatest number of types from which a type may inherit, directly or through other types. The limit bounds
+/// the time of Diagnostics::error() and warning(), which follow the chain of these types.
+inline constexpr std::size_t k_most_bases = 1000;
+/// Greatest number of JSON values that all types of a world together may inherit. Each number, text, list and
+/// object counts, including those in lists and objects. The limit is needed because the values multiply: if
+/// many types extend a large type, a short file could ask for any amount of memory.
+inline constexpr std::size_t k_most_inherited_values = 5000000;
+
 /// Replaces the key `extends` of each type in the JSON object of a world. The value of the key names another
 /// type, the base type. The type inherits the keys of the base type that it does not have itself. Rules:
 /// - If the value of a key is an object in both types, the two objects are merged by these rules. But if both
@@ -39,6 +53,10 @@ void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagno
 /// Every node keeps its file and line. Reports an error for an unknown base type, and for types that extend
 /// each other in a circle. The key `extends` of such a type is removed. If the type then has no shape, it
 /// gets the size 1 m x 1 m x 1 m, to avoid a second error about the lack of a shape.
+///
+/// A type may inherit from at most k_most_bases types, and all types together may inherit at most
+/// k_most_inherited_values values. If they inherit more, reports an error at the first type that exceeds the
+/// limit, and throws InputError with all errors that were reported so far.
 ///
 /// bases: if not null, the list to which the names of all base types are added, once for each type that
 /// extends the base type.

@@ -269,10 +269,13 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
 ImageDocument contract_image(const engine::ImageSpec& image, const Eigen::Vector3d& size,
                              const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
-  const fs::path file = fs::weakly_canonical(image.file);
-  const fs::path from = fs::weakly_canonical(folder.empty() ? "." : folder);
+  const auto resolved = [](const fs::path& path) { return fs::weakly_canonical(path.empty() ? "." : path); };
+  // The file itself is not resolved: if it is a symbolic link to the YAML file of a map, the path of the
+  // map's image is relative to the folder of the link.
+  const fs::path file(image.file);
   ImageDocument document;
-  document.bitmap = file.lexically_proximate(from).generic_string();
+  document.bitmap =
+      (resolved(file.parent_path()) / file.filename()).lexically_proximate(resolved(folder)).generic_string();
   if (is_ros_map(image.file)) {
     document.height = size.z();
     if (image.unknown_is_solid) document.unknown = ImageDocument::Unknown::solid;

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 namespace troupe::worldio {
@@ -55,7 +57,7 @@ JsonNode pose_node(const Pose& pose, Where where) {
 double copies_of(const JsonNode& node) {
   const JsonNode* ring = node.object() ? node.find("ring") : nullptr;
   const JsonNode* count = ring && ring->object() ? ring->find("count") : nullptr;
-  const auto* copies = count ? std::get_if<std::int64_t>(&count->value) : nullptr;
+  const std::optional<std::int64_t> copies = count ? whole_number_of(*count) : std::nullopt;
   if (!copies || *copies < 1) return 1;
   const auto number = static_cast<double>(*copies);
   return number <= document_table<RingDocument>().find("count")->field.max ? number : 1;

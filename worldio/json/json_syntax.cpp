@@ -21,6 +21,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '$'; }
 bool is_hexadecimal(char c) { return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); }
 bool is_ascii(char c) { return static_cast<unsigned char>(c) < 128; }
+bool ends_line(char c) { return c == '\n' || c == '\r'; }
 bool is_control(char c) { return static_cast<unsigned char>(c) < 32; }
 /// Whether a byte continues a character in UTF-8.
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
@@ -53,11 +54,6 @@ bool is_scalar(std::string_view word) {
     if (!skip_digits()) return false;
   }
   return word.empty();
-}
-
-/// The line of an offset, from 1.
-std::size_t line_of(std::string_view text, std::size_t at) {
-  return 1 + static_cast<std::size_t>(std::ranges::count(text.substr(0, at), '\n'));
 }
 
 /// What may come next in a JSON text.
@@ -117,8 +113,8 @@ class Scanner {
   std::size_t end_of_string() {
     is_closed_ = false;
     std::size_t at = begin_ + 1;
-    for (; at < text_.size() && text_[at] != '\n'; ++at) {
-      if (text_[at] == '\\' && !text_.substr(at + 1).starts_with('\n')) {
+    for (; at < text_.size() && !ends_line(text_[at]); ++at) {
+      if (text_[at] == '\\' && at + 1 < text_.size() && !ends_line(text_[at + 1])) {
         ++at;
       } else if (text_[at] == '"') {
         is_closed_ = true;
@@ -178,7 +174,7 @@ class Scanner {
   char closing() const { return text_[open_.back()] == '{' ? '}' : ']'; }
   /// The innermost object or list that is not closed, as in `the { of line 2`.
   std::string opening() const {
-    return fmt::format("the {} of line {}", text_[open_.back()], line_of(text_, open_.back()));
+    return fmt::format("the {} of line {}", text_[open_.back()], line_at(text_, open_.back()));
   }
 
   /// Returns a part of the text for a message. Long parts are cut, and control characters are blanks.
@@ -203,7 +199,7 @@ class Scanner {
                                 "a string contains bytes that are not valid UTF-8: save the file in UTF-8"};
     const char c = last_ < text_.size() ? text_[last_] : '\n';
     if (cuts_character()) return wrong_bytes;
-    if (!is_closed_ && (c == '\n' || c == '\r'))
+    if (!is_closed_ && ends_line(c))
       return {begin_,
               "this string has no closing quotation mark on its line; a line break in a string is written as "
               "\\n"};
@@ -241,7 +237,7 @@ class Scanner {
   }
 
   JsonSyntaxError single_quotes() const {
-    const std::size_t end = text_.find_first_of("'\n", begin_ + 1);
+    const std::size_t end = text_.find_first_of("'\r\n", begin_ + 1);
     const bool is_whole = end != text_.npos && text_[end] == '\'' && end - begin_ <= k_most_quoted;
     return {begin_, fmt::format("JSON has no single quotes: write {}",
                                 is_whole ? fmt::format("\"{}\"", text_.substr(begin_ + 1, end - begin_ - 1))
@@ -324,6 +320,13 @@ class Scanner {
 };
 
 }  // namespace
+
+std::uint32_t line_at(std::string_view text, std::size_t position) {
+  std::uint32_t line = 1;
+  for (std::size_t i = 0; i < std::min(position, text.size()); ++i)
+    line += text[i] == '\n' || (text[i] == '\r' && !text.substr(i + 1).starts_with('\n'));
+  return line;
+}
 
 JsonSyntaxError json_syntax_error(std::string_view text, std::size_t last) {
   return Scanner(text, last).error();

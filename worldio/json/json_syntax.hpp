@@ -1,10 +1,14 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
 namespace troupe::worldio {
+
+/// Returns the line, from 1, of the character at this position of a text. A line ends with LF, CR LF or CR.
+std::uint32_t line_at(std::string_view text, std::size_t position);
 
 /// A syntax error of a JSON text.
 struct JsonSyntaxError {

@@ -865,7 +865,7 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
        Form::points, "polygon_m",
        "polygon in which the origins of the bodies lie; it must not cross itself; with `region_m`, the "
        "origins lie in both")
-      .entries(3);
+      .entries(3, k_most_block_points);
   d.other<&PlaceDocument::spill>(Form::box, "spill_m",
                                  "second rectangle, for bodies that do not fit into `region_m`")
       .of_variants(bit(Rule::grid));

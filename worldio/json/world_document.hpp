@@ -54,8 +54,9 @@ class DocumentKeys;
 
 inline constexpr std::int64_t k_format_version = 1;      ///< the only version of the format
 inline constexpr double k_max_size_m = k_world_reach_m;  ///< maximum of sizes and absolute coordinates, m
-/// Greatest number of points of a block (BlockDocument) or of a line of walls. The limit bounds the time of
-/// check_outline(), which grows with the square of the number of points.
+/// Greatest number of points of a block (BlockDocument), of a line of walls, or of the polygon of a placement
+/// rule (PlaceDocument). The limit bounds the time of check_outline(), which grows with the square of the
+/// number of points.
 inline constexpr std::size_t k_most_block_points = 1000;
 
 /// Base of the structs that are read from JSON objects. It stores the place of the object and the places of

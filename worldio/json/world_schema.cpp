@@ -3,6 +3,7 @@
 #include "engine/fields/description.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
+#include "worldio/json/json_include.hpp"
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/world_document.hpp"
@@ -441,6 +442,13 @@ std::string world_schema(const engine::Registry& registry) {
   add_member(head, "$schema", std::string("http://json-schema.org/draft-07/schema#"));
   add_member(head, "title", std::string("A world of Troupe"));
   members.insert(members.begin(), head.begin(), head.end());
+  // A file with only the keys of an included file may be one, and may then lack the keys that a world needs.
+  const auto required = std::ranges::find(members, "required", &JsonMember::key);
+  required->key = "else";
+  required->node = object_of({{"required", required->node}});
+  Members condition;
+  add_node(condition, "if", object_of({{"propertyNames", object_of({{"enum", texts(k_included_keys)}})}}));
+  members.insert(required, condition.front());
   add_node(members, "definitions", definitions(registry));
   return json_text(schema);
 }
