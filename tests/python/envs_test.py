@@ -371,6 +371,24 @@ class Vector(unittest.TestCase):
         self.assertTrue((space.high == 0).all() and (space.low == -3).all(), space)
         self.assertTrue(space.contains(env.reset(seed=1)[0][0]))
 
+    def test_the_observation_space_contains_the_readings_of_all_robots(self):
+        def bot(range_max_m):
+            eye = {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": range_max_m}]}
+            return {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff"}, "sensors": [eye]}
+
+        task = troupe.envs.Task()
+        task.world = {"troupe": 1, "types": {"near": bot(1), "far": bot(3.2)}, "models": [
+            {"name": "a", "type": "near"}, {"name": "b", "type": "far", "pose": {"y_m": 1}}]}
+        for scale in (1, 0.3, -0.3):  # 3.2 as float32 is above 3.2, and 0.3 times this number rounds to a number above 0.96
+            task.teams = [troupe.envs.Team(observation=[{"field": "ranges", "scale": scale}])]
+            env = troupe.envs.VectorEnv(task, 2)
+            observations, _ = env.reset(seed=1)  # no obstacle is in range: the readings are the largest possible
+            for observation, range_max in zip(observations, (1, 3.2)):
+                self.assertAlmostEqual(float(observation[0]), range_max * scale, 5)
+                self.assertTrue(env.single_observation_space.contains(observation), (scale, observation))
+            bounds = env.single_observation_space.low, env.single_observation_space.high
+            self.assertAlmostEqual(float(bounds[int(scale > 0)][0]), 3.2 * scale, 5)
+
     def test_choices_and_levels_fit_the_actions(self):
         for members, error, text in (
             ({"choices": [[1]]}, ValueError, "Team.choices[0] has 1 number: give 2, one per entry of actions"),

@@ -155,14 +155,13 @@ class Batch:
         lows: List[float] = []
         highs: List[float] = []
         for part in parts:
-            low, high = _bounds(part, simulation, self.names[team][0])
+            low, high = _bounds(part, simulation, self.names[team])
             lows += low
             highs += high
         more = self.task.observe(self, team, name)
         columns = 0 if more is None else more.shape[-1]
-        return spaces.Box(
-            np.array(lows + [-1.0] * columns, np.float32), np.array(highs + [1.0] * columns, np.float32), dtype=np.float32
-        )
+        low, high = -_rounded_up(-np.array(lows + [-1.0] * columns)), _rounded_up(np.array(highs + [1.0] * columns))
+        return spaces.Box(low, high, dtype=np.float32)
 
 
 def one_copy(task: Task, **options: Any) -> Batch:
@@ -197,9 +196,22 @@ def _team_spec(team: Team, robot: str) -> Dict[str, Any]:
     }
 
 
-def _bounds(part: Dict[str, Any], simulation: Simulation, robot: str) -> Any:
+def _rounded_up(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+    """Returns the values as float32, rounded towards infinity: no number up to a value is above the result, also if the
+    number has been rounded to float32."""
+    near = values.astype(np.float32)
+    return np.where(near < values, np.nextafter(near, np.float32(np.inf)), near)
+
+
+def _range_bound(simulation: Simulation, robots: List[str], device: str) -> float:
+    """Returns an upper bound of the ranges, float32, that the robots measure with a ranger, m."""
+    swarms = [simulation.swarm(simulation.find(robot)) for robot in robots]
+    return float(_rounded_up(np.array(max(swarm.range_bound(device) for swarm in swarms))))
+
+
+def _bounds(part: Dict[str, Any], simulation: Simulation, robots: List[str]) -> Any:
     """Returns the lower and upper bounds of the columns of a part of an observation (Team.observation): the members low
-    and high of the part if given, or else the bounds that the kind of the part implies."""
+    and high of the part if given, or else the bounds that the kind of the part implies for all robots of the team."""
     of = part.get("of", "reading")
     scale = part.get("scale", 1.0)
     infinity = float("inf")
@@ -215,11 +227,11 @@ def _bounds(part: Dict[str, Any], simulation: Simulation, robot: str) -> Any:
         low, high = [-infinity] * 3, [infinity] * 3
     else:
         device, field = part.get("device", ""), part["field"]
-        columns = simulation.swarm(simulation.find(robot))
-        columns.subscribe()
-        count = len(np.atleast_1d(simulation.find(robot).readings(field, *([device] if device else []))))
+        first = simulation.find(robots[0])  # all robots of a team have as many readings
+        simulation.swarm(first).subscribe()
+        count = len(np.atleast_1d(first.readings(field, *([device] if device else []))))
         is_range = field == "ranges"
-        bound = columns.range_bound(device) * scale if is_range else infinity
+        bound = _range_bound(simulation, robots, device) * scale if is_range else infinity
         low, high = [min(bound, 0.0) if is_range else -infinity] * count, [max(bound, 0.0)] * count
     if "low" in part:
         low = [float(part["low"])] * len(low)
