@@ -228,6 +228,21 @@ class Checkers(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, "uses one thread: omit threads, or use VectorEnv"):
                 make(Short(2), threads=2)
 
+    def test_seeds_may_be_integers_of_numpy(self):
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
+            one, other = make(Short(2)), make(Short(2))
+            self.assertTrue(data_equivalence(one.reset(seed=np.int64(7)), other.reset(seed=7), exact=True))
+
+    def test_a_closed_environment_says_so(self):
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
+            env = make(Short(2))
+            self.assertIsNone(env.render())
+            env.close()
+            env.close()
+            for call in (env.render, env.reset):
+                with self.assertRaisesRegex(RuntimeError, "this environment was closed: create another one"):
+                    call()
+
     def test_the_task_is_an_object(self):
         for task in ("Navigation", troupe.envs.Navigation):
             for make in (
