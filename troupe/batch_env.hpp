@@ -271,13 +271,15 @@ class BatchEnv {
   /// step.
   ///
   /// Throws these exceptions before any copy has changed:
-  /// - std::logic_error if reset() has not yet been called
+  /// - std::logic_error if reset() has not yet been called, or if the last step or reset of a copy that makes
+  /// a
+  ///   step failed
   /// - std::invalid_argument if `begins` has another size, or if an action is not finite (the actions of
   ///   copies that begin an episode are not tested)
   ///
   /// Throws engine::StepError if the step of a copy fails, and the exceptions of reset() if a copy cannot
-  /// begin its episode. The other copies have then made their step. The failed copy must be reset before its
-  /// next step.
+  /// begin its episode. The other copies have then made their step. The failed copy must be reset (by reset()
+  /// or by `begins`) before its next step.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

@@ -107,6 +107,7 @@ struct BatchEnv::Impl {
     std::uint64_t first_seed = 0;  // seed of episode 0, from which the seeds of later episodes are derived
     std::uint64_t episode = 0;     // number of the episode
     bool has_begun = false;        // whether episode 0 has begun
+    bool has_failed = false;       // whether its last step or reset threw: rewards do not know its last ticks
     std::uint64_t last_tick = 0;   // tick at which the episode is truncated
   };
 

@@ -487,6 +487,40 @@ class Vector(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, rf"must have the shape \(3, 2, 2\), found \(3, 2, {columns}\)"):
                 batch.step([np.ones((3, 2, columns), np.int64)])
 
+    def test_a_step_that_an_exception_has_ended_needs_a_reset(self):
+        class Failing(Short):
+            error = None
+
+            def reward(self, batch, team):
+                if self.error is not None:
+                    raise self.error
+                return None
+
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 6)):
+            one, other = make(Failing(2)), make(Failing(2))
+            vector = isinstance(one, troupe.envs.VectorEnv)
+            action = {} if isinstance(one, troupe.envs.ParallelEnv) else np.zeros(one.action_space.shape)
+            for error in (KeyboardInterrupt, ZeroDivisionError):
+                one.reset(seed=3)
+                one.step(action)
+                one.task.error = error
+                with self.assertRaises(error):
+                    one.step(action)
+                one.task.error = None
+                with self.assertRaisesRegex(RuntimeError, "after a step or reset that an exception has ended"):
+                    one.step(action)
+                if vector:  # a reset of some copies is not enough
+                    one.reset(options={"reset_mask": np.array([True, True, False, False, True, True])})
+                    with self.assertRaisesRegex(RuntimeError, r"\(1 of 3 copies need a reset\)"):
+                        one.step(action)
+                self.assertTrue(data_equivalence(one.reset(seed=4), other.reset(seed=4), exact=True))
+                self.assertTrue(data_equivalence(one.step(action), other.step(action), exact=True))
+            if not vector:
+                continue
+            with self.assertRaisesRegex(ValueError, "is nan: give finite numbers"):
+                one.step(np.full(one.action_space.shape, np.nan))  # an error before the copies have made their step
+            self.assertTrue(data_equivalence(one.step(action), other.step(action), exact=True))
+
     def test_the_seeds_of_copies_begin_again_at_0(self):
         env = troupe.envs.VectorEnv(Short(2), 6)
         env.reset(seed=2**64 - 1)

@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/kinds/step_error.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "troupe/measures.hpp"
@@ -240,6 +241,38 @@ TEST(BatchEnv, CollectiveControllersDecideForAllRobotsTogether) {
       EXPECT_EQ(command.x, learns ? 0 : 0.001 * 129) << copy.spec().name(copy.body(row));
     }
   }
+}
+
+/// A controller that throws an exception once, in the call with the number `fails_at`.
+struct Fails {
+  static inline int calls = 0;
+  static inline int fails_at = 0;
+  void operator()(const engine::DecideBatch&) const {
+    if (++calls == fails_at) throw std::runtime_error("planted");
+  }
+};
+
+TEST(BatchEnv, ACopyThatFailedMustBeReset) {
+  engine::Registry registry = make_registry();
+  registry.controllers.push_back(engine::make_controller_kind<Fails>("fails", "for this test"));
+  const Simulation world = Simulation::from_text(
+      R"({"troupe": 1, "seed": 3, "types": {"bot": {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff"},
+          "controller": {"kind": "fails"}}},
+          "models": [{"name": "r", "type": "bot"}, {"name": "other", "type": "bot", "pose": {"y_m": 1}}]})",
+      "fails.json", {.threads = 1}, std::move(registry));
+  BatchEnv batch(world, {.copies = 2, .threads = 1, .teams = {{.name = "team", .robots = "r"}}});
+  batch.reset();
+  Fails::fails_at = Fails::calls + 2;  // in the second copy
+  EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<engine::StepError>(HasSubstr("planted")));
+  const std::uint64_t before = batch.simulation(0).state_hash();
+  EXPECT_THAT([&] { batch.step(); },
+              ThrowsMessage<std::logic_error>(HasSubstr("step(): the last step or reset of copy 1 (counted "
+                                                        "from 0) failed: reset this copy first")));
+  EXPECT_EQ(batch.simulation(0).state_hash(), before);
+  batch.step(std::vector<std::uint8_t>{0, 1});
+  EXPECT_EQ(batch.simulation(1).tick(), 1u);
+  batch.step();
+  EXPECT_EQ(batch.simulation(1).tick(), 2u);
 }
 
 TEST(BatchEnv, DoesNotDependOnTheRowsOfRobots) {

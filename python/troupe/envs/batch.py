@@ -65,6 +65,9 @@ class Batch:
         ]
         self.action_spaces = [action_space(team) for team in self.teams]
         self.world_seed = int(simulation.options["seed"])
+        # One bool per copy: True before the first reset, and after a reset or a step that an exception has ended: the
+        # task may then not have seen the last step of the simulation.
+        self._needs_reset = np.ones(copies, np.bool_)
 
     def array(self, name: str, team: int = 0) -> npt.NDArray[Any]:
         """Returns the values of an array of a team after the last step: copies x robots x columns, read-only. Its
@@ -77,14 +80,31 @@ class Batch:
         seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
         derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy).
         Raises TypeError for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1."""
-        self.core.reset(which, [None if seed is None else _seed_of(seed) for seed in seeds])
-        self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
+        own_seeds = [None if seed is None else _seed_of(seed) for seed in seeds]
+        begins = np.ones(self.copies, np.bool_) if which is None else which
+        self._needs_reset |= begins
+        self.core.reset(which, own_seeds)
+        self.task.begin(self, begins)
+        self._needs_reset &= ~begins
+
+    def require_reset(self) -> None:
+        """Raises RuntimeError if the copies cannot make a step, because they have not begun an episode or because an
+        exception, such as KeyboardInterrupt, has ended a step."""
+        if self._needs_reset.any():
+            raise RuntimeError(
+                "step(): call reset() before the first step, and after a step or reset that an exception has ended "
+                f"({self._needs_reset.sum()} of {self.copies} copies need a reset)"
+            )
 
     def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
         """Advances all copies by one step. actions: one array per team, copies x robots x the shape of an action.
         begins: one bool per copy; copies with True begin their next episode instead of making a step. Raises ValueError
         for actions of another number or shape, if Task.act() returns commands of another shape than copies x robots x
-        commands, and if Task.reward() or Task.terminated() returns an array of another shape than copies x robots."""
+        commands, and if Task.reward() or Task.terminated() returns an array of another shape than copies x robots.
+        Raises RuntimeError before the first reset(). After an exception that was raised when copies had already made
+        their step, such as KeyboardInterrupt, all copies need a reset() before the next step; until then, step() raises
+        RuntimeError."""
+        self.require_reset()
         if len(actions) != len(self.teams):
             raise ValueError(f"actions: found {len(actions)}: give {len(self.teams)}, one array per team")
         finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
@@ -97,7 +117,13 @@ class Batch:
             commands = self.task.act(self, index, commands_of(team, actions[index]))
             self._check_result("act", team, commands, target.shape, "copies, robots, commands")
             target[...] = commands
-        self.core.step(begins)
+        self._needs_reset[:] = True
+        try:
+            self.core.step(begins)
+        except ValueError:
+            # An action that is not finite is reported before any copy has made a step.
+            self._needs_reset[:] = all(np.isfinite(self.core.actions(index)).all() for index in range(len(self.teams)))
+            raise
         for index, team in enumerate(self.teams):
             # As with Team.rewards and Team.ends, a robot that is finished or not in the world gets no reward and no end.
             counts = ~finished[index] & self.core.alive(index)
@@ -113,6 +139,7 @@ class Batch:
                 self.core.terminated(index)[...] |= ends & counts
         if begins is not None and begins.any():
             self.task.begin(self, begins)
+        self._needs_reset[:] = False
 
     def _check_result(self, function: str, team: Team, result: Any, shape: Tuple[int, ...], axes: str) -> None:
         """Raises ValueError if a function of the task returned an array of another shape, which NumPy would broadcast."""

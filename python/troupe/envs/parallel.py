@@ -57,7 +57,6 @@ class ParallelEnv(OneCopy, _ParallelEnv):
                 self._places[name] = (team, row)
         self.possible_agents = list(self._places)
         self.agents: List[str] = []
-        self._was_reset = False
         self._met: Dict[str, bool] = {}  # whether each agent of this episode is finished
         self._observation_spaces = {name: _same(self._batch.observation_spaces[t]) for name, (t, _) in self._places.items()}
         self._action_spaces = {name: _same(self._batch.action_spaces[t]) for name, (t, _) in self._places.items()}
@@ -73,7 +72,6 @@ class ParallelEnv(OneCopy, _ParallelEnv):
         `options` is ignored."""
         self.batch.reset(seeds=[] if seed is None else [seed])
         self.renderer.begin(self.batch)
-        self._was_reset = True
         self.agents = [agent for agent in self.possible_agents if self._is_alive(agent)]
         self._met = {agent: False for agent in self.agents}
         return self._observations(self.agents), {agent: {} for agent in self.agents}
@@ -84,10 +82,9 @@ class ParallelEnv(OneCopy, _ParallelEnv):
         truncations, infos), dicts by agent, of the robots that were agents before the step and of robots born in the
         step; all dicts are empty if there are no agents. Raises ValueError for a name that is not in `agents`, and for
         an action of a wrong shape or, in a discrete space, that is not a whole number, and RuntimeError before the first
-        reset()."""
+        reset(), and before the next reset() after a step that an exception has ended."""
         batch = self.batch
-        if not self._was_reset:
-            raise RuntimeError("step(): call reset() before the first step")
+        batch.require_reset()
         if not self.agents:
             return {}, {}, {}, {}, {}
         strangers = sorted(map(str, set(actions) - set(self.agents)))

@@ -118,7 +118,8 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
         table = checked(actions, self.action_space, "actions")
         table = table.reshape(self.copies, self.robots, *table.shape[1:])
         batch.step([table], begins if begins.any() else None)
-        over = batch.core.over().copy()
+        # At once, so that an exception in the following code loses results, but not the ends of episodes.
+        self._is_over = over = batch.core.over().copy()
         terminated = batch.core.terminated().copy()
         rewards = batch.core.rewards().reshape(-1).copy()
         truncated = batch.core.truncated.copy()
