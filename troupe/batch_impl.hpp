@@ -162,7 +162,9 @@ struct BatchEnv::Impl {
 
   // troupe/batch_rewards.cpp: rewards and ends of episodes
   void judge(std::size_t c, bool has_stepped);
-  double take_reward(const TeamData& team, TeamCopy& bound, std::size_t c, std::size_t i) const;
+  double take_reward(const TeamData& team, TeamCopy& bound, std::size_t c, std::size_t i, bool counts) const;
+  [[noreturn]] void refuse_reward(const TeamData& team, std::size_t r, std::size_t c, std::size_t i,
+                                  double value) const;
   std::optional<double> end_reward(const TeamData& team, double reward, std::size_t c, std::size_t i) const;
 };
 

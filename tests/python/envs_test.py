@@ -521,6 +521,33 @@ class Vector(unittest.TestCase):
                 one.step(np.full(one.action_space.shape, np.nan))  # an error before the copies have made their step
             self.assertTrue(data_equivalence(one.step(action), other.step(action), exact=True))
 
+    def test_rewards_are_finite(self):
+        class Rewarding(Short):
+            wrong = np.nan
+
+            def reward(self, batch, team):
+                return np.array([[0, 0], [0, self.wrong]])
+
+        batch = troupe.envs.Batch(Rewarding(2), 2, threads=1)
+        for wrong in (np.nan, -np.inf):
+            batch.task.wrong = wrong
+            batch.reset()
+            with self.assertRaises(ValueError) as raised:
+                batch.step([np.zeros((2, 2, 2))])
+            self.assertEqual(
+                str(raised.exception),
+                f'Rewarding.reward(), team "team0": returned {wrong} for robot "r1" in copy 1 (counted from 0) at tick 2: '
+                "return finite rewards",
+            )
+        task = Short(2)
+        task.measures = ["mean_nearest_distance:r1"]  # NaN, because a group of one robot has no nearest robots
+        task.teams[0].rewards = [{"measure": "mean_nearest_distance:r1"}]
+        env = troupe.envs.VectorEnv(task, 4)
+        env.reset(seed=1)
+        text = 'reward 0 of team "team0": the value of measure "mean_nearest_distance_m:r1" is nan for robot "r0" in copy 0 at tick 2'
+        with self.assertRaisesRegex(troupe.StepError, text):
+            env.step(np.zeros((4, 2)))
+
     def test_the_seeds_of_copies_begin_again_at_0(self):
         env = troupe.envs.VectorEnv(Short(2), 6)
         env.reset(seed=2**64 - 1)

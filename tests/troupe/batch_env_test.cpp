@@ -375,6 +375,23 @@ TEST(BatchEnv, MeasuresAreNamedWithOrWithoutTheirUnits) {
   }
 }
 
+TEST(BatchEnv, ARewardThatIsNotFiniteIsAnError) {
+  BatchSpec spec = spec_of(2);
+  spec.measures = {"mean_nearest_distance:r1"};  // NaN, because a group of one robot has no nearest robots
+  for (const bool change : {false, true}) {
+    spec.teams[0].rewards = {{.of = {.array = "goal", .column = 2}},
+                             {.of = {.measure = "mean_nearest_distance:r1"}, .change = change}};
+    BatchEnv batch(learning_room(), spec);
+    batch.reset();
+    EXPECT_EQ(batch.rewards(0)[0], 0);
+    EXPECT_THAT(
+        [&] { batch.step(); },
+        ThrowsMessage<engine::StepError>(HasSubstr(
+            std::string("reward 1 of team \"bots\": the ") + (change ? "change" : "value") +
+            " of measure \"mean_nearest_distance_m:r1\" is nan for robot \"r0\" in copy 0 at tick 3")));
+  }
+}
+
 TEST(BatchEnv, ARobotThatArrivesIsFinishedAndStandsStill) {
   BatchSpec spec = spec_of(1);
   spec.seconds = 1000;

@@ -100,8 +100,9 @@ class Batch:
         """Advances all copies by one step. actions: one array per team, copies x robots x the shape of an action.
         begins: one bool per copy; copies with True begin their next episode instead of making a step. Raises ValueError
         for actions of another number or shape, if Task.act() returns commands of another shape than copies x robots x
-        commands, and if Task.reward() or Task.terminated() returns an array of another shape than copies x robots.
-        Raises RuntimeError before the first reset(). After an exception that was raised when copies had already made
+        commands, and if Task.reward() or Task.terminated() returns an array of another shape than copies x robots,
+        or if Task.reward() returns a number that is not finite. Raises StepError if the step of a copy fails, also
+        because a reward of Team.rewards is not finite. Raises RuntimeError before the first reset(). After an exception that was raised when copies had already made
         their step, such as KeyboardInterrupt, all copies need a reset() before the next step; until then, step() raises
         RuntimeError."""
         self.require_reset()
@@ -132,7 +133,9 @@ class Batch:
             more = self.task.reward(self, index)
             if more is not None:
                 self._check_result("reward", team, more, counts.shape, "copies, robots")
-                self.core.rewards(index)[...] += np.where(counts, more, 0.0)
+                gained = np.where(counts, more, 0.0)
+                self._check_finite(team, index, gained)
+                self.core.rewards(index)[...] += gained
             ends = self.task.terminated(self, index)
             if ends is not None:
                 self._check_result("terminated", team, ends, counts.shape, "copies, robots")
@@ -147,6 +150,17 @@ class Batch:
             raise ValueError(
                 f'{type(self.task).__name__}.{function}(), team "{team.name}": must return an array of the shape {shape} '
                 f"({axes}), found {np.shape(result)}"
+            )
+
+    def _check_finite(self, team: Team, index: int, rewards: npt.NDArray[np.float64]) -> None:
+        """Raises ValueError if a reward, copies x robots, is infinite or NaN."""
+        wrong = np.argwhere(~np.isfinite(rewards))
+        if wrong.size:
+            of_copy, robot = (int(number) for number in wrong[0])
+            raise ValueError(
+                f'{type(self.task).__name__}.reward(), team "{team.name}": returned {rewards[of_copy, robot]} for robot '
+                f'"{self.names[index][robot]}" in copy {of_copy} (counted from 0) at tick {self.core.tick(of_copy)}: '
+                "return finite rewards"
             )
 
     def observations(self, team: int = 0) -> Any:
