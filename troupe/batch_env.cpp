@@ -171,6 +171,7 @@ void BatchEnv::Impl::for_copies(Work&& work) {
 
 void BatchEnv::Impl::begin(std::size_t c) {
   Copy& copy = *copies[c];
+  copy.has_failed = true;
   if (std::exchange(copy.has_begun, true)) ++copy.episode;
   seeds[c] = episode_seed(copy.first_seed, copy.episode);
   if (seeds[c] == copy.simulation.seed())
@@ -184,6 +185,7 @@ void BatchEnv::Impl::begin(std::size_t c) {
   truncated[c] = 0;
   read_outputs(c);
   judge(c, false);
+  copy.has_failed = false;
 }
 
 /// Throws std::invalid_argument if an action of a copy c that makes a step (begins[c] is 0) is not finite.
@@ -352,9 +354,14 @@ void BatchEnv::step(std::span<const std::uint8_t> begins) {
         fmt::format("step(): `begins` has {} elements: give {}, one per copy", begins.size(), copies()));
   const auto does_begin = [&](std::size_t c) { return !begins.empty() && begins[c] != 0; };
   impl_->check_actions(begins);
+  for (std::size_t c = 0; c < copies(); ++c)
+    if (!does_begin(c) && impl_->copies[c]->has_failed)
+      throw std::logic_error(fmt::format(
+          "step(): the last step or reset of copy {} (counted from 0) failed: reset this copy first", c));
   impl_->for_copies([&](std::size_t c) {
     if (does_begin(c)) return impl_->begin(c);
     Impl::Copy& copy = *impl_->copies[c];
+    copy.has_failed = true;
     impl_->act(c);
     for (std::size_t tick = 0; tick < impl_->spec.ticks; ++tick) {
       copy.simulation.step();
@@ -362,6 +369,7 @@ void BatchEnv::step(std::span<const std::uint8_t> begins) {
     }
     impl_->read_outputs(c);
     impl_->judge(c, true);
+    copy.has_failed = false;
   });
 }
 

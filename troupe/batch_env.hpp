@@ -100,7 +100,8 @@ struct BatchColumn {
 
 /// A term of the reward. The reward of a robot in a step is the sum of all terms of its team. Each condition
 /// (BatchEnd) that holds for the robot after the step adds BatchEnd::reward. The reward is 0 for a robot that
-/// was finished (see BatchEnd) before the step, or that is not in the world after the step.
+/// was finished (see BatchEnd) before the step, or that is not in the world after the step. For any other
+/// robot, a term that is not finite, such as that of a measure that is NaN, makes the step fail.
 struct BatchReward {
   BatchColumn of = {};  ///< the number that is rewarded
   double weight = 1;    ///< factor by which the number is multiplied; finite
@@ -271,13 +272,14 @@ class BatchEnv {
   /// step.
   ///
   /// Throws these exceptions before any copy has changed:
-  /// - std::logic_error if reset() has not yet been called
+  /// - std::logic_error if reset() has not yet been called, or if the last step or reset of a copy failed and
+  ///   this copy does not begin an episode
   /// - std::invalid_argument if `begins` has another size, or if an action is not finite (the actions of
   ///   copies that begin an episode are not tested)
   ///
-  /// Throws engine::StepError if the step of a copy fails, and the exceptions of reset() if a copy cannot
-  /// begin its episode. The other copies have then made their step. The failed copy must be reset before its
-  /// next step.
+  /// Throws engine::StepError if the step of a copy fails or gives a reward that is not finite, and the
+  /// exceptions of reset() if a copy cannot begin its episode. The other copies have then made their step.
+  /// The failed copy must be reset (by reset() or by `begins`) before its next step.
   void step(std::span<const std::uint8_t> begins = {});
 
  private:

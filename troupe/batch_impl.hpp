@@ -107,6 +107,7 @@ struct BatchEnv::Impl {
     std::uint64_t first_seed = 0;  // seed of episode 0, from which the seeds of later episodes are derived
     std::uint64_t episode = 0;     // number of the episode
     bool has_begun = false;        // whether episode 0 has begun
+    bool has_failed = false;       // whether its last step or reset threw: rewards do not know its last ticks
     std::uint64_t last_tick = 0;   // tick at which the episode is truncated
   };
 
@@ -161,7 +162,9 @@ struct BatchEnv::Impl {
 
   // troupe/batch_rewards.cpp: rewards and ends of episodes
   void judge(std::size_t c, bool has_stepped);
-  double take_reward(const TeamData& team, TeamCopy& bound, std::size_t c, std::size_t i) const;
+  double take_reward(const TeamData& team, TeamCopy& bound, std::size_t c, std::size_t i, bool counts) const;
+  [[noreturn]] void refuse_reward(const TeamData& team, std::size_t r, std::size_t c, std::size_t i,
+                                  double value) const;
   std::optional<double> end_reward(const TeamData& team, double reward, std::size_t c, std::size_t i) const;
 };
 

@@ -228,6 +228,21 @@ class Checkers(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, "uses one thread: omit threads, or use VectorEnv"):
                 make(Short(2), threads=2)
 
+    def test_seeds_may_be_integers_of_numpy(self):
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
+            one, other = make(Short(2)), make(Short(2))
+            self.assertTrue(data_equivalence(one.reset(seed=np.int64(7)), other.reset(seed=7), exact=True))
+
+    def test_a_closed_environment_says_so(self):
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
+            env = make(Short(2))
+            self.assertIsNone(env.render())
+            env.close()
+            env.close()
+            for call in (env.render, env.reset):
+                with self.assertRaisesRegex(RuntimeError, "this environment was closed: create another one"):
+                    call()
+
     def test_the_task_is_an_object(self):
         for task in ("Navigation", troupe.envs.Navigation):
             for make in (
@@ -371,6 +386,24 @@ class Vector(unittest.TestCase):
         self.assertTrue((space.high == 0).all() and (space.low == -3).all(), space)
         self.assertTrue(space.contains(env.reset(seed=1)[0][0]))
 
+    def test_the_observation_space_contains_the_readings_of_all_robots(self):
+        def bot(range_max_m):
+            eye = {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": range_max_m}]}
+            return {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff"}, "sensors": [eye]}
+
+        task = troupe.envs.Task()
+        task.world = {"troupe": 1, "types": {"near": bot(1), "far": bot(3.2)}, "models": [
+            {"name": "a", "type": "near"}, {"name": "b", "type": "far", "pose": {"y_m": 1}}]}
+        for scale in (1, 0.3, -0.3):  # 3.2 as float32 is above 3.2, and 0.3 times this number rounds to a number above 0.96
+            task.teams = [troupe.envs.Team(observation=[{"field": "ranges", "scale": scale}])]
+            env = troupe.envs.VectorEnv(task, 2)
+            observations, _ = env.reset(seed=1)  # no obstacle is in range: the readings are the largest possible
+            for observation, range_max in zip(observations, (1, 3.2)):
+                self.assertAlmostEqual(float(observation[0]), range_max * scale, 5)
+                self.assertTrue(env.single_observation_space.contains(observation), (scale, observation))
+            bounds = env.single_observation_space.low, env.single_observation_space.high
+            self.assertAlmostEqual(float(bounds[int(scale > 0)][0]), 3.2 * scale, 5)
+
     def test_choices_and_levels_fit_the_actions(self):
         for members, error, text in (
             ({"choices": [[1]]}, ValueError, "Team.choices[0] has 1 number: give 2, one per entry of actions"),
@@ -453,6 +486,67 @@ class Vector(unittest.TestCase):
         for columns in (1, 3):
             with self.assertRaisesRegex(ValueError, rf"must have the shape \(3, 2, 2\), found \(3, 2, {columns}\)"):
                 batch.step([np.ones((3, 2, columns), np.int64)])
+
+    def test_a_step_that_an_exception_has_ended_needs_a_reset(self):
+        class Failing(Short):
+            error = None
+
+            def reward(self, batch, team):
+                if self.error is not None:
+                    raise self.error
+                return None
+
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 6)):
+            one, other = make(Failing(2)), make(Failing(2))
+            vector = isinstance(one, troupe.envs.VectorEnv)
+            action = {} if isinstance(one, troupe.envs.ParallelEnv) else np.zeros(one.action_space.shape)
+            for error in (KeyboardInterrupt, ZeroDivisionError):
+                one.reset(seed=3)
+                one.step(action)
+                one.task.error = error
+                with self.assertRaises(error):
+                    one.step(action)
+                one.task.error = None
+                with self.assertRaisesRegex(RuntimeError, "after a step or reset that an exception has ended"):
+                    one.step(action)
+                if vector:  # a reset of some copies is not enough
+                    one.reset(options={"reset_mask": np.array([True, True, False, False, True, True])})
+                    with self.assertRaisesRegex(RuntimeError, r"\(1 of 3 copies need a reset\)"):
+                        one.step(action)
+                self.assertTrue(data_equivalence(one.reset(seed=4), other.reset(seed=4), exact=True))
+                self.assertTrue(data_equivalence(one.step(action), other.step(action), exact=True))
+            if not vector:
+                continue
+            with self.assertRaisesRegex(ValueError, "is nan: give finite numbers"):
+                one.step(np.full(one.action_space.shape, np.nan))  # an error before the copies have made their step
+            self.assertTrue(data_equivalence(one.step(action), other.step(action), exact=True))
+
+    def test_rewards_are_finite(self):
+        class Rewarding(Short):
+            wrong = np.nan
+
+            def reward(self, batch, team):
+                return np.array([[0, 0], [0, self.wrong]])
+
+        batch = troupe.envs.Batch(Rewarding(2), 2, threads=1)
+        for wrong in (np.nan, -np.inf):
+            batch.task.wrong = wrong
+            batch.reset()
+            with self.assertRaises(ValueError) as raised:
+                batch.step([np.zeros((2, 2, 2))])
+            self.assertEqual(
+                str(raised.exception),
+                f'Rewarding.reward(), team "team0": returned {wrong} for robot "r1" in copy 1 (counted from 0) at tick 2: '
+                "return finite rewards",
+            )
+        task = Short(2)
+        task.measures = ["mean_nearest_distance:r1"]  # NaN, because a group of one robot has no nearest robots
+        task.teams[0].rewards = [{"measure": "mean_nearest_distance:r1"}]
+        env = troupe.envs.VectorEnv(task, 4)
+        env.reset(seed=1)
+        text = 'reward 0 of team "team0": the value of measure "mean_nearest_distance_m:r1" is nan for robot "r0" in copy 0 at tick 2'
+        with self.assertRaisesRegex(troupe.StepError, text):
+            env.step(np.zeros((4, 2)))
 
     def test_the_seeds_of_copies_begin_again_at_0(self):
         env = troupe.envs.VectorEnv(Short(2), 6)

@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/kinds/step_error.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "troupe/measures.hpp"
@@ -242,6 +243,38 @@ TEST(BatchEnv, CollectiveControllersDecideForAllRobotsTogether) {
   }
 }
 
+/// A controller that throws an exception once, in the call with the number `fails_at`.
+struct Fails {
+  static inline int calls = 0;
+  static inline int fails_at = 0;
+  void operator()(const engine::DecideBatch&) const {
+    if (++calls == fails_at) throw std::runtime_error("planted");
+  }
+};
+
+TEST(BatchEnv, ACopyThatFailedMustBeReset) {
+  engine::Registry registry = make_registry();
+  registry.controllers.push_back(engine::make_controller_kind<Fails>("fails", "for this test"));
+  const Simulation world = Simulation::from_text(
+      R"({"troupe": 1, "seed": 3, "types": {"bot": {"size_m": [0.3, 0.3, 0.2], "drive": {"kind": "diff"},
+          "controller": {"kind": "fails"}}},
+          "models": [{"name": "r", "type": "bot"}, {"name": "other", "type": "bot", "pose": {"y_m": 1}}]})",
+      "fails.json", {.threads = 1}, std::move(registry));
+  BatchEnv batch(world, {.copies = 2, .threads = 1, .teams = {{.name = "team", .robots = "r"}}});
+  batch.reset();
+  Fails::fails_at = Fails::calls + 2;  // in the second copy
+  EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<engine::StepError>(HasSubstr("planted")));
+  const std::uint64_t before = batch.simulation(0).state_hash();
+  EXPECT_THAT([&] { batch.step(); },
+              ThrowsMessage<std::logic_error>(HasSubstr("step(): the last step or reset of copy 1 (counted "
+                                                        "from 0) failed: reset this copy first")));
+  EXPECT_EQ(batch.simulation(0).state_hash(), before);
+  batch.step(std::vector<std::uint8_t>{0, 1});
+  EXPECT_EQ(batch.simulation(1).tick(), 1u);
+  batch.step();
+  EXPECT_EQ(batch.simulation(1).tick(), 2u);
+}
+
 TEST(BatchEnv, DoesNotDependOnTheRowsOfRobots) {
   const Simulation world = learning_room();
   BatchEnv plain(world, spec_of(2));
@@ -339,6 +372,23 @@ TEST(BatchEnv, MeasuresAreNamedWithOrWithoutTheirUnits) {
     EXPECT_EQ(batch.measure_columns()[1], "displacement_m:r");
     EXPECT_GT(batch.measures()[1], 0);
     EXPECT_EQ(batch.rewards(0)[0], batch.measures()[1]) << name;
+  }
+}
+
+TEST(BatchEnv, ARewardThatIsNotFiniteIsAnError) {
+  BatchSpec spec = spec_of(2);
+  spec.measures = {"mean_nearest_distance:r1"};  // NaN, because a group of one robot has no nearest robots
+  for (const bool change : {false, true}) {
+    spec.teams[0].rewards = {{.of = {.array = "goal", .column = 2}},
+                             {.of = {.measure = "mean_nearest_distance:r1"}, .change = change}};
+    BatchEnv batch(learning_room(), spec);
+    batch.reset();
+    EXPECT_EQ(batch.rewards(0)[0], 0);
+    EXPECT_THAT(
+        [&] { batch.step(); },
+        ThrowsMessage<engine::StepError>(HasSubstr(
+            std::string("reward 1 of team \"bots\": the ") + (change ? "change" : "value") +
+            " of measure \"mean_nearest_distance_m:r1\" is nan for robot \"r0\" in copy 0 at tick 3")));
   }
 }
 

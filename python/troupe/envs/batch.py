@@ -65,6 +65,9 @@ class Batch:
         ]
         self.action_spaces = [action_space(team) for team in self.teams]
         self.world_seed = int(simulation.options["seed"])
+        # One bool per copy: True before the first reset, and after a reset or a step that an exception has ended: the
+        # task may then not have seen the last step of the simulation.
+        self._needs_reset = np.ones(copies, np.bool_)
 
     def array(self, name: str, team: int = 0) -> npt.NDArray[Any]:
         """Returns the values of an array of a team after the last step: copies x robots x columns, read-only. Its
@@ -77,14 +80,32 @@ class Batch:
         seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
         derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy).
         Raises TypeError for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1."""
-        self.core.reset(which, [None if seed is None else _seed_of(seed) for seed in seeds])
-        self.task.begin(self, np.ones(self.copies, np.bool_) if which is None else which)
+        own_seeds = [None if seed is None else _seed_of(seed) for seed in seeds]
+        begins = np.ones(self.copies, np.bool_) if which is None else which
+        self._needs_reset |= begins
+        self.core.reset(which, own_seeds)
+        self.task.begin(self, begins)
+        self._needs_reset &= ~begins
+
+    def require_reset(self) -> None:
+        """Raises RuntimeError if the copies cannot make a step, because they have not begun an episode or because an
+        exception, such as KeyboardInterrupt, has ended a step."""
+        if self._needs_reset.any():
+            raise RuntimeError(
+                "step(): call reset() before the first step, and after a step or reset that an exception has ended "
+                f"({self._needs_reset.sum()} of {self.copies} copies need a reset)"
+            )
 
     def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
         """Advances all copies by one step. actions: one array per team, copies x robots x the shape of an action.
         begins: one bool per copy; copies with True begin their next episode instead of making a step. Raises ValueError
         for actions of another number or shape, if Task.act() returns commands of another shape than copies x robots x
-        commands, and if Task.reward() or Task.terminated() returns an array of another shape than copies x robots."""
+        commands, and if Task.reward() or Task.terminated() returns an array of another shape than copies x robots,
+        or if Task.reward() returns a number that is not finite. Raises StepError if the step of a copy fails, also
+        because a reward of Team.rewards is not finite. Raises RuntimeError before the first reset(). After an exception that was raised when copies had already made
+        their step, such as KeyboardInterrupt, all copies need a reset() before the next step; until then, step() raises
+        RuntimeError."""
+        self.require_reset()
         if len(actions) != len(self.teams):
             raise ValueError(f"actions: found {len(actions)}: give {len(self.teams)}, one array per team")
         finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
@@ -97,7 +118,13 @@ class Batch:
             commands = self.task.act(self, index, commands_of(team, actions[index]))
             self._check_result("act", team, commands, target.shape, "copies, robots, commands")
             target[...] = commands
-        self.core.step(begins)
+        self._needs_reset[:] = True
+        try:
+            self.core.step(begins)
+        except ValueError:
+            # An action that is not finite is reported before any copy has made a step.
+            self._needs_reset[:] = all(np.isfinite(self.core.actions(index)).all() for index in range(len(self.teams)))
+            raise
         for index, team in enumerate(self.teams):
             # As with Team.rewards and Team.ends, a robot that is finished or not in the world gets no reward and no end.
             counts = ~finished[index] & self.core.alive(index)
@@ -106,13 +133,16 @@ class Batch:
             more = self.task.reward(self, index)
             if more is not None:
                 self._check_result("reward", team, more, counts.shape, "copies, robots")
-                self.core.rewards(index)[...] += np.where(counts, more, 0.0)
+                gained = np.where(counts, more, 0.0)
+                self._check_finite(team, index, gained)
+                self.core.rewards(index)[...] += gained
             ends = self.task.terminated(self, index)
             if ends is not None:
                 self._check_result("terminated", team, ends, counts.shape, "copies, robots")
                 self.core.terminated(index)[...] |= ends & counts
         if begins is not None and begins.any():
             self.task.begin(self, begins)
+        self._needs_reset[:] = False
 
     def _check_result(self, function: str, team: Team, result: Any, shape: Tuple[int, ...], axes: str) -> None:
         """Raises ValueError if a function of the task returned an array of another shape, which NumPy would broadcast."""
@@ -120,6 +150,17 @@ class Batch:
             raise ValueError(
                 f'{type(self.task).__name__}.{function}(), team "{team.name}": must return an array of the shape {shape} '
                 f"({axes}), found {np.shape(result)}"
+            )
+
+    def _check_finite(self, team: Team, index: int, rewards: npt.NDArray[np.float64]) -> None:
+        """Raises ValueError if a reward, copies x robots, is infinite or NaN."""
+        wrong = np.argwhere(~np.isfinite(rewards))
+        if wrong.size:
+            of_copy, robot = (int(number) for number in wrong[0])
+            raise ValueError(
+                f'{type(self.task).__name__}.reward(), team "{team.name}": returned {rewards[of_copy, robot]} for robot '
+                f'"{self.names[index][robot]}" in copy {of_copy} (counted from 0) at tick {self.core.tick(of_copy)}: '
+                "return finite rewards"
             )
 
     def observations(self, team: int = 0) -> Any:
@@ -155,14 +196,13 @@ class Batch:
         lows: List[float] = []
         highs: List[float] = []
         for part in parts:
-            low, high = _bounds(part, simulation, self.names[team][0])
+            low, high = _bounds(part, simulation, self.names[team])
             lows += low
             highs += high
         more = self.task.observe(self, team, name)
         columns = 0 if more is None else more.shape[-1]
-        return spaces.Box(
-            np.array(lows + [-1.0] * columns, np.float32), np.array(highs + [1.0] * columns, np.float32), dtype=np.float32
-        )
+        low, high = -_rounded_up(-np.array(lows + [-1.0] * columns)), _rounded_up(np.array(highs + [1.0] * columns))
+        return spaces.Box(low, high, dtype=np.float32)
 
 
 def one_copy(task: Task, **options: Any) -> Batch:
@@ -197,9 +237,22 @@ def _team_spec(team: Team, robot: str) -> Dict[str, Any]:
     }
 
 
-def _bounds(part: Dict[str, Any], simulation: Simulation, robot: str) -> Any:
+def _rounded_up(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float32]:
+    """Returns the values as float32, rounded towards infinity: no number up to a value is above the result, also if the
+    number has been rounded to float32."""
+    near = values.astype(np.float32)
+    return np.where(near < values, np.nextafter(near, np.float32(np.inf)), near)
+
+
+def _range_bound(simulation: Simulation, robots: List[str], device: str) -> float:
+    """Returns an upper bound of the ranges, float32, that the robots measure with a ranger, m."""
+    swarms = [simulation.swarm(simulation.find(robot)) for robot in robots]
+    return float(_rounded_up(np.array(max(swarm.range_bound(device) for swarm in swarms))))
+
+
+def _bounds(part: Dict[str, Any], simulation: Simulation, robots: List[str]) -> Any:
     """Returns the lower and upper bounds of the columns of a part of an observation (Team.observation): the members low
-    and high of the part if given, or else the bounds that the kind of the part implies."""
+    and high of the part if given, or else the bounds that the kind of the part implies for all robots of the team."""
     of = part.get("of", "reading")
     scale = part.get("scale", 1.0)
     infinity = float("inf")
@@ -215,11 +268,11 @@ def _bounds(part: Dict[str, Any], simulation: Simulation, robot: str) -> Any:
         low, high = [-infinity] * 3, [infinity] * 3
     else:
         device, field = part.get("device", ""), part["field"]
-        columns = simulation.swarm(simulation.find(robot))
-        columns.subscribe()
-        count = len(np.atleast_1d(simulation.find(robot).readings(field, *([device] if device else []))))
+        first = simulation.find(robots[0])  # all robots of a team have as many readings
+        simulation.swarm(first).subscribe()
+        count = len(np.atleast_1d(first.readings(field, *([device] if device else []))))
         is_range = field == "ranges"
-        bound = columns.range_bound(device) * scale if is_range else infinity
+        bound = _range_bound(simulation, robots, device) * scale if is_range else infinity
         low, high = [min(bound, 0.0) if is_range else -infinity] * count, [max(bound, 0.0)] * count
     if "low" in part:
         low = [float(part["low"])] * len(low)

@@ -6,19 +6,18 @@ import copy
 from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
-import numpy.typing as npt
 from gymnasium import spaces
 from pettingzoo import ParallelEnv as _ParallelEnv
 
-from .batch import Batch, one_copy
-from .render import RENDER_MODES, RENDER_SIZE, Renderer
+from .batch import one_copy
+from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer
 from .single import checked, first_of
 from .task import Task, require_task
 
 _PerAgent = Dict[str, Any]
 
 
-class ParallelEnv(_ParallelEnv):
+class ParallelEnv(OneCopy, _ParallelEnv):
     """An environment in which each robot of each team of a task is an agent. The name of an agent is the name of its
     robot. Agents of different teams may have different observation and action spaces.
 
@@ -49,7 +48,7 @@ class ParallelEnv(_ParallelEnv):
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
-        self._batch: Optional[Batch] = one_copy(task, **options)
+        self._batch = one_copy(task, **options)
         self._places: Dict[str, Tuple[int, int]] = {}  # team and row of each agent
         for team, names in enumerate(self._batch.names):
             for row, name in enumerate(names):
@@ -58,17 +57,9 @@ class ParallelEnv(_ParallelEnv):
                 self._places[name] = (team, row)
         self.possible_agents = list(self._places)
         self.agents: List[str] = []
-        self._was_reset = False
         self._met: Dict[str, bool] = {}  # whether each agent of this episode is finished
         self._observation_spaces = {name: _same(self._batch.observation_spaces[t]) for name, (t, _) in self._places.items()}
         self._action_spaces = {name: _same(self._batch.action_spaces[t]) for name, (t, _) in self._places.items()}
-
-    @property
-    def batch(self) -> Batch:
-        """The Batch with one copy of the world, which this environment uses."""
-        if self._batch is None:
-            raise RuntimeError("this environment was closed: create another one")
-        return self._batch
 
     def observation_space(self, agent: str) -> Any:
         return self._observation_spaces[agent]
@@ -81,7 +72,6 @@ class ParallelEnv(_ParallelEnv):
         `options` is ignored."""
         self.batch.reset(seeds=[] if seed is None else [seed])
         self.renderer.begin(self.batch)
-        self._was_reset = True
         self.agents = [agent for agent in self.possible_agents if self._is_alive(agent)]
         self._met = {agent: False for agent in self.agents}
         return self._observations(self.agents), {agent: {} for agent in self.agents}
@@ -92,10 +82,9 @@ class ParallelEnv(_ParallelEnv):
         truncations, infos), dicts by agent, of the robots that were agents before the step and of robots born in the
         step; all dicts are empty if there are no agents. Raises ValueError for a name that is not in `agents`, and for
         an action of a wrong shape or, in a discrete space, that is not a whole number, and RuntimeError before the first
-        reset()."""
+        reset(), and before the next reset() after a step that an exception has ended."""
         batch = self.batch
-        if not self._was_reset:
-            raise RuntimeError("step(): call reset() before the first step")
+        batch.require_reset()
         if not self.agents:
             return {}, {}, {}, {}, {}
         strangers = sorted(map(str, set(actions) - set(self.agents)))
@@ -139,14 +128,8 @@ class ParallelEnv(_ParallelEnv):
         places = {agent: self._places[agent] for agent in agents}
         return {agent: first_of(of_teams[team], 0, row) for agent, (team, row) in places.items()}
 
-    def render(self) -> Optional[npt.NDArray[np.uint8]]:
-        """Returns a picture of the world from above: height x width x 3, uint8, RGB. None unless the render mode is
-        rgb_array."""
-        return self.renderer.picture(self.batch)
-
     def close(self) -> None:
-        self.renderer.close()
-        self._batch = None
+        super().close()
         self.agents = []
 
 

@@ -74,3 +74,34 @@ class Renderer:
         if self._sessions is not None:
             self._sessions.cleanup()
             self._sessions = None
+
+
+class Copies:
+    """The members that all environments share: the copies of the world and their renderer."""
+
+    renderer: Renderer
+    _batch: Optional[Batch] = None
+
+    @property
+    def batch(self) -> Batch:
+        """The Batch with the copies of the world, which this environment uses. Raises RuntimeError after close()."""
+        if self._batch is None:
+            raise RuntimeError("this environment was closed: create another one")
+        return self._batch
+
+    def release(self) -> None:
+        """Releases the copies of the world and their page in a browser. close() calls this function."""
+        self.renderer.close()
+        self._batch = None
+
+
+class OneCopy(Copies):
+    """The members that the environments with one copy of the world share."""
+
+    def render(self) -> Optional[npt.NDArray[np.uint8]]:
+        """Returns a picture of the world from above: height x width x 3, uint8, RGB. None unless the render mode is
+        rgb_array."""
+        return self.renderer.picture(self.batch)
+
+    def close(self) -> None:
+        self.release()

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .._core import _seed_of
-from .batch import Batch, one_copy
-from .render import RENDER_MODES, RENDER_SIZE, Renderer
+from .batch import one_copy
+from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer
 from .task import Task, require_task
 
 
@@ -33,7 +33,7 @@ def checked(action: Any, space: "gymnasium.Space[Any]", what: str) -> npt.NDArra
     return given
 
 
-class Env(gymnasium.Env[Any, Any]):
+class Env(OneCopy, gymnasium.Env[Any, Any]):
     """An environment in which one robot of a task learns. The other robots run the controllers of the world file.
 
     robot        name of the robot that learns; None: the first robot of the team
@@ -64,22 +64,16 @@ class Env(gymnasium.Env[Any, Any]):
         self.renderer = Renderer(render_mode, render_size)
         if not robot:
             robot = one_copy(task, **options).names[0][0]
-        self._batch: Optional[Batch] = one_copy(task, robot=robot, **options)
+        self._batch = one_copy(task, robot=robot, **options)
         self.robot = robot
         self.observation_space = self._batch.observation_spaces[0]
         self.action_space = self._batch.action_spaces[0]
 
-    @property
-    def batch(self) -> Batch:
-        """The Batch with one copy of the world, which this environment uses."""
-        if self._batch is None:
-            raise RuntimeError("this environment was closed: create another one")
-        return self._batch
-
     def reset(self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
-        seeds = [] if seed is None else [_seed_of(seed)]  # first, because Gymnasium has other errors for wrong seeds
+        if seed is not None:
+            seed = _seed_of(seed)  # first, because Gymnasium has other errors for wrong seeds, and rejects NumPy's integers
         super().reset(seed=seed)
-        self.batch.reset(seeds=seeds)
+        self.batch.reset(seeds=[seed])
         self.renderer.begin(self.batch)
         return first_of(self.batch.observations(), 0, 0), {}
 
@@ -93,12 +87,3 @@ class Env(gymnasium.Env[Any, Any]):
             bool(batch.core.truncated[0]),
             {},
         )
-
-    def render(self) -> Optional[npt.NDArray[np.uint8]]:
-        """Returns a picture of the world from above: height x width x 3, uint8, RGB. None unless the render mode is
-        rgb_array."""
-        return self.renderer.picture(self.batch)
-
-    def close(self) -> None:
-        self.renderer.close()
-        self._batch = None

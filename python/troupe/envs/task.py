@@ -88,7 +88,7 @@ class Task:
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
         """Returns rewards that are added to those of Team.rewards, copies x robots, or None for no rewards. Called once
         per step, after the step. Rewards for robots that were finished before the step or are not in the world are
-        ignored. A result of another shape makes the step raise ValueError."""
+        ignored. A result of another shape, and any other reward that is not finite, makes the step raise ValueError."""
         return None
 
     def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:

@@ -12,12 +12,12 @@ from gymnasium.vector.utils import batch_space
 
 from .._core import _seed_of
 from .batch import Batch, Flags
-from .render import RENDER_MODES, RENDER_SIZE, Renderer
+from .render import RENDER_MODES, RENDER_SIZE, Copies, Renderer
 from .single import checked
 from .task import Task, require_task
 
 
-class VectorEnv(_VectorEnv[Any, Any, Any]):
+class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
     """Many copies of the world of a task. Each robot of each copy is one environment: num_envs is copies * robots, and
     environment c * robots + i is robot i of copy c.
 
@@ -69,7 +69,7 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
             robots = len(Batch(task, 1, threads=1, **options).names[0])
         if num_envs % robots:
             raise ValueError(f"num_envs={num_envs}: {robots} robots learn in each copy: give a multiple of {robots}")
-        self._batch: Optional[Batch] = Batch(task, num_envs // robots, threads=threads, robot=robot, **options)
+        self._batch = Batch(task, num_envs // robots, threads=threads, robot=robot, **options)
         self.task = task
         self.num_envs = num_envs
         self.copies = num_envs // robots
@@ -87,13 +87,6 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._is_over = np.zeros(self.copies, np.bool_)
-
-    @property
-    def batch(self) -> Batch:
-        """The Batch with the copies of the world, which this environment uses."""
-        if self._batch is None:
-            raise RuntimeError("this environment was closed: create another one")
-        return self._batch
 
     def reset(
         self,
@@ -125,7 +118,8 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
         table = checked(actions, self.action_space, "actions")
         table = table.reshape(self.copies, self.robots, *table.shape[1:])
         batch.step([table], begins if begins.any() else None)
-        over = batch.core.over().copy()
+        # At once, so that an exception in the following code loses results, but not the ends of episodes.
+        self._is_over = over = batch.core.over().copy()
         terminated = batch.core.terminated().copy()
         rewards = batch.core.rewards().reshape(-1).copy()
         truncated = batch.core.truncated.copy()
@@ -207,10 +201,10 @@ class VectorEnv(_VectorEnv[Any, Any, Any]):
     def render(self) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
         """Returns a tuple of one picture per copy, from above: height x width x 3, uint8, RGB. None unless the render
         mode is rgb_array."""
+        core = self.batch.core  # an error after close() in all modes
         if self.render_mode != "rgb_array":
             return None
-        return tuple(self.batch.core.picture(copy, *self.renderer.size) for copy in range(self.copies))
+        return tuple(core.picture(copy, *self.renderer.size) for copy in range(self.copies))
 
     def close_extras(self, **kwargs: Any) -> None:
-        self.renderer.close()
-        self._batch = None
+        self.release()
