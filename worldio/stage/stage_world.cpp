@@ -710,6 +710,8 @@ void StageWorld::add_children(const StageModel& model, const Place& place, doubl
     if (const StageProperty* property = child.find(document_, "pose"))
       if (const auto pose = values_.pose(*property))
         child_place.pose_body_part = compose(child_place.pose_body_part, *pose);
+    values_.is_in_reach(child.where, child_place.pose_body_part.z - place.pose_body_part.z,
+                        "this model, with the height of the model that carries it,");
     draft.inside.push_back(layer);
     add_part(child, child_place, draft);
     draft.inside.pop_back();
