@@ -158,7 +158,14 @@ class StageWorld {
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
   /// Stores a window. Only the first window of the file is used, at any level of nesting.
   void add_window(const StageModel& window) {
-    if (!spec_->window) spec_->window = read_stage_window(window, document_, values_);
+    if (!spec_->window) {
+      spec_->window = read_stage_window(window, document_, values_);
+      window_ = window.layers.back();
+    } else if (values_.thorough() && window.layers.back() != window_) {
+      values_.warning(window.where,
+                      fmt::format("this window has no effect: the first window, at {}, is used",
+                                  values_.place(document_.token(window_->word).where(), window.where)));
+    }
   }
   void write_key(const StageEntity& entity, bool is_root, std::string& key) const;
   /// Returns the colour that `name` or, without it, `rgba` gives; `fallback` if both are null. `stream` and
@@ -177,6 +184,7 @@ class StageWorld {
   StageKinds kinds_;
   StagePower power_;
   WorldSpec* spec_ = nullptr;
+  const StageEntity* window_ = nullptr;  ///< the entity from which the window of `spec_` was read
 
   std::unordered_map<std::string, Prototype> prototypes_;
   std::unordered_map<std::string, TypeId> types_;          // keyed by compared_bytes()
