@@ -217,17 +217,17 @@ std::string called_text(std::string_view sensor, std::string_view type) {
 void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
                         const engine::SoughtMarks& sought) {
   const std::string called = called_text(sensor.name, spec_.types[type].name);
-  Heights marked, own;
+  Heights marked;
+  std::vector<ZInterval> own;  // of the marks of one body of type `type`, in its frame
   bool is_any_marked = false;
   bool is_any_on_joint = sensor.joint != engine::k_rigid;
   for (std::size_t t = 0; t < spec_.types.size(); ++t)
     for (const engine::PartSpec& part : spec_.types[t].parts) {
       if (part.returns.fiducial == 0 || part.returns.fiducial_key != sought.key) continue;
-      for (const auto& [z, count] : levels_[t])
-        for (const Solid& solid : part.solids) {
-          marked.add(solid.z.shifted(z), count);
-          if (t == type) own.add(solid.z.shifted(z), 1);
-        }
+      for (const Solid& solid : part.solids) {
+        for (const auto& [z, count] : levels_[t]) marked.add(solid.z.shifted(z), count);
+        if (t == type) own.push_back(solid.z);
+      }
       if (others(t, type) == 0) continue;
       is_any_marked = true;
       is_any_on_joint = is_any_on_joint || part.joint != engine::k_rigid;
@@ -241,11 +241,11 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
   }
   if (sought.at_any_height || is_any_on_joint) return;
   marked.sort();
-  own.sort();
   ZInterval looks = k_no_heights;
   for (const auto& level : levels_[type]) {
     const double z = sensor.pose_body_device.z + level.first;
-    if (marked.at(z) > own.at(z)) return;
+    const auto meets = [&](const ZInterval& mark) { return mark.shifted(level.first).contains(z); };
+    if (marked.at(z) > static_cast<std::size_t>(std::ranges::count_if(own, meets))) return;
     looks = united(looks, {z, z});
   }
   diagnostics_.warning(sensor.where,

@@ -246,6 +246,14 @@ TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
           "sees nothing: no other body with a fiducial_return is at the height of the sensor, 0.2 m")));
 }
 
+// A finder counts only its own body once, at whatever heights other bodies of its type are.
+TEST_F(LintTest, FiducialFindersFindBodiesOfTheirTypeAtOtherHeights) {
+  expect_nothing("w.world",
+                 "define bot position( size [0.4 0.4 0.3] fiducial_return 1\n"
+                 "  fiducial( pose [0 0 -0.05 0] range_max 5 ) )\n"
+                 "bot()\nbot( pose [2 0 0.2 0] )\n");
+}
+
 // A joint, here a lift, changes the heights of sensors and of bodies that sensors see.
 TEST_F(LintTest, HeightsThatJointsMayChangeAreNotReported) {
   const std::string lift =
@@ -335,6 +343,43 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
           "w.world:13: warning: sensor \"fiducial\" sees nothing: no other body with a fiducial_return has "
           "the fiducial_key of the finder, 0",
           "w.world: 11 findings"));
+}
+
+TEST_F(LintTest, ReportsPropertiesThatNeedAnother) {
+  write("again.inc", "size [0.4 0.4 0.4]\n");
+  EXPECT_THAT(
+      findings("w.world",
+               "define eye sensor( range [0 5] pose [0 0 -0.2 0] )\n"
+               "position( pose [0 0 0 0] size [0.4 0.4 0.4]\n"
+               "  laser( noise [0.1 0 0]\n    beam_width 3\n    apply_range_min 1\n    eye() ) )\n"
+               "position( pose [2 0 0 0] size [0.4 0.4 0.4] odom_error [0.1 0.1 0 1]\n"
+               "  gps_origin 1\n  bitmap_margins 1\n  bitmap_unknown 1 )\n"
+               "position( pose [4 0 0 0] size [0.4 0.4 0.4] localization \"odom\"\n"
+               "  gps_origin 1 odom_error [0.1 0.1 0 1]\n"
+               "  blobfinder( colors [\"red\"] )\n  blobfinder( colors_count 1 ) )\n"
+               "position( pose [6 0 0 0] size [1 1 1]\ninclude \"again.inc\"\n)\n"
+               "window( scale 10 )\nwindow( scale 20 )\n"),
+      ElementsAre(
+          "w.world:3: warning: \"noise\" has no effect: in a model with sensor( ) blocks, only the "
+          "properties "
+          "in these blocks count",
+          "w.world:4: warning: \"beam_width\" has no effect: in a model with sensor( ) blocks, only the "
+          "properties in these blocks count",
+          "w.world:5: warning: \"apply_range_min\" has no effect: in a model with sensor( ) blocks, only the "
+          "properties in these blocks count",
+          "w.world:7: warning: \"odom_error\" has no effect: only a model with localization \"odom\" has "
+          "errors of odometry",
+          "w.world:8: warning: \"gps_origin\" has no effect: \"localization_origin\" is not given",
+          "w.world:9: warning: \"bitmap_margins\" has no effect: this model has no \"bitmap\"",
+          "w.world:10: warning: \"bitmap_unknown\" has no effect: this model has no \"bitmap\"",
+          "w.world:12: warning: \"gps_origin\" has no effect: only a model with localization \"gps\" has a "
+          "\"gps_origin\"",
+          "w.world:13: warning: \"colors\" has no effect: it needs \"colors_count\", the number of these "
+          "colours that the blobfinder reports",
+          "w.world:14: warning: \"colors_count\" has no effect: \"colors\" is not given",
+          "w.world:15: warning: \"size\" has no effect: again.inc:1 sets it again",
+          "w.world:19: warning: this window has no effect: the first window, at line 18, is used",
+          "w.world: 12 findings"));
 }
 
 TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {

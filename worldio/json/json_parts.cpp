@@ -150,6 +150,16 @@ bool is_box(const PartSpec& part) {
 
 }  // namespace
 
+const engine::Field& point_field() {
+  static const Field field{.name = "point",
+                           .type = FieldType::numbers,
+                           .unit = Unit::meters,
+                           .min = -k_max_size_m,
+                           .max = k_max_size_m,
+                           .columns = 2};
+  return field;
+}
+
 std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least, std::size_t most) {
   const JsonNode::List* list = read_list(at);
   if (!list) return {};
@@ -162,15 +172,9 @@ std::vector<Vec2> read_points(const JsonCursor& at, std::size_t least, std::size
                          list->size()));
     return {};
   }
-  const Field field{.name = "point",
-                    .type = FieldType::numbers,
-                    .unit = Unit::meters,
-                    .min = -k_max_size_m,
-                    .max = k_max_size_m,
-                    .columns = 2};
   std::vector<Vec2> points;
   for (std::size_t i = 0; i < list->size(); ++i) {
-    const Value xy = read_value(JsonCursor(at, i, (*list)[i]), field);
+    const Value xy = read_value(JsonCursor(at, i, (*list)[i]), point_field());
     if (xy.given()) points.emplace_back(xy.numbers()[0], xy.numbers()[1]);
   }
   if (points.size() < list->size()) points.clear();

@@ -27,6 +27,9 @@
 /// ROS map     a floor plan in the format of ROS's map_server, whose size follows from its YAML file
 namespace troupe::worldio {
 
+/// Returns the description of a point [x, y], m, with the limits of its coordinates. They also hold for the
+/// corners of blocks in `.world` files.
+const engine::Field& point_field();
 /// Reads a list of points [[x, y], ...], m. If the value is not such a list, if a coordinate is outside
 /// -k_max_size_m to k_max_size_m, or if there are fewer than `least` or more than `most` points, reports an
 /// error and returns an empty list.

@@ -2,6 +2,7 @@
 
 #include "worldio/images/bitmap.hpp"
 #include "worldio/json/document_table.hpp"
+#include "worldio/json/json_parts.hpp"
 #include "worldio/stage/stage_files.hpp"
 
 #include <fmt/format.h>
@@ -160,6 +161,9 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
     if (!property) continue;
     const auto v = values_.tuple(*property, 2, 2, "[x y]");
     if (!v) return;
+    for (const double coordinate : *v)
+      if (!values_.is_within(*property, point_field(), coordinate * values_.length_unit(), coordinate))
+        return;
     ring.back() = Vec2((*v)[0], (*v)[1]) * values_.length_unit();
   }
   if (const auto missing = std::ranges::count(given, nullptr); missing > 0)

@@ -81,6 +81,12 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
                                                       const Eigen::Vector3d& size) {
   auto spec = device(model, kind);
   if (!spec) return {};
+  if (const StageProperty* property = model.find(document_, "size")) {
+    const Field& limits = kind.params.fields[static_cast<std::size_t>(kind.params.find("size"))];
+    for (const double extent : size)  // an extent of 0 is reported with the body of the gripper
+      if (extent > 0 && !values_.is_within(*property, limits, extent, extent / values_.length_unit()))
+        return {};
+  }
   set(kind.params, spec->params, "size", std::vector<double>{size.x(), size.y(), size.z()});
   if (const StageProperty* property = model.find(document_, "paddle_size")) {
     const auto v = values_.tuple(*property, 3, 3, "[x y z], fractions of the gripper's size");

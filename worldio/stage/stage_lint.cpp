@@ -51,7 +51,7 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
         model->where,
         fmt::format("Troupe does not implement {}: this model is a body that neither senses nor acts",
                     with_article(model->type)));
-  if (values_.thorough()) check_overruled(*model);
+  if (values_.thorough()) check_overruled(*model, depth == 0);
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;
     check_repeated(document_.properties(*layer));
@@ -90,13 +90,14 @@ void StageLint::check_repeated(std::span<const StageProperty> properties) {
   for (auto property = properties.rbegin(); property != properties.rend(); ++property) {
     const auto [next, is_last] = later.try_emplace(values_.key(*property), values_.where(*property));
     if (is_last) continue;
-    values_.warning(values_.where(*property), fmt::format("\"{}\" has no effect: line {} sets it again",
-                                                          values_.key(*property), next->second.line));
+    const Where where = values_.where(*property);
+    values_.warning(where, fmt::format("\"{}\" has no effect: {} sets it again", values_.key(*property),
+                                       values_.place(next->second, where)));
   }
 }
 
 /// Warns of properties that have no effect because of other properties of the model or because of its type.
-void StageLint::check_overruled(const StageModel& model) {
+void StageLint::check_overruled(const StageModel& model, bool is_top_level) {
   const auto report = [&](std::string_view key, std::string_view why) {
     if (const StageProperty* property = model.find(document_, key))
       values_.warning(values_.where(*property), fmt::format("\"{}\" has no effect: {}", key, why));
@@ -116,12 +117,31 @@ void StageLint::check_overruled(const StageModel& model) {
   if (is_model && !runs && !is_position && !model.find(document_, "ctrl"))
     report("update_interval", "this model is not a device itself and has no drive (set it in the device)");
   const std::vector<StageModel::Child> children = model.children(document_);
-  const bool has_sensors = std::ranges::any_of(
-      children, [&](const StageModel::Child& child) { return document_.word(*child.entity) == "sensor"; });
+  const bool has_sensors = std::ranges::any_of(children, [&](const StageModel::Child& child) {
+    const auto resolved = macros_.resolve(*child.entity);
+    return resolved && resolved->type == "sensor";
+  });
   if (!model.alias.empty() && has_sensors)
-    for (const std::string_view key : {"samples", "fov", "range", "range_min", "range_max"})
+    for (const std::string_view key :
+         {"samples", "fov", "range", "range_min", "range_max", "noise", "beam_width", "apply_range_min"})
       report(key, "in a model with sensor( ) blocks, only the properties in these blocks count");
+  if (model.type == "blobfinder" && !has_any({"colors_count"}))
+    report("colors", "it needs \"colors_count\", the number of these colours that the blobfinder reports");
+  if (model.type == "blobfinder" && !has_any({"colors"})) report("colors_count", "\"colors\" is not given");
+  if (is_model && !has_any({"bitmap"}))
+    for (const std::string_view key : {"bitmap_margins", "bitmap_unknown"})
+      report(key, "this model has no \"bitmap\"");
   if (!is_position) return;
+  // The reader warns of the localization of a position inside another model, which always has its true pose.
+  if (is_top_level) {
+    const StageProperty* localization = model.find(document_, "localization");
+    if (localization && values_.text(*localization) == "odom")
+      report("gps_origin", "only a model with localization \"gps\" has a \"gps_origin\"");
+    else {
+      report("odom_error", "only a model with localization \"odom\" has errors of odometry");
+      if (!has_any({"localization_origin"})) report("gps_origin", "\"localization_origin\" is not given");
+    }
+  }
   const StageProperty* drive = model.find(document_, "drive");
   if (!drive || values_.text(*drive) != "car")
     report("wheelbase", "only a model with drive \"car\" has a wheelbase");

@@ -53,7 +53,7 @@ class StageLint {
   /// the property, or the older name of this type if the file uses it ("laser").
   void check_property(const StageProperty& property, std::string_view type);
   void check_repeated(std::span<const StageProperty> properties);
-  void check_overruled(const StageModel& model);
+  void check_overruled(const StageModel& model, bool is_top_level);
   void add(Summary& summary, Where where, std::string name);
 
   const StageDocument& document_;

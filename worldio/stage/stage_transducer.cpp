@@ -46,6 +46,7 @@ class TransducerReader {
     read("apply_range_min", &TransducerReader::read_apply_range_min);
     if (!is_right_) return {};
     params_.pose.z += size_.z() / 2;  // beams leave from the middle of the transducer's height
+    if (!values_.is_in_reach(sensor_.where, params_.pose.z, "the middle of this sensor")) return {};
     return params_;
   }
 
@@ -127,7 +128,8 @@ class TransducerReader {
     params_.noise_stddev = sqrt((*given)[0] * values_.length_unit());
     params_.noise_proportional = (*given)[1];
     params_.noise_angular = 0.5 * step * (*given)[2] * values_.angle_unit();
-    return check("noise_proportional", params_.noise_proportional, property) &&
+    return check("noise_stddev", params_.noise_stddev, property) &&
+           check("noise_proportional", params_.noise_proportional, property) &&
            check("noise_angular", params_.noise_angular, property);
   }
 
@@ -155,6 +157,7 @@ class TransducerReader {
     const std::string_view key = values_.key(property);
     const std::string_view number =
         key == "range"                       ? (field_name == "range_min" ? ": the minimum" : ": the maximum")
+        : field_name == "noise_stddev"       ? ": the square root of the first number (variance)"
         : field_name == "noise_proportional" ? ": the second number (share)"
         : field_name == "noise_angular" ? ": the third number (angle), times half the angle between beams,"
                                         : "";

@@ -2,6 +2,7 @@
 
 #include "base/limits.hpp"
 #include "worldio/colors.hpp"
+#include "worldio/json/document_table.hpp"
 #include "worldio/stage/stage_limits.hpp"
 
 #include <fmt/format.h>
@@ -149,12 +150,9 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
         fmt::format("old syntax: the two values of \"{}\" are read as [x y], with a height of {} m; write "
                     "[x y z]",
                     key(property), default_height));
+  const engine::Field& limits = document_table<PartDocument>().find("size")->field;
   for (const double extent : *v) {
-    if (extent * length_ > 2 * k_world_reach_m) {
-      error(where(property), fmt::format("\"{}\" is larger than the world, which is {} km wide: found {} m",
-                                         key(property), 2 * k_world_reach_m / 1000, extent * length_));
-      return {};
-    }
+    if (extent > 0 && !is_within(property, limits, extent * length_, extent)) return {};
     if (extent < 0) {
       error(where(property),
             fmt::format("\"{}\" must be at least 0 in every direction, found {}", key(property), extent));
@@ -163,6 +161,13 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
   }
   return Eigen::Vector3d((*v)[0] * length_, (*v)[1] * length_,
                          v->size() == 3 ? (*v)[2] * length_ : default_height);
+}
+
+bool StageValues::is_in_reach(Where where, double z_m, std::string_view what) {
+  if (std::abs(z_m) <= k_world_reach_m) return true;
+  error(where, fmt::format("{} is at a height of {} m, but coordinates must be from -{} to {} km", what, z_m,
+                           k_world_reach_m / 1000, k_world_reach_m / 1000));
+  return false;
 }
 
 bool StageValues::is_within(const StageProperty& property, const engine::Field& field, double si,

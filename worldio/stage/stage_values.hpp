@@ -74,6 +74,9 @@ class StageValues {
   /// si       the number in SI units
   /// written  the number as the file gives it
   bool is_within(const StageProperty& property, const engine::Field& field, double si, double written);
+  /// Whether a height, m, that is the sum of several values of the file is within the limits of coordinates.
+  /// If not, reports an error. `what` is the subject of the message: "the middle of this sensor".
+  bool is_in_reach(Where where, double z_m, std::string_view what);
   /// Reads a tuple of two numbers and returns one of them: the first if `column` is 0, the second if it is 1.
   std::optional<double> column(const StageProperty& property, std::size_t column);
 
@@ -84,7 +87,7 @@ class StageValues {
   /// pose in the frame of the device. After set_wraps_headings(false), the heading is not wrapped.
   std::optional<Pose> pose_in_device(const StageProperty& property);
   /// Reads a size [x y z]. In the older form [x y], z is `default_height` (m). Each extent must be from 0 to
-  /// 200 km. The caller must check whether 0 is allowed.
+  /// 100 km. The caller must check whether 0 is allowed.
   std::optional<Eigen::Vector3d> size(const StageProperty& property, double default_height);
   /// Reads a colour by its X11 name (color_by_name()). For an unknown name, warns and returns red. For
   /// "random", returns std::nullopt without an error.

@@ -159,7 +159,14 @@ class StageWorld {
                     const std::vector<std::pair<StageModel, const StageEntity*>>& children, Draft& draft);
   /// Stores a window. Only the first window of the file is used, at any level of nesting.
   void add_window(const StageModel& window) {
-    if (!spec_->window) spec_->window = read_stage_window(window, document_, values_);
+    if (!spec_->window) {
+      spec_->window = read_stage_window(window, document_, values_);
+      window_ = window.layers.back();
+    } else if (values_.thorough() && window.layers.back() != window_) {
+      values_.warning(window.where,
+                      fmt::format("this window has no effect: the first window, at {}, is used",
+                                  values_.place(document_.token(window_->word).where(), window.where)));
+    }
   }
   void write_key(const StageEntity& entity, bool is_root, std::string& key) const;
   /// Returns the colour that `name` or, without it, `rgba` gives; `fallback` if both are null. `stream` and
@@ -178,6 +185,7 @@ class StageWorld {
   StageKinds kinds_;
   StagePower power_;
   WorldSpec* spec_ = nullptr;
+  const StageEntity* window_ = nullptr;  ///< the entity from which the window of `spec_` was read
 
   std::unordered_map<std::string, Prototype> prototypes_;
   std::unordered_map<std::string, TypeId> types_;          // keyed by compared_bytes()
@@ -711,6 +719,8 @@ void StageWorld::add_children(const StageModel& model, const Place& place, doubl
     if (const StageProperty* property = child.find(document_, "pose"))
       if (const auto pose = values_.pose(*property))
         child_place.pose_body_part = compose(child_place.pose_body_part, *pose);
+    values_.is_in_reach(child.where, child_place.pose_body_part.z - place.pose_body_part.z,
+                        "this model, with the height of the model that carries it,");
     draft.inside.push_back(layer);
     add_part(child, child_place, draft);
     draft.inside.pop_back();
