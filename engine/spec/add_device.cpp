@@ -4,20 +4,24 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 namespace troupe::engine {
 
 std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind) {
+  UniqueNames joint_names(k_device_mark);
+  for (const JointSpec& joint : type.joints) joint_names.add(joint.name);
+  return add_device(type, std::move(device), kind, joint_names);
+}
+
+std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind, UniqueNames& joint_names) {
   if (!kind.joints.empty()) device.moves = static_cast<std::int32_t>(type.joints.size());
   for (const std::string_view joint : kind.joints) {
     const std::string stem = device.name.empty() ? std::string(kind.name) : device.name;
     const std::string base = kind.joints.size() == 1 ? stem : fmt::format("{}/{}", stem, joint);
-    std::string name = base;
-    for (int n = 2; std::ranges::find(type.joints, name, &JointSpec::name) != type.joints.end(); ++n)
-      name = fmt::format("{}#{}", base, n);
-    type.joints.push_back({std::move(name), device.joint, device.pose_body_device});
+    type.joints.push_back({joint_names.add(base), device.joint, device.pose_body_device});
   }
   type.devices.push_back(std::move(device));
   return type.devices.size() - 1;

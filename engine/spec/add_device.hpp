@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/kinds/kinds.hpp"
+#include "engine/spec/names.hpp"
 #include "engine/spec/world_spec.hpp"
 
 namespace troupe::engine {
@@ -21,6 +22,9 @@ namespace troupe::engine {
 /// kind. If the kind has several joints, `/` and the name of the joint in DeviceKind::joints are appended to
 /// this name. If the type already has a joint of the resulting name, `#2` (or `#3`, ...) is appended.
 std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind);
+/// As the function above, but faster for a type with many joints. `joint_names` must have the mark
+/// k_device_mark and contain the names of all joints of the type; the function adds those of the new joints.
+std::size_t add_device(TypeSpec& type, DeviceSpec device, const DeviceKind& kind, UniqueNames& joint_names);
 
 /// Adds the solids (rigid shapes) of a device to its body type. Call this once for each device, after
 /// add_device(). `device` is the index of the device in type.devices.

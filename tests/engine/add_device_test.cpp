@@ -4,13 +4,41 @@
 #include <gtest/gtest.h>
 
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace troupe::engine {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
+
+TEST(AddDevice, JointsHaveUniqueNames) {
+  DeviceKind kind{.name = "hand", .text = ""};
+  kind.joints = {"left"};
+  TypeSpec type;
+  for (const char* name : {"", "grip", "", "grip"}) add_device(type, {.name = name, .kind = "hand"}, kind);
+  kind.joints = {"left", "right"};
+  add_device(type, {.name = "grip", .kind = "hand"}, kind);
+  std::vector<std::string> names;
+  for (const JointSpec& joint : type.joints) names.push_back(joint.name);
+  EXPECT_THAT(names, ElementsAre("hand", "grip", "hand#2", "grip#2", "grip/left", "grip/right"));
+}
+
+// If each name were compared with those of all joints, this test would run for minutes.
+TEST(AddDevice, ManyJoints) {
+  constexpr std::size_t k_devices = 300000;
+  DeviceKind kind{.name = "lift", .text = ""};
+  kind.joints = {"lift"};
+  TypeSpec type;
+  UniqueNames joint_names(k_device_mark);
+  for (std::size_t i = 0; i < k_devices; ++i)
+    add_device(type, {.name = "lift" + std::to_string(i), .kind = "lift"}, kind, joint_names);
+  add_device(type, {.name = "lift7", .kind = "lift"}, kind, joint_names);
+  EXPECT_EQ(type.joints.size(), k_devices + 1);
+  EXPECT_EQ(type.joints.back().name, "lift7#2");
+}
 
 TEST(AddDeviceBody, RefusesSolidsOnJointsThatTheKindDoesNotHave) {
   DeviceKind kind{.name = "hand", .text = ""};

@@ -73,6 +73,7 @@ class TypeExpander {
   std::unordered_set<std::string> device_names_;
   std::unordered_map<std::string, std::size_t> devices_of_kind_;
   std::unordered_map<std::string, std::size_t> carriers_;
+  engine::UniqueNames joint_names_{engine::k_device_mark};
 };
 
 void TypeExpander::expand_root(const TypeDocument& document, const DocumentPath& at) {
@@ -213,7 +214,7 @@ std::size_t TypeExpander::add_device(engine::DeviceSpec device, const engine::De
   device_names_.insert(device.name);
   ++devices_of_kind_[device.kind];
   if (kind.joints.size() == 1) carriers_.try_emplace(device.name, type_.devices.size());
-  return engine::add_device(type_, std::move(device), kind);
+  return engine::add_device(type_, std::move(device), kind, joint_names_);
 }
 
 void TypeExpander::expand_device(const DeviceDocument& document, const DocumentPath& at, bool is_sensor,

@@ -111,6 +111,7 @@ class StageWorld {
     std::size_t entities = 0;
     Where where;  ///< place of the top-level model
     bool broken = false;
+    engine::UniqueNames joint_names{engine::k_device_mark};  ///< of all joints of `type`
   };
 
   struct Contents {
@@ -545,7 +546,7 @@ std::int32_t StageWorld::add_device(const StageModel& model, const engine::Model
   device->part = static_cast<std::uint32_t>(index);
   device->joint = place.joint;
   device->pose_body_device = pose_body_frame;
-  const std::size_t d = engine::add_device(draft.type, std::move(*device), *kind);
+  const std::size_t d = engine::add_device(draft.type, std::move(*device), *kind, draft.joint_names);
   std::int32_t joint = place.joint;
   if (model.type == "actuator")  // an actuator moves its own part and the parts on it
     draft.type.parts[index].joint = joint = draft.type.devices[d].moves;
@@ -566,7 +567,7 @@ std::int32_t StageWorld::add_wheels(const StageModel& model, const Place& place,
   device->part = static_cast<std::uint32_t>(index);
   device->joint = place.joint;
   device->pose_body_device = place.pose_body_part;
-  const std::size_t d = engine::add_device(draft.type, std::move(*device), *kind);
+  const std::size_t d = engine::add_device(draft.type, std::move(*device), *kind, draft.joint_names);
   return draft.type.parts[index].joint = draft.type.devices[d].moves;
 }
 
