@@ -12,7 +12,6 @@
 #include <iterator>
 #include <map>
 #include <optional>
-#include <ranges>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -353,9 +352,9 @@ void TypeMerger::resolve(std::size_t type) {
     next = find_base(each);
     if (!next) replace_wrong_base(each.node);
   }
-  for (const std::size_t heir : chain | std::views::reverse)
-    if (const JsonNode* extends = types_[heir].node.find("extends"))
-      inherit(heir, indices_.find(*extends->text())->second);
+  for (; !chain.empty(); chain.pop_back())
+    if (const JsonNode* extends = types_[chain.back()].node.find("extends"))
+      inherit(chain.back(), indices_.find(*extends->text())->second);
 }
 
 /// Returns the index of the type that `type` extends. Empty, with an error, if there is no such type.
