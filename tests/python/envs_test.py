@@ -691,9 +691,30 @@ class RobotsThatAreBorn(unittest.TestCase):
                 self.assertFalse(any(truncations.any() for _, _, _, truncations, _ in out))
                 _, rewards, _, _, infos = out[9]
                 self.assertTrue(np.array_equal(rewards, np.tile([141.0, 141.0, 141.0, 141.0, 0.0], 2)))
-                self.assertTrue(np.array_equal(infos["finished"], np.tile([True, True, True, True, False], 2)))
-                if mode == "SameStep":
+                last = infos["final_info"] if mode == "SameStep" else infos
+                for name in ("finished", "alive"):
+                    self.assertTrue(np.array_equal(last[name], np.tile([True, True, True, True, False], 2)))
+                    self.assertTrue(last[f"_{name}"].all())
+                if mode == "SameStep":  # the other infos are those of the next episode, in which r3 has not been born
                     self.assertEqual([each.shape for each in infos["final_obs"]], [(12,)] * 10)
+                    self.assertFalse(infos["finished"].any())
+                    self.assertTrue(np.array_equal(infos["alive"], np.tile([True, True, True, False, False], 2)))
+
+    def test_only_episodes_that_have_ended_have_final_infos(self):
+        task = Short(2)
+        env = troupe.envs.VectorEnv(task, 6, autoreset_mode="SameStep")
+        observations, _ = env.reset(seed=1)
+        counts = set()
+        for _ in range(60):
+            observations, _, terminations, truncations, infos = env.step(task.baseline(observations))
+            done = terminations | truncations
+            counts.add(int(done.sum()))
+            self.assertEqual("final_info" in infos, bool(done.any()))
+            if done.any():
+                self.assertTrue(np.array_equal(infos["final_info"]["_finished"], done))
+                self.assertTrue(np.array_equal(infos["final_info"]["alive"], done))
+                self.assertFalse((infos["finished"] & done).any())
+        self.assertIn(2, counts)
 
     def test_a_function_finishes_only_robots_in_the_world(self):
         _, rewards, terminations, truncations, infos = self.run_vector(Births(finishes=True), "NextStep", 1)[0]
