@@ -233,6 +233,18 @@ class Checkers(unittest.TestCase):
             one, other = make(Short(2)), make(Short(2))
             self.assertTrue(data_equivalence(one.reset(seed=np.int64(7)), other.reset(seed=7), exact=True))
 
+    def test_environments_without_a_seed_differ(self):
+        def make():
+            return troupe.envs.Env(Short(2))
+
+        first, _ = SyncVectorEnv([make, make]).reset()
+        self.assertFalse(np.array_equal(first[0], first[1]))
+        one, other = (troupe.envs.ParallelEnv(Short(2)).reset()[0] for _ in range(2))
+        self.assertFalse(data_equivalence(one, other, exact=True))
+        for kind in (troupe.envs.Env, troupe.envs.ParallelEnv):
+            given, seeded = kind(Short(2), seed=7), kind(Short(2))
+            self.assertTrue(data_equivalence(given.reset(), seeded.reset(seed=7), exact=True))
+
     def test_a_closed_environment_says_so(self):
         for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
             env = make(Short(2))
