@@ -890,6 +890,15 @@ class Human(unittest.TestCase):
         for call in (batch.robots, batch.names, batch.actions, batch.rewards, batch.terminated, batch.alive):
             with self.assertRaisesRegex(LookupError, "team 1 does not exist: give a number from 0 to 0"):
                 call(1)
+        for seeds, error, text in (
+            ([1, -1], ValueError, "seed: found -1: give a whole number from 0 to "),
+            ([1, 1.5], TypeError, "seed: found 1.5: give a whole number from 0 to "),
+            (1, TypeError, "seeds: found 1: give a list with one seed or None per copy"),
+        ):
+            with self.assertRaisesRegex(error, f"^{text}"):
+                batch.reset(seeds=seeds)
+        batch.reset(seeds=np.array([3, 4]))
+        self.assertEqual(batch.seeds.tolist(), [3, 4])
         with self.assertRaisesRegex(TypeError, 'batch: the value None of the member "teams" must be a list'):
             troupe.BatchEnv(troupe.Simulation(ROOM), {"teams": None})
 
