@@ -1,6 +1,7 @@
 #include "base/raised.hpp"
 #include "live/view.hpp"
 #include "python/bindings.hpp"
+#include "python/whole_numbers.hpp"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -339,11 +340,21 @@ std::vector<std::uint8_t> marks_of(const std::optional<py::array>& given, const 
   return {marks.data(), marks.data() + marks.size()};
 }
 
+/// Returns the argument `seeds` of BatchEnv.reset(): a list with one seed or None per copy.
+std::vector<std::optional<std::uint64_t>> seeds_of(const py::object& given) {
+  if (!py::isinstance<py::iterable>(given) || py::isinstance<py::str>(given))
+    throw py::type_error(fmt::format("seeds: found {}: give a list with one seed or None per copy",
+                                     std::string(py::repr(given))));
+  std::vector<std::optional<std::uint64_t>> seeds;
+  for (const py::handle each : given)
+    seeds.push_back(optional_seed_of(py::reinterpret_borrow<py::object>(each)));
+  return seeds;
+}
+
 }  // namespace
 
 void bind_batch(py::module_& module) {
   using Marks = std::optional<py::array>;
-  using Seeds = std::vector<std::optional<std::uint64_t>>;
   py::class_<HeldBatchView>(
       module, "BatchView",
       "A copy of the world of a BatchEnv, shown in a browser (docs/live.md); made by BatchEnv.view().")
@@ -491,9 +502,10 @@ void bind_batch(py::module_& module) {
           "One seed per copy: the seed of its current episode.")
       .def(
           "reset",
-          [](const BatchHolder& b, const Marks& which, const Seeds& seeds) {
+          [](const BatchHolder& b, const Marks& which, const py::object& seeds) {
             const std::vector<std::uint8_t> marks = marks_of(which, b->use(), "which");
-            b->work([&](BatchEnv& batch) { batch.reset(marks, seeds); });
+            const std::vector<std::optional<std::uint64_t>> own_seeds = seeds_of(seeds);
+            b->work([&](BatchEnv& batch) { batch.reset(marks, own_seeds); });
           },
           py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
           "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed or "
@@ -512,7 +524,9 @@ void bind_batch(py::module_& module) {
           py::arg("begins") = py::none(),
           "Advances all copies by one step. begins: one bool per copy; copies with True begin their next "
           "episode instead of making\na step. None: all copies make a step. Raises RuntimeError before the "
-          "first reset(), and StepError if the step of a copy\nfails. Ctrl-C raises KeyboardInterrupt after "
+          "first reset() and if the last step or reset of a\ncopy failed, and StepError if the step of a "
+          "copy "
+          "fails or gives a reward that is not finite. Ctrl-C raises KeyboardInterrupt after "
           "the step; a step that waits for a view then stops waiting.")
       .def(
           "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },

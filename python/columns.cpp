@@ -93,24 +93,29 @@ const engine::StateField& command_field(std::span<const engine::StateField> fiel
       fmt::format("{}: {}", whose, unknown_name("command field", name, std::move(known))));
 }
 
+py::array converted(const engine::StateField& field, const py::array& given, const py::handle& value) {
+  py::array made = given.attr("astype")(dtype_of(field.element));
+  const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
+  if (is_whole && !py::module_::import("numpy").attr("array_equal")(made, given).cast<bool>())
+    throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
+                                      engine::element_name(field.element), std::string(py::str(value))));
+  return made;
+}
+
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots) {
   const py::module_ numpy = py::module_::import("numpy");
   const auto columns = static_cast<py::ssize_t>(field.columns);
   py::array given = is_of_bytes(value) ? padded(field, value) : py::array(numpy.attr("asarray")(value));
   if (columns == 1 && given.ndim() == 1) given = given.attr("reshape")(-1, 1);
-  const bool has_rows = given.ndim() == 2 && (given.shape(0) == robots || given.shape(0) == 1);
-  const bool fits = given.ndim() == 0 || (given.ndim() == 1 && given.shape(0) == columns) ||
-                    (has_rows && (given.shape(1) == columns));
+  const bool is_one_row = is_bytes(value) || (given.ndim() == 1 && given.shape(0) == columns);
+  const bool has_rows = given.ndim() == 2 && given.shape(0) == robots && given.shape(1) == columns;
+  const bool fits = given.ndim() == 0 || is_one_row || has_rows;
   if (!fits)
     refuse(fmt::format("\"{}\"", field.name), py::array(numpy.attr("asarray")(value)),
            static_cast<std::size_t>(robots),
            columns == 1 ? "one number, or one per robot"
                         : fmt::format("{} numbers, or {} per robot", columns, columns));
-  const py::array made = given.attr("astype")(dtype_of(field.element));
-  const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
-  if (is_whole && !numpy.attr("array_equal")(made, given).cast<bool>())
-    throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
-                                      engine::element_name(field.element), std::string(py::str(value))));
+  const py::array made = converted(field, given, value);
   return numpy.attr("ascontiguousarray")(numpy.attr("broadcast_to")(made, py::make_tuple(robots, columns)));
 }
 

@@ -69,6 +69,10 @@ std::span<const std::byte> const_bytes_of(const py::array& array);
 const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
                                         std::string_view whose);
 
+/// Converts an array to the element type of a field. value: the Python value that the array was made from,
+/// for the text of the error. Throws ValueError if the field has integers and a number is not exactly
+/// representable.
+py::array converted(const engine::StateField& field, const py::array& given, const py::handle& value);
 /// Converts a Python value to the values of a field of a command: an array of the shape (robots, columns)
 /// with the element type of the field. The value may be:
 /// - a single number, for all elements

@@ -25,17 +25,11 @@ py::array readings(HeldModel& m, const std::string& field, const std::string& de
 /// the value.
 py::array elements_of(const engine::StateField& field, const py::handle& value) {
   const py::module_ numpy = py::module_::import("numpy");
-  const py::array given = numpy.attr("asarray")(value);
-  py::array made =
-      numpy.attr("ascontiguousarray")(given.attr("reshape")(-1).attr("astype")(dtype_of(field.element)));
-  if (made.size() != static_cast<py::ssize_t>(field.columns))
+  const py::array given = numpy.attr("ascontiguousarray")(value).attr("reshape")(-1);
+  if (given.size() != static_cast<py::ssize_t>(field.columns))
     throw py::value_error(
-        fmt::format("\"{}\" takes exactly {} numbers, found {}", field.name, field.columns, made.size()));
-  const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
-  if (is_whole && !numpy.attr("array_equal")(made, given.attr("reshape")(-1)).cast<bool>())
-    throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
-                                      engine::element_name(field.element), std::string(py::str(value))));
-  return made;
+        fmt::format("\"{}\" takes exactly {} numbers, found {}", field.name, field.columns, given.size()));
+  return converted(field, given, value);
 }
 
 /// Sets fields of the command of a device; values: names of fields and their new values. Returns all fields

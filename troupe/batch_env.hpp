@@ -132,9 +132,10 @@ struct BatchTeam {
   /// `robots` names.
   std::string robot = {};
   std::vector<BatchArraySpec> arrays = {};  ///< observations, and arrays that only rewards and ends use
-  std::vector<BatchAction> actions = {};    ///< the actions that each robot of the team has
-  std::vector<BatchReward> rewards = {};    ///< terms of the reward, summed in this order
-  std::vector<BatchEnd> ends = {};          ///< conditions that finish a robot, tested in each step
+  /// The actions that each robot of the team has; no two of them may set the same command.
+  std::vector<BatchAction> actions = {};
+  std::vector<BatchReward> rewards = {};  ///< terms of the reward, summed in this order
+  std::vector<BatchEnd> ends = {};        ///< conditions that finish a robot, tested in each step
 };
 
 /// The options of a BatchEnv. Its constructor checks them.

@@ -51,6 +51,16 @@ void BatchEnv::Impl::check_spec() const {
       if (!std::isfinite(action.low) || !std::isfinite(action.high))
         refuse(fmt::format("action \"{}\" of team \"{}\": low is {}, high is {}: give finite numbers",
                            action.command, team.name, action.low, action.high));
+    for (std::size_t a = 0; a < team.actions.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        if (team.actions[a].device == team.actions[b].device &&
+            team.actions[a].command == team.actions[b].command)
+          refuse(fmt::format(
+              "actions {} and {} of team \"{}\" (counted from 0) both set the command \"{}\"{}: give each "
+              "command one action",
+              b, a, team.name, team.actions[a].command,
+              team.actions[a].device.empty() ? " of the drive"
+                                             : " of device \"" + team.actions[a].device + "\""));
     for (const BatchReward& reward : team.rewards)
       if (!std::isfinite(reward.weight))
         refuse(fmt::format("reward of team \"{}\": weight is {}: give a finite number", team.name,

@@ -64,8 +64,7 @@ void BatchEnv::Impl::refuse_reward(const TeamData& team, std::size_t r, std::siz
                              : fmt::format("column {} of array \"{}\"", term.of.column, term.of.array);
   throw engine::StepError(
       fmt::format("reward {} of team \"{}\": {} {} is {} for robot \"{}\" in copy {} at tick {} (reward, "
-                  "column and copy are "
-                  "counted from 0): reward a number that is finite in every step",
+                  "column and copy are counted from 0): reward a number that is finite in every step",
                   r, team.spec->name, term.change ? "the change of" : "the value of", of, value,
                   team.names[i], c, copies[c]->simulation.tick()));
 }

@@ -48,7 +48,8 @@ class PerRobot(gymnasium.vector.VectorWrapper):
 
     def step(self, actions):
         observations, rewards, terminations, truncations, infos = self.env.step(actions)
-        terminated = infos["finished"] | self._begins
+        # There are no infos of single robots if one robot learns in each copy.
+        terminated = infos.get("finished", terminations) | self._begins
         self._begins = terminations | truncations
         return observations, rewards, terminated, truncations & ~terminated, {}
 

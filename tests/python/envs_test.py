@@ -233,6 +233,18 @@ class Checkers(unittest.TestCase):
             one, other = make(Short(2)), make(Short(2))
             self.assertTrue(data_equivalence(one.reset(seed=np.int64(7)), other.reset(seed=7), exact=True))
 
+    def test_environments_without_a_seed_differ(self):
+        def make():
+            return troupe.envs.Env(Short(2))
+
+        first, _ = SyncVectorEnv([make, make]).reset()
+        self.assertFalse(np.array_equal(first[0], first[1]))
+        one, other = (troupe.envs.ParallelEnv(Short(2)).reset()[0] for _ in range(2))
+        self.assertFalse(data_equivalence(one, other, exact=True))
+        for kind in (troupe.envs.Env, troupe.envs.ParallelEnv):
+            given, seeded = kind(Short(2), seed=7), kind(Short(2))
+            self.assertTrue(data_equivalence(given.reset(), seeded.reset(seed=7), exact=True))
+
     def test_a_closed_environment_says_so(self):
         for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
             env = make(Short(2))
@@ -691,9 +703,30 @@ class RobotsThatAreBorn(unittest.TestCase):
                 self.assertFalse(any(truncations.any() for _, _, _, truncations, _ in out))
                 _, rewards, _, _, infos = out[9]
                 self.assertTrue(np.array_equal(rewards, np.tile([141.0, 141.0, 141.0, 141.0, 0.0], 2)))
-                self.assertTrue(np.array_equal(infos["finished"], np.tile([True, True, True, True, False], 2)))
-                if mode == "SameStep":
+                last = infos["final_info"] if mode == "SameStep" else infos
+                for name in ("finished", "alive"):
+                    self.assertTrue(np.array_equal(last[name], np.tile([True, True, True, True, False], 2)))
+                    self.assertTrue(last[f"_{name}"].all())
+                if mode == "SameStep":  # the other infos are those of the next episode, in which r3 has not been born
                     self.assertEqual([each.shape for each in infos["final_obs"]], [(12,)] * 10)
+                    self.assertFalse(infos["finished"].any())
+                    self.assertTrue(np.array_equal(infos["alive"], np.tile([True, True, True, False, False], 2)))
+
+    def test_only_episodes_that_have_ended_have_final_infos(self):
+        task = Short(2)
+        env = troupe.envs.VectorEnv(task, 6, autoreset_mode="SameStep")
+        observations, _ = env.reset(seed=1)
+        counts = set()
+        for _ in range(60):
+            observations, _, terminations, truncations, infos = env.step(task.baseline(observations))
+            done = terminations | truncations
+            counts.add(int(done.sum()))
+            self.assertEqual("final_info" in infos, bool(done.any()))
+            if done.any():
+                self.assertTrue(np.array_equal(infos["final_info"]["_finished"], done))
+                self.assertTrue(np.array_equal(infos["final_info"]["alive"], done))
+                self.assertFalse((infos["finished"] & done).any())
+        self.assertIn(2, counts)
 
     def test_a_function_finishes_only_robots_in_the_world(self):
         _, rewards, terminations, truncations, infos = self.run_vector(Births(finishes=True), "NextStep", 1)[0]
@@ -857,6 +890,15 @@ class Human(unittest.TestCase):
         for call in (batch.robots, batch.names, batch.actions, batch.rewards, batch.terminated, batch.alive):
             with self.assertRaisesRegex(LookupError, "team 1 does not exist: give a number from 0 to 0"):
                 call(1)
+        for seeds, error, text in (
+            ([1, -1], ValueError, "seed: found -1: give a whole number from 0 to "),
+            ([1, 1.5], TypeError, "seed: found 1.5: give a whole number from 0 to "),
+            (1, TypeError, "seeds: found 1: give a list with one seed or None per copy"),
+        ):
+            with self.assertRaisesRegex(error, f"^{text}"):
+                batch.reset(seeds=seeds)
+        batch.reset(seeds=np.array([3, 4]))
+        self.assertEqual(batch.seeds.tolist(), [3, 4])
         with self.assertRaisesRegex(TypeError, 'batch: the value None of the member "teams" must be a list'):
             troupe.BatchEnv(troupe.Simulation(ROOM), {"teams": None})
 

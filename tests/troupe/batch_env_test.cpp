@@ -497,6 +497,14 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       k_name, [](auto&, auto& t) { t.actions[2].command = "reed"; },
       "device \"lamp\": unknown command \"reed\"");
   is_wrong(
+      k_argument, [](auto&, auto& t) { t.actions.push_back({.command = "forward"}); },
+      "actions 0 and 4 of team \"bots\" (counted from 0) both set the command \"forward\" of the drive: give "
+      "each "
+      "command one action");
+  is_wrong(
+      k_argument, [](auto&, auto& t) { t.actions.push_back({.device = "lamp", .command = "red"}); },
+      "actions 2 and 4 of team \"bots\" (counted from 0) both set the command \"red\" of device \"lamp\"");
+  is_wrong(
       k_name, [](auto&, auto& t) { t.rewards[0].of.array = "gold"; },
       "team \"bots\": unknown array \"gold\"");
   is_wrong(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import secrets
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -207,9 +208,12 @@ class Batch:
 
 def one_copy(task: Task, **options: Any) -> Batch:
     """Returns a Batch with one copy of the world and one thread, because a copy uses only one. options: those of Batch,
-    except threads, which raises TypeError."""
+    except threads, which raises TypeError. Without the option seed, the seed of the world is random, as Gymnasium requires
+    for the first reset() without a seed: several environments must differ."""
     if "threads" in options:
         raise TypeError("threads: an environment with one copy of the world uses one thread: omit threads, or use VectorEnv")
+    if options.get("seed") is None:
+        options["seed"] = secrets.randbits(64)
     return Batch(task, 1, threads=1, **options)
 
 

@@ -33,7 +33,8 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
                     Task.terminated(), the world's `stop_when` or death) or task.seconds have passed. If several robots
                     learn in each copy, step() returns infos["finished"] and infos["alive"], one bool per environment.
                     From the step in which a robot is finished to the end of the episode, infos["finished"] is True for
-                    the robot. Its rewards in the steps after that step are 0. If a robot has not been born yet,
+                    the robot. Its rewards in the steps after that step are 0. With AutoresetMode.SAME_STEP, the step
+                    that ends an episode returns these two infos of the ended episode in infos["final_info"]. If a robot has not been born yet,
                     infos["alive"] is False for the robot, its observation and its rewards are 0, and its episode ends
                     with that of its copy
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
@@ -127,22 +128,30 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
         # are finished; robots that have not been born are then terminated too, because they will not be born any more.
         terminations = (over[:, np.newaxis] & (terminated | ~truncated[:, np.newaxis])).reshape(-1)
         truncations = np.repeat(truncated, self.robots)
-        infos: Dict[str, Any] = {}
-        if self.robots > 1:
-            infos["finished"] = terminated.reshape(-1)
-            infos["alive"] = batch.core.alive().reshape(-1).copy()
-            infos["_finished"], infos["_alive"] = np.ones(self.num_envs, np.bool_), np.ones(self.num_envs, np.bool_)
-        if self.autoreset_mode == AutoresetMode.SAME_STEP:
-            if over.any():
-                self._add_final(infos, np.repeat(over, self.robots))
-                batch.reset(over)
-            over = np.zeros_like(over)
-        self._is_over = over
+        final: Dict[str, Any] = {}
+        if self.autoreset_mode == AutoresetMode.SAME_STEP and over.any():
+            final = self._final(np.repeat(over, self.robots))
+            batch.reset(over)
+            self._is_over = np.zeros_like(over)
+        infos = self._robot_infos(np.ones(self.num_envs, np.bool_)) | final
         return self._rows(batch.observations()), rewards, terminations, truncations, infos
 
-    def _add_final(self, infos: Dict[str, Any], done: Flags) -> None:
-        """Adds to `infos` the last observations of the environments marked in `done`, in the format of
-        gymnasium.vector.SyncVectorEnv: one object per environment, None for the others."""
+    def _robot_infos(self, which: Flags) -> Dict[str, Any]:
+        """Returns the infos `finished` and `alive` of the environments marked in `which`, in the format of
+        gymnasium.vector.SyncVectorEnv: False for the other environments. Empty if one robot learns in each copy."""
+        if self.robots == 1:
+            return {}
+        core = self.batch.core
+        return {
+            "finished": core.terminated().reshape(-1) & which,
+            "_finished": which.copy(),
+            "alive": core.alive().reshape(-1) & which,
+            "_alive": which.copy(),
+        }
+
+    def _final(self, done: Flags) -> Dict[str, Any]:
+        """Returns the last observations and infos of the environments marked in `done`, whose episodes are over, in the
+        format of gymnasium.vector.SyncVectorEnv: one object per environment, None for the others."""
         observations = self._rows(self.batch.observations())
         final = np.full(self.num_envs, None, dtype=object)
         for env in np.flatnonzero(done):
@@ -150,8 +159,8 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
                 final[env] = {name: array[env] for name, array in observations.items()}
             else:
                 final[env] = observations[env]
-        infos["final_obs"], infos["_final_obs"] = final, done.copy()
-        infos["final_info"], infos["_final_info"] = {}, done.copy()
+        infos = {"final_obs": final, "_final_obs": done.copy()}
+        return infos | {"final_info": self._robot_infos(done), "_final_info": done.copy()}
 
     def _rows(self, observations: Any) -> Any:
         """Reshapes observations of copies x robots to one row per environment."""
