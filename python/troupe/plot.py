@@ -97,6 +97,8 @@ class _Table:
     """The table of a sweep, and its rows by the number of the run."""
 
     def __init__(self, folder: _File):
+        if not os.path.exists(folder):
+            raise PlotError(f"{folder}: error: there is no such folder: give the folder of a completed sweep")
         self.file = os.path.join(folder, "table.csv")
         self.head, rows = _read(self.file)
         if "run" not in self.head or "seed" not in self.head:

@@ -355,6 +355,11 @@ class Plot(unittest.TestCase):
                 troupe.plot.draw(self.folder, *arguments, **named)
             return str(raised.exception)
 
+        nowhere = self.folder / "nowhere"
+        with self.assertRaises(troupe.plot.PlotError) as raised:
+            troupe.plot.draw(nowhere)
+        self.assertEqual(str(raised.exception), f"{nowhere}: error: there is no such folder: give the folder of a "
+                         "completed sweep")
         self.assertIn('unknown measure "odor"; known: order', message("odor"))
         self.assertIn('unknown parameter "size"; known: robots', message(by="size"))
         self.assertIn("must end in .png, .svg or .pdf", message(out="x.gif"))

@@ -338,6 +338,17 @@ model( pose [3 0 0 0] size [1 1 1] fiducial_return 2 )
   EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
 }
 
+TEST_F(ConvertTest, OriginsOfGrippersComeBack) {
+  const fs::path world = write("origin.world", R"(
+position( name "r" size [0.25 0.25 0.25]
+  gripper( alwayson 1 size [0.125 0.25 0.125] pose [0.25 0 -0.25 0] origin [0.125 0.0625 0.125 0] ) )
+)");
+  const fs::path back = convert(convert(world, "origin.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(back), HasSubstr("origin ["));
+  EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
+}
+
 TEST_F(ConvertTest, ValuesThatAreRoundedAreAWarning) {
   const fs::path json = write("w.json", R"({"troupe": 1, "types": {
     "bot": {"size_m": [0.4, 0.4, 0.3], "sensors": [{"name": "eye", "kind": "ranger", "transducers": [

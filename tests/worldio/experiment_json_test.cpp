@@ -41,7 +41,7 @@ struct Loaded {
   "bot": {{"size_m": [0.2, 0.2, 0.1], "drive": {{"kind": "diff"}},
           "sensors": [{{"name": "ir", "kind": "ranger", "transducers": [{{"range_max_m": 2}}]}}],
           "controller": {{"kind": "expand_swarm"}}}},
-  "crate": {{"size_m": [1, 1, 1]}}
+  "crate": {{"name": "Big crate", "size_m": [1, 1, 1]}}
 }},
 "populations": [{{"name": "r", "type": "bot", "count": 4, "reserve": 2,
   "place": {{"rule": "grid", "region_m": [[0, 0], [1, 1]], "pitch_m": 0.25}}}}],
@@ -169,6 +169,8 @@ TEST(ExperimentJson, WrongInterventionsAreTold) {
               HasSubstr("missing \"pose\": the new pose"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bto", "drive": {"turn_max_degps": 3}}})"),
               HasSubstr("/at/0/set/type: unknown type \"bto\"; known: bot, crate (did you mean \"bot\"?)"));
+  EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "Big crate", "drive": {"turn_max_degps": 3}}})"),
+              HasSubstr("; \"Big crate\" is the \"name\" of a type: give its key in \"types\", \"crate\""));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "crate", "drive": {"turn_max_degps": 3}}})"),
               HasSubstr("type \"crate\" has no drive"));
   EXPECT_THAT(found(R"({"time_s": 1, "set": {"type": "bot"}})"),

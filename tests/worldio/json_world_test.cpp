@@ -1010,6 +1010,22 @@ TEST(JsonWorld, AGridMaySpill) {
                           "order: expected [[x_min, y_min], [x_max, y_max]], found [[2, 0], [1, 3]]"));
 }
 
+TEST(JsonWorld, ASpillOutsideThePolygonIsAnError) {
+  const auto found = [](const std::string& spill) {
+    return Loaded(
+               fmt::format(R"({{"troupe": 1, "types": {{"t": {{"size_m": [0.1, 0.1, 0.1]}}}}, "populations": [
+      {{"name": "a", "type": "t", "count": 1, "place": {{"rule": "grid", "pitch_m": 1,
+        "polygon_m": [[0, 0], [3, 0], [0, 3]], "spill_m": {}}}}}]}})",
+                           spill))
+        .found;
+  };
+  EXPECT_THAT(found("[[1, 1], [5, 5]]"), IsEmpty());
+  EXPECT_THAT(
+      found("[[4, 0], [5, 5]]"),
+      ElementsAre("maze.json:3: error: /populations/0/place/spill_m: outside \"polygon_m\", in which all "
+                  "bodies must lie: give a rectangle that overlaps the polygon, or remove \"spill_m\""));
+}
+
 TEST(JsonWorld, AMillionRobotsLoadInSeconds) {
   constexpr std::size_t k_robots = test::k_slow_build ? 100'000 : 1'000'000;
   LoadOptions options;

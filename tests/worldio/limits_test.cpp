@@ -105,6 +105,23 @@ TEST(BitmapLimits, PixelsAreCountedBeforeTheyTakeMemory) {
             "error: the image map.png is too large: 20000 x 20000 pixels; at most 100 million are allowed");
 }
 
+TEST(BitmapLimits, OnlyTheNumberOfPixelsIsLimitedNotTheWidth) {
+  Diagnostics diagnostics;
+  const auto bitmap =
+      decode_bitmap("P5\n40000 1\n255\n" + std::string(40000, '\xff'), "map.pgm", {}, diagnostics);
+  ASSERT_TRUE(bitmap) << diagnostics.text(diagnostics.findings()[0]);
+  EXPECT_EQ(bitmap->width, 40000);
+}
+
+TEST(BitmapLimits, CompressedBmpsAreNotRead) {
+  std::string rle = "BM";
+  rle += std::string(12, '\0') + '\x28' + std::string(15, '\0') + '\1' + std::string(23, '\0');
+  EXPECT_EQ(
+      error_of(rle),
+      "error: the image map.png is a compressed BMP; only BMPs that are not compressed are read: convert "
+      "the image to PNG");
+}
+
 TEST(BitmapLimits, WhatUnpacksToMoreThanThePixelsIsDamaged) {
   EXPECT_THAT(error_of(png(10, 10, std::string(10 << 20, '\0'))),
               HasSubstr("there is more data than the pixels need"));

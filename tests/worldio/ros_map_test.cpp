@@ -104,6 +104,12 @@ TEST_F(RosMapTest, KeysThatMapsDoNotHaveAreWarnings) {
                                      "key is ignored (did you mean \"occupied_thresh\"?)"));
 }
 
+TEST_F(RosMapTest, KeysThatAreGivenTwiceAreErrors) {
+  EXPECT_FALSE(parse("image: a.png\nresolution: 0.05\norigin: [0, 0, 0]\nresolution: 0.1\n"));
+  EXPECT_THAT(messages_, ElementsAre("maps/lab.yaml:4: error: \"resolution\" is given twice: line 2 gives it "
+                                     "already: remove one of the two lines"));
+}
+
 TEST_F(RosMapTest, TheMisspeltKeyIsShownBesideTheMissingOne) {
   EXPECT_FALSE(parse("image: lab.pgm\nresoluton: 0.05\norigin: [-1.5, 2, 0]\n"));
   EXPECT_THAT(

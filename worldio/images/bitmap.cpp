@@ -248,6 +248,15 @@ bool bmp_is_damaged(std::string_view bytes) {
          std::max<double>(number(2, 4), number(10, 4) + row_bytes * std::abs(static_cast<double>(height)));
 }
 
+/// True for a BMP whose pixels are compressed, such as by run-length encoding (RLE).
+bool bmp_is_compressed(std::string_view bytes) {
+  constexpr std::size_t k_compression_at = 30;
+  constexpr char k_uncompressed = 0, k_uncompressed_with_masks = 3;
+  constexpr unsigned char k_old_header = 12;  // bytes of the OS/2 header, which has no compression
+  if (!bytes.starts_with("BM") || bytes.size() <= k_compression_at || bytes[14] == k_old_header) return false;
+  return bytes[k_compression_at] != k_uncompressed && bytes[k_compression_at] != k_uncompressed_with_masks;
+}
+
 /// Returns the total number of corners of the outlines of the solid pixels.
 std::size_t count_corners(const Bitmap& bitmap) {
   std::size_t count = 0;
@@ -337,6 +346,13 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
         fmt::format("the image {} is a {}; of the PNM formats, binary PGM (P5) and binary PPM (P6) are "
                     "read: convert the image to one of these or to PNG",
                     name, format));
+    return {};
+  }
+  if (bmp_is_compressed(bytes)) {
+    diagnostics.error(
+        where, fmt::format("the image {} is a compressed BMP; only BMPs that are not compressed are read: "
+                           "convert the image to PNG",
+                           name));
     return {};
   }
   struct Format {

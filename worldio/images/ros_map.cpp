@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <map>
+#include <string>
 
 namespace troupe::worldio {
 namespace {
@@ -120,12 +122,19 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
   return map;
 }
 
-/// Reports unknown keys as warnings or, in a map that has errors, as errors. In such a map, warnings would
-/// not be shown, but the unknown key may be a misspelt form of a missing key.
+/// Reports keys that are given twice as errors. Reports unknown keys as warnings or, in a map that has
+/// errors, as errors. In such a map, warnings would not be shown, but the unknown key may be a misspelt form
+/// of a missing key.
 void MapReader::check_keys(const YAML::Node& map) {
   const bool is_right = is_right_;
+  std::map<std::string, std::uint32_t> lines;
   for (const auto& entry : map) {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+    const auto [first, is_new] = lines.emplace(key, line_of(entry.first.Mark()));
+    if (!is_new && !key.empty())
+      error(entry.first,
+            fmt::format("\"{}\" is given twice: line {} gives it already: remove one of the two lines", key,
+                        first->second));
     if (std::ranges::find(k_keys, key) != std::end(k_keys)) continue;
     const std::string suggestion = did_you_mean(key, k_keys);
     if (is_right)

@@ -13,6 +13,5 @@
 #define STBI_NO_HDR
 #define STBI_NO_LINEAR
 #define STBI_NO_STDIO
-#define STBI_MAX_DIMENSIONS 32768
 #include <stb/stb_image.h>
 #pragma GCC diagnostic pop

@@ -303,6 +303,14 @@ PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const Do
   if (document.rule) rule.kind = *document.rule;
   expand_region(document, at, rule);
   rule.spill = document.spill.value_or(Box());
+  Box polygon;
+  for (const Vec2& corner : rule.polygon) polygon.extend(corner);
+  if (document.spill && !polygon.empty() && !polygon.touches(rule.spill))
+    DocumentPath(at, "spill_m", document.where_of("spill_m"))
+        .error(
+            "outside \"polygon_m\", in which all bodies must lie: give a rectangle that overlaps the "
+            "polygon, or "
+            "remove \"spill_m\"");
   rule.jitter_m = document.jitter;
   if (document.pitch) rule.pitch_m = *document.pitch;
   if (document.mean) rule.mean = pair(*document.mean);

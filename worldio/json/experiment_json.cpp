@@ -108,8 +108,13 @@ std::optional<SettingSpec> SettingExpander::expand(const SettingDocument& docume
   if (found == type_keys_.end()) {
     std::vector<std::string_view> known(type_keys_.begin(), type_keys_.end());
     std::erase(known, std::string_view());
-    DocumentPath(at, "type", document.where_of("type"))
-        .error(unknown_name("type", document.type, std::move(known)));
+    std::string text = unknown_name("type", document.type, std::move(known));
+    const auto named = std::ranges::find(spec_.types, document.type, &engine::TypeSpec::name);
+    const auto t = static_cast<std::size_t>(named - spec_.types.begin());
+    if (t < type_keys_.size() && !type_keys_[t].empty())
+      text += fmt::format("; \"{}\" is the \"name\" of a type: give its key in \"types\", \"{}\"",
+                          document.type, type_keys_[t]);
+    DocumentPath(at, "type", document.where_of("type")).error(std::move(text));
     return std::nullopt;
   }
   SettingSpec setting{.type = TypeId(static_cast<std::size_t>(found - type_keys_.begin())), .params = {}};

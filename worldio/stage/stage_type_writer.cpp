@@ -171,9 +171,11 @@ void TypeText::write_body(const PartSpec& part, const DeviceSpec* own) {
   const DeviceKind* device = own ? kind_of(*own) : nullptr;
   if (write_image(part)) return;
   const bool is_brought_along = device && device->body && !part.fitted && !part.solids.empty();
-  if (is_brought_along || is_default_box(part, *kind)) return write_size(part.size, kind, part.where);
-  if (!part.solids.empty()) return write_blocks(part);
-  if (kind->has_default_body || (device && device->body)) text_.flag("noblocks", true);
+  if (!is_brought_along) {
+    if (is_default_box(part, *kind)) return write_size(part.size, kind, part.where);
+    if (!part.solids.empty()) return write_blocks(part);
+    if (kind->has_default_body || (device && device->body)) text_.flag("noblocks", true);
+  }
   write_size(part.size, kind, part.where);
   if (own && !is_wheels(*own) && own->pose_body_device != part.pose_body_part)  // `origin` moves the device
     text_.pose("origin", relative_pose(part.pose_body_part, own->pose_body_device));
