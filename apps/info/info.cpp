@@ -5,6 +5,7 @@
 #include "apps/observers/profile.hpp"
 #include "apps/observers/tables.hpp"
 #include "apps/options.hpp"
+#include "apps/sweep/journal.hpp"
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
 #include "troupe/registry.hpp"
@@ -34,8 +35,8 @@ namespace {
 
 constexpr const char* k_info_footer = R"(
 Accepts a world (Stage's or JSON), a hash log, a recording, a checkpoint, a table of measures or events, a profile, a
-study, a table that troupe sweep wrote, or a session of troupe view. The type is detected from the content; the file
-name matters only for an empty world.
+study, a table or journal that troupe sweep wrote, or a session of troupe view. The type is detected from the content;
+the file name matters only for an empty world.
 
 Prints the type, the program that wrote the file, its world, seed, robots, ticks and fields, and whether the file is
 complete or was cut off, for example by a full disk or because the run was killed.
@@ -133,6 +134,7 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
   if (start.starts_with(k_profile_line)) return summary_of_profile(file);
   if (start.starts_with(k_series_mark)) return summary_of_series(file);
   if (is_start_of_results(start)) return summary_of_results(file);
+  if (start.starts_with(k_journal_mark)) return summary_of_journal(file);
   if (file.extension() == ".json" && worldio::is_utf16(start))
     throw InputError(fmt::format("{}: error: {}", file.string(), worldio::k_is_utf16));
   const std::size_t first = start.find_first_not_of(k_blanks);
@@ -163,7 +165,7 @@ ExitCode info(const InfoOptions& options) {
     throw InputError(fmt::format(
         "{}: error: not a file that this command knows: expected a world (Stage's or JSON), "
         "a hash log, a recording, a checkpoint, a table of measures or events, a profile, a study, "
-        "a table that troupe sweep wrote, or a session of troupe view",
+        "a table or journal that troupe sweep wrote, or a session of troupe view",
         file.string()));
   fmt::print("{}\n", file.string());
   for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);

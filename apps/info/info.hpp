@@ -29,7 +29,7 @@ void add_info_options(CLI::App& command, InfoOptions& options);
 /// - a checkpoint: saved state of a run
 /// - a table of measures (numbers computed from the state) or of events
 /// - a profile: timing of a run
-/// - a study (many runs of a world), or a table of the results of its runs
+/// - a study (many runs of a world), a table of the results of its runs, or the journal of `troupe sweep`
 /// - a session: actions of users during a run
 ExitCode info(const InfoOptions& options);
 

@@ -25,6 +25,8 @@ Summary summary_of_profile(const std::filesystem::path& file);
 Summary summary_of_results(const std::filesystem::path& file);
 /// Of the measures over time of the runs of a sweep (write_series()).
 Summary summary_of_series(const std::filesystem::path& file);
+/// Of a journal of `troupe sweep` (SweepJournal).
+Summary summary_of_journal(const std::filesystem::path& file);
 /// Of a session: the actions of users during a run.
 Summary summary_of_session(const std::filesystem::path& file);
 /// Of a recording, or of the table of results of a sweep in HDF5.

@@ -1,5 +1,5 @@
-// Summaries of text files: hash logs, tables, profiles, sessions. Except sessions, they may be large and are
-// read line by line.
+// Summaries of text files: hash logs, tables, profiles, journals, sessions. Except sessions, they may be
+// large and are read line by line.
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/info/info_kinds.hpp"
@@ -19,6 +19,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 
 namespace troupe::apps {
@@ -229,6 +230,25 @@ Summary summary_of_series(const fs::path& file) {
   summary.emplace_back("lines", fmt::format("{}", count));
   summary.emplace_back("complete", lines.whole_text());
   return summary;
+}
+
+Summary summary_of_journal(const fs::path& file) {
+  Lines lines(file);
+  std::string line;
+  lines.next(line);
+  std::set<std::size_t> finished, failed;
+  while (lines.next(line)) {
+    const auto json = nlohmann::json::parse(line, nullptr, false);
+    if (!json.is_object() || !json.contains("run") || !json["run"].is_number_unsigned())
+      throw InputError(fmt::format("{}:{}: error: not a result that troupe sweep writes: the file is damaged",
+                                   file.string(), lines.number()));
+    (json.contains("error") ? failed : finished).insert(json["run"].get<std::size_t>());
+  }
+  for (const std::size_t run : finished) failed.erase(run);  // a later sweep finished it
+  return {{"kind", "journal of a sweep: the results of its runs, which troupe sweep writes into tables"},
+          {"finished runs", fmt::format("{}", finished.size())},
+          {"failed runs", fmt::format("{}", failed.size())},
+          {"complete", lines.whole_text()}};
 }
 
 Summary summary_of_session(const fs::path& file) {

@@ -36,6 +36,9 @@ struct SweepSize {
   std::size_t values = 0;  ///< number of SweepOutcome::values of each run
 };
 
+/// The bytes with which every journal of a sweep begins.
+inline constexpr std::string_view k_journal_mark = R"({"troupe_sweep":)";
+
 /// The journal of one process of `troupe sweep`: a file with the results of its runs, one line of JSON per
 /// finished or failed run. A result is on the disk when add() returns, so a killed sweep loses only its
 /// unfinished runs.

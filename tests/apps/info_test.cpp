@@ -220,6 +220,14 @@ TEST_F(Info, OfAStudyAndItsTables) {
     EXPECT_THAT(info("out/table.h5"), AllOf(Contains("kind table of the results of a sweep, in HDF5"),
                                             Contains("runs 2"), Contains("complete yes")));
   }
+  EXPECT_THAT(info("out/runs-1-of-1.jsonl"),
+              AllOf(Contains(::testing::StartsWith("kind journal of a sweep")), Contains("finished runs 2"),
+                    Contains("failed runs 0"), Contains("complete yes")));
+  write("torn.jsonl", read("out/runs-1-of-1.jsonl") + "{\"run\":1,\"err");
+  EXPECT_THAT(info("torn.jsonl"),
+              AllOf(Contains("finished runs 2"), Contains("complete no: cut off in line 4")));
+  write("bad.jsonl", read("out/runs-1-of-1.jsonl") + "oh\n");
+  EXPECT_THAT(error_of("bad.jsonl"), HasSubstr("bad.jsonl:4: error: not a result that troupe sweep writes"));
   write("s.json", "{\"troupe_study\": 1,\n \"word\": 1}");
   EXPECT_THAT(error_of("s.json"), HasSubstr("s.json:2: error: unknown key \"word\""));
 }

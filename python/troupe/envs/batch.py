@@ -103,9 +103,9 @@ class Batch:
         for actions of another number or shape, if Task.act() returns commands of another shape than copies x robots x
         commands, and if Task.reward() or Task.terminated() returns an array of another shape than copies x robots,
         or if Task.reward() returns a number that is not finite. Raises StepError if the step of a copy fails, also
-        because a reward of Team.rewards is not finite. Raises RuntimeError before the first reset(). After an exception that was raised when copies had already made
-        their step, such as KeyboardInterrupt, all copies need a reset() before the next step; until then, step() raises
-        RuntimeError."""
+        because a reward of Team.rewards is not finite. Raises RuntimeError before the first reset(). After an exception
+        that was raised when copies had already made their step, such as KeyboardInterrupt, all copies need a reset()
+        before the next step; until then, step() raises RuntimeError."""
         self.require_reset()
         if len(actions) != len(self.teams):
             raise ValueError(f"actions: found {len(actions)}: give {len(self.teams)}, one array per team")

@@ -29,8 +29,7 @@ class ParallelEnv(OneCopy, _ParallelEnv):
                  (by Team.ends, Task.terminated() or the world's `stop_when`) or dies. A robot that is born during an
                  episode becomes an agent at that time
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
-                 seed is derived from s. If no seed was ever given, the first seed is the
-                 option `seed`, or else random
+                 seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
     errors       TypeError if `task` is not a Task; ValueError if two robots have the same name; RuntimeError after
                  close()
     """

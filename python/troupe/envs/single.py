@@ -42,8 +42,7 @@ class Env(OneCopy, gymnasium.Env[Any, Any]):
     render_size  width and height of pictures, pixels
     options      keyword arguments of troupe.Simulation, except threads
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
-                 seed is derived from s. If no seed was ever given, the first seed is the
-                 option `seed`, or else random
+                 seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
     errors       TypeError if `task` is not a Task; ValueError if the task has several teams; LookupError if no robot has
                  the name `robot`; RuntimeError after close()
     """
