@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -189,6 +190,16 @@ TEST_F(RunPictures, WithoutFfmpegNothingIsBegun) {
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("f.mp4: error: cannot be written: ffmpeg is not installed"),
                                  HasSubstr("apt install ffmpeg")));
   EXPECT_THAT(files(), ElementsAre("bin", "room.world"));
+}
+
+TEST_F(RunPictures, RenderOpensTheFilmBeforeItDrawsPictures) {
+  add_ffmpeg();
+  ASSERT_EQ(mkfifo(path("f.mp4").c_str(), 0600), 0);
+  const Outcome outcome =
+      troupe({"render", "room.world", "-o", "p.png", "--film", "f.mp4", "--for", "0.5", "--size", "64x48"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("f.mp4: error: cannot be written: "));
+  EXPECT_THAT(files(), ElementsAre("bin", "f.mp4", "room.world"));
 }
 
 TEST_F(RunPictures, AFilmThatFailsIsAFailureAndLeavesNothing) {

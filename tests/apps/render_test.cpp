@@ -93,6 +93,11 @@ TEST_F(Render, ACheckpointIsDrawnAsItWasSaved) {
   EXPECT_EQ(earlier.code, 2);
   EXPECT_EQ(earlier.err,
             "c.h5: error: --at 0.5: the checkpoint was saved at 1 s; give this time or a later one\n");
+  const Outcome film = troupe({"render", "c.h5", "--film", "f%06d.png", "--for", "0.5", "--size", "96x64"});
+  EXPECT_EQ(film.code, 2);
+  EXPECT_EQ(film.err,
+            "c.h5: error: --for 0.5: the checkpoint was saved at 1 s; give this time or a later one\n");
+  EXPECT_FALSE(std::filesystem::exists(path("f000000.png")));
 }
 
 TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {
@@ -348,6 +353,7 @@ TEST_F(Render, BadInputIsOneLine) {
        "options"},
       {{"render", "room.world", "--film", "f%06d.png", "--at", "1"}, "--at requires --output"},
       {{"render", "room.world", "--film", "%06d.png"}, "no end time: give --for SECONDS"},
+      {{"render", "room.world", "-o", "q.png", "--film", "%06d.png"}, "no end time: give --for SECONDS"},
       {{"render", "room.world", "-o", "none/q.png"},
        "none/q.png: error: cannot be written: there is no folder none"},
       {{"render", "room.world", "-o", "q.png", "--camera", "window"},
