@@ -88,6 +88,19 @@ TEST_F(RunPictures, SnapshotsAreTakenWhenTheyAreAskedFor) {
   EXPECT_THAT(read("p-0.png"), Not(HasSubstr(hash)));
 }
 
+TEST_F(RunPictures, SnapshotsThatTheRunDoesNotReachAreNamed) {
+  write("w.json", R"({"troupe": 1, "stop_when": ["displacement >= 0.95"],
+  "types": {"bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"},
+    "controller": {"kind": "script", "legs": [{"until_s": 1000, "forward_mps": 1}]}}},
+  "models": [{"name": "r", "type": "bot"}]})");
+  const Outcome outcome = troupe({"run", "w.json", "--for", "60", "--snapshot", "p-{time}.png",
+                                  "--snapshot-at", "0.5,2,60", "--size", "64x48"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err,
+            "w.json: warning: the run ended at 1.1 s: these times of --snapshot-at were not drawn: 2, 60\n");
+  EXPECT_THAT(files(), ElementsAre("bin", "p-0.5.png", "room.world", "w.json"));
+}
+
 TEST_F(RunPictures, TheySeeThroughAnyCamera) {
   for (const std::vector<std::string>& camera : std::vector<std::vector<std::string>>{
            {"--camera", "perspective", "--angle", "60,-30"},
