@@ -88,7 +88,9 @@ Result<> check_camera(const std::string& camera);
 ///
 /// take() copies the state of the current tick (time step) into a Shot. draw() and write() use only the Shot,
 /// so another thread may call them while the simulation continues. No function changes the simulation. The
-/// simulation passed to see() and take() must be that of the constructor or have the same world.
+/// simulation passed to see() and take() must be that of the constructor or have the same world. The
+/// constructor copies the static bodies: after Simulation::reset(seed), which may place them elsewhere, make
+/// a new Pictures.
 class Pictures {
  public:
   /// Throws InputError for unknown cameras, layers and backgrounds. Also throws InputError if the options
