@@ -297,14 +297,17 @@ TEST_F(PicturesTest, NumbersThatCannotBeDrawnAreErrors) {
     EXPECT_THAT([&] { Pictures(simulation, options); },
                 ::testing::ThrowsMessage<std::invalid_argument>(message));
   };
-  refused({.across_m = -1}, "across_m is -1: give a finite number above 0");
-  refused({.across_m = 0}, "across_m is 0: give a finite number above 0");
-  refused({.across_m = k_nan}, "across_m is nan: give a finite number above 0");
-  refused({.across_m = k_infinity}, "across_m is inf: give a finite number above 0");
+  refused({.across_m = -1}, "across_m is -1: give a finite number, at least 1e-06");
+  refused({.across_m = 0}, "across_m is 0: give a finite number, at least 1e-06");
+  refused({.across_m = 1e-308}, "across_m is 1e-308: give a finite number, at least 1e-06");
+  refused({.across_m = k_nan}, "across_m is nan: give a finite number, at least 1e-06");
+  refused({.across_m = k_infinity}, "across_m is inf: give a finite number, at least 1e-06");
   refused({.angle_rad = {{k_infinity, 0}}}, "angle_rad is (inf, 0): give two finite numbers");
   refused({.center_m = {{0, k_nan}}}, "center_m is (0, nan): give two finite numbers");
   refused({.color_by = "velocity.x", .color_range = {{k_nan, 1}}},
           "color_range is (nan, 1): give two finite numbers");
+  Pictures smallest(simulation, {.width = 320, .height = 240, .across_m = k_least_across_m});
+  EXPECT_EQ(smallest.draw(smallest.take(simulation)).size(), 320U * 240 * 4);
   for (const double high : {2.0, 1.5})
     refused({.color_by = "velocity.x", .color_range = {{2, high}}},
             fmt::format("color_range is (2, {}): give two different numbers, the lower first", high));
