@@ -192,6 +192,10 @@ TEST_F(Render, ARecordingCanBeFilmed) {
   EXPECT_TRUE(std::filesystem::exists(path("frames/000020.png")));  // 0 to 1 s
   EXPECT_FALSE(std::filesystem::exists(path("frames/000021.png")));
   EXPECT_EQ(outcome.out, "frames/%06d.png: 21 pictures, 1.05 s\n");
+  const Outcome both = draw({"run.h5", "--film", "frames/b%06d.png", "--fps", "20", "--layers=trails"});
+  EXPECT_EQ(both.code, 0) << both.err;
+  EXPECT_EQ(both.out, "frames/b%06d.png: 21 pictures, 1.05 s\n");
+  EXPECT_EQ(read("frames/b000010.png"), read("frames/000010.png"));
 }
 
 TEST_F(Render, AWorldIsRunAsOptionsSayAndFilmed) {
@@ -212,6 +216,12 @@ TEST_F(Render, AWorldIsRunAsOptionsSayAndFilmed) {
   EXPECT_EQ(film.out, "frames/%06d.png: 6 pictures, 0.6 s\n");
   EXPECT_TRUE(std::filesystem::exists(path("frames/000005.png")));
   EXPECT_FALSE(std::filesystem::exists(path("frames/000006.png")));
+  const Outcome both = draw({"room.world", "--film", "frames/b%06d.png", "--for", "0.5", "--fps", "10"});
+  EXPECT_EQ(both.code, 0) << both.err;
+  EXPECT_TRUE(says("time_s", "0.5"));
+  EXPECT_EQ(both.out, "frames/b%06d.png: 6 pictures, 0.6 s\n");
+  for (const char* frame : {"000000.png", "000005.png"})
+    EXPECT_EQ(read(std::string("frames/b") + frame), read(std::string("frames/") + frame));
 }
 
 TEST_F(Render, WhatIsStoppedKeepsWhatIsDrawn) {
