@@ -133,6 +133,14 @@ int told(int code) {
   return code;
 }
 
+/// Returns the text of an exception as a line. A text that does not begin with the place of the error, as in
+/// `run.h5: error: `, gets the name of the program as its place.
+std::string error_line(std::string_view text) {
+  const std::size_t end = text.find(": ");
+  const bool has_place = end != text.npos && text.substr(end).starts_with(": error: ");
+  return fmt::format("{}{}\n", has_place ? "" : "troupe: error: ", text);
+}
+
 constexpr const char* k_about =
     "Troupe simulates very large swarms of mobile robots; results are bit-identical on any number of "
     "threads.";
@@ -167,7 +175,7 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     fmt::print(stderr, "{}\n", error.what());
     return k_bad_input;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "troupe: error: {}\n", error.what());
+    fmt::print(stderr, "{}", error_line(error.what()));
     return k_failed;
   } catch (...) {  // a plug-in may throw anything
     fmt::print(

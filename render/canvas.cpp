@@ -205,6 +205,17 @@ void average(const std::array<const std::uint8_t*, k_samples>& rows, std::span<s
 
 constexpr std::uint8_t k_opaque = 255;
 
+/// Divides the colours of pixels (red, green, blue, opacity) by their opacities. Blending onto a transparent
+/// ground and averaging samples give colours that are multiplied by the opacity.
+void divide_by_opacity(std::span<std::uint8_t> rgba) {
+  for (std::size_t i = 0; i < rgba.size(); i += 4) {
+    const unsigned opacity = rgba[i + 3];
+    if (opacity == 0 || opacity == k_opaque) continue;
+    for (std::size_t k = i; k < i + 3; ++k)
+      rgba[k] = static_cast<std::uint8_t>(std::min(255U, (255U * rgba[k] + opacity / 2) / opacity));
+  }
+}
+
 bool are_opaque(std::span<const Point> points) {
   return std::ranges::all_of(points, [](const Point& point) { return point.color[3] == k_opaque; });
 }
@@ -632,7 +643,9 @@ Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const
   gl.glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   gl.glEnable(GL_DEPTH_TEST);
   gl.glDepthFunc(GL_LEQUAL);
-  gl.glClearColor(ground[0] / 255.0F, ground[1] / 255.0F, ground[2] / 255.0F, ground[3] / 255.0F);
+  const float opacity = ground[3] / 255.0F;
+  gl.glClearColor(ground[0] / 255.0F * opacity, ground[1] / 255.0F * opacity, ground[2] / 255.0F * opacity,
+                  opacity);
 
   Picture picture{width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * height)};
   for (int top = 0; top < height; top += impl_->tile_height) {
@@ -653,6 +666,7 @@ Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const
                                              ? " (out of memory): choose a smaller picture"
                                              : ": install a newer version of OSMesa"));
   }
+  if (ground[3] != k_opaque) divide_by_opacity(picture.rgba);
   return picture;
 }
 

@@ -10,8 +10,11 @@ namespace troupe::render {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
-/// Largest ratio of the far to the near depth, limited by the 24 bits of the depth buffer.
+/// Largest ratio of the far to the near depth, limited by the 24 bits of the depth buffer. Views that look at
+/// something very near have a larger ratio: faraway solids may then be drawn in the wrong order.
 constexpr double k_most_depth_ratio = 4000;
+constexpr double k_most_near = 0.1;  // distance of the near plane, fraction of that of what is looked at
+constexpr double k_least_looked_at_m = 1e-3;  // for viewers just above the floor
 constexpr double k_bias_pixels = 2;
 /// Largest distance from the floor of points that a view from above shows, m.
 constexpr double k_any_height = 1e12;
@@ -94,7 +97,8 @@ void Projection::fit(std::span<const Vec3> points, double margin, double band_be
 
 void Projection::look_at(const Vec3& center, double across) {
   if (perspective()) {
-    eye_ = center + across * focal_ / width_ * back_;
+    looked_at_m_ = across * focal_ / width_;
+    eye_ = center + looked_at_m_ * back_;
   } else {
     pixels_per_metre_ = width_ / across;
     eye_ = center;
@@ -105,6 +109,7 @@ void Projection::look_at(const Vec3& center, double across) {
 void Projection::stand_at(const Vec3& eye) {
   eye_ = eye;
   const Vec3 center = floor_center();
+  if (eye.z() > 0) looked_at_m_ = std::max((eye - center).norm(), k_least_looked_at_m);
   origin_ = {center.x(), center.y(), 0};
 }
 
@@ -114,7 +119,7 @@ void Projection::reach(std::span<const Vec3> points) {
   const double nearest = -largest(points, [&](const Vec3& p) { return -depth(p); });
   if (perspective()) {
     far_ = std::max(1.1 * farthest, 1e-3);
-    near_ = std::max(0.8 * nearest, far_ / k_most_depth_ratio);
+    near_ = std::max(0.8 * nearest, std::min(far_ / k_most_depth_ratio, k_most_near * looked_at_m_));
   } else {
     // The margin is larger than clip_bias(), which must not move lines and marks beyond the near plane.
     const double bias = k_bias_pixels * stroke_ / pixels_per_metre_;

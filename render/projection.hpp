@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -49,7 +50,8 @@ class Projection {
   /// Moves the viewer to the world point `eye`. Only for perspective views.
   void stand_at(const Vec3& eye);
   /// Sets the range of the depth buffer (near and far plane) to the depths of these points (m, world frame),
-  /// with a margin. Does nothing without points.
+  /// with a margin. In a perspective view, points that are much nearer to the viewer than what the view looks
+  /// at may be nearer than the near plane. Does nothing without points.
   void reach(std::span<const Vec3> points);
 
   /// Returns the distance of a world point from the viewer along the view direction, m. It is negative for
@@ -99,6 +101,8 @@ class Projection {
   double pixels_per_metre_ = 1;  ///< scale of a parallel view
   Vec3 eye_ = Vec3::Zero();
   Vec3 origin_ = Vec3::Zero();
+  /// Distance of what a perspective view looks at, m: of the centre of look_at(), or of floor_center().
+  double looked_at_m_ = std::numeric_limits<double>::infinity();
   double near_ = 0.1;
   double far_ = 1000;
 };

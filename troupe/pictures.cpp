@@ -204,8 +204,10 @@ std::optional<render::VectorFormat> vector_format(const fs::path& file) {
 /// Throws std::invalid_argument if a number in the options cannot be drawn, or if the range of colours is
 /// empty or reversed.
 void check_picture_numbers(const PictureOptions& options) {
-  if (const auto across = options.across_m; across && !(*across > 0 && std::isfinite(*across)))
-    throw std::invalid_argument(fmt::format("across_m is {}: give a finite number above 0", *across));
+  if (const auto across = options.across_m;
+      across && !(*across >= k_least_across_m && std::isfinite(*across)))
+    throw std::invalid_argument(
+        fmt::format("across_m is {}: give a finite number, at least {}", *across, k_least_across_m));
   for (const auto& [name, pair] : {std::pair("center_m", options.center_m),
                                    {"angle_rad", options.angle_rad},
                                    {"color_range", options.color_range}})

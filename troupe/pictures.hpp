@@ -17,6 +17,9 @@ namespace troupe {
 
 class PictureSource;
 
+/// Smallest width of the part of the world that a picture can show (PictureOptions::across_m), m.
+inline constexpr double k_least_across_m = 1e-6;
+
 /// How a picture of a simulation is drawn. No option changes a simulated result.
 struct PictureOptions {
   /// Width, pixels. 0 or less: 1280, or, with the camera `window`, the width of the entry `window` of the
@@ -40,7 +43,7 @@ struct PictureOptions {
   /// up). Not given: the camera chooses both.
   std::optional<std::array<double, 2>> angle_rad = {};
   /// Width of the part of the world that the picture shows, measured through the centre of the picture, m.
-  /// Above 0. Not given: the camera chooses it.
+  /// At least k_least_across_m. Not given: the camera chooses it.
   std::optional<double> across_m = {};
   /// Names of layers (picture_layers()), separated by commas: layers to show in addition to the default ones,
   /// and, with a minus sign, default layers to hide, as in `scans,trails,-grid`.
@@ -88,12 +91,14 @@ Result<> check_camera(const std::string& camera);
 ///
 /// take() copies the state of the current tick (time step) into a Shot. draw() and write() use only the Shot,
 /// so another thread may call them while the simulation continues. No function changes the simulation. The
-/// simulation passed to see() and take() must be that of the constructor or have the same world.
+/// simulation passed to see() and take() must be that of the constructor or have the same world. The
+/// constructor copies the static bodies: after Simulation::reset(seed), which may place them elsewhere, make
+/// a new Pictures.
 class Pictures {
  public:
   /// Throws InputError for unknown cameras, layers and backgrounds. Also throws InputError if the options
   /// name something that the world does not have: a body to follow, an entry `window`, or a field to colour
-  /// by. Throws std::invalid_argument if a number in the options is not finite, if `across_m` is not above 0,
+  /// by. Throws std::invalid_argument if a number in the options is not finite, if `across_m` is too small,
   /// or if the first number of `color_range` is not below the second. Throws std::runtime_error if the build
   /// has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);

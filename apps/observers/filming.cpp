@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace troupe::apps {
 namespace {
@@ -47,22 +48,32 @@ Snapshots::Snapshots(const PictureFiles& files, const Simulation& simulation, st
                       "s to {:.10g} s",
                       simulation.effective_options().front().second, time, simulation.time_s(),
                       static_cast<double>(end_tick) * simulation.tick_s()));
-    due_.emplace_back(tick, names[i]);
+    due_.push_back({time, tick, names[i]});
   }
 }
 
 void Snapshots::observe(const Simulation& simulation) {
   if (!speed_) speed_.emplace(simulation.time_s());
   pictures_.see(simulation);
-  for (const auto& [tick, file] : due_) {
-    if (tick != simulation.tick()) continue;
-    thread_.add([this, shot = pictures_.take(simulation, speed_->at(simulation.time_s())), png = file] {
+  for (const Due& due : due_) {
+    if (due.tick != simulation.tick()) continue;
+    thread_.add([this, shot = pictures_.take(simulation, speed_->at(simulation.time_s())), png = due.file] {
       pictures_.write(shot, png);
     });
   }
 }
 
-void Snapshots::finish(const Simulation& /*simulation*/) { thread_.finish(); }
+void Snapshots::finish(const Simulation& simulation) {
+  thread_.finish();
+  std::string missed;
+  for (const Due& due : due_)
+    if (due.tick > simulation.tick())
+      missed += fmt::format("{}{:.10g}", missed.empty() ? "" : ", ", due.time_s);
+  if (!missed.empty())
+    warning_ = fmt::format(
+        "{}: warning: the run ended at {:.10g} s: these times of --snapshot-at were not drawn: {}",
+        simulation.effective_options().front().second, simulation.time_s(), missed);
+}
 
 void Snapshots::after_summary(const Simulation& simulation) {
   if (!last_.empty())

@@ -15,7 +15,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace troupe::apps {
@@ -51,14 +50,23 @@ class Snapshots : public Observer {
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
   void finish(const Simulation& simulation) override;
+  /// Returns a warning that lists the times of --snapshot-at that the run did not reach, or an empty text.
+  std::string warning() const override { return warning_; }
   /// If --snapshot-at was not given, draws the state at the end of the run and writes the picture. Throws if
   /// drawing or writing fails.
   void after_summary(const Simulation& simulation) override;
 
  private:
-  std::vector<std::pair<std::uint64_t, std::filesystem::path>> due_;  // ticks and files, by tick
-  std::filesystem::path first_;                                       // the first of all files
-  std::filesystem::path last_;  // picture of the end of the run; empty: --snapshot-at was given
+  /// A picture of a time that --snapshot-at gives.
+  struct Due {
+    double time_s;
+    std::uint64_t tick;
+    std::filesystem::path file;
+  };
+  std::vector<Due> due_;         // by time
+  std::filesystem::path first_;  // the first of all files
+  std::filesystem::path last_;   // picture of the end of the run; empty: --snapshot-at was given
+  std::string warning_;
   std::optional<RunSpeed> speed_;
   Pictures pictures_;
   partition::JobThread thread_;

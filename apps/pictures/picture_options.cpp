@@ -67,11 +67,12 @@ void set_angle(PictureOptions& look, const std::string& text) {
   look.angle_rad = std::array{radians((*angle)[0]), radians((*angle)[1])};
 }
 
-double number_within(const char* option, const std::string& text, double most, std::string_view what) {
-  const std::optional<double> value = finite_number_of(text);
-  if (!value || *value <= 0 || *value > most)
-    refuse(option, text, fmt::format("{}, above 0 and at most {}", what, most));
-  return *value;
+void set_across(PictureOptions& look, const std::string& text) {
+  const std::optional<double> across = finite_number_of(text);
+  if (!across || *across < k_least_across_m || *across > k_farthest_m)
+    refuse("--across", text,
+           fmt::format("a length in metres, from {} to {}", k_least_across_m, k_farthest_m));
+  look.across_m = across;
 }
 
 constexpr std::array k_looks = {"--size",   "--camera",   "--center",      "--angle",     "--across",
@@ -171,9 +172,7 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
             [&look](const std::string& text) { set_angle(look, text); });
   add_value(app, "--across", "M",
             "Width of the region that the picture shows, measured at the centre of the picture, m",
-            [&look](const std::string& text) {
-              look.across_m = number_within("--across", text, k_farthest_m, "a length in metres");
-            });
+            [&look](const std::string& text) { set_across(look, text); });
   add_value(app, "--layers", "A,-B,...",
             "Layers to draw in addition to the default layers, and, with -, layers to omit; see below",
             [&look](const std::string& text) {

@@ -23,6 +23,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -77,13 +78,44 @@ void run_until(Simulation& simulation, double time_s, Progress& progress,
   }
 }
 
+/// Throws InputError if the simulation was resumed from a checkpoint that was saved after the time `time_s`,
+/// s. setting: the option or the key of the world that gives this time, for the error.
+void refuse_earlier(const RenderOptions& options, const Simulation& simulation, std::string_view setting,
+                    double time_s) {
+  if (engine::ticks_until(time_s, simulation.tick_s()) >= simulation.tick()) return;
+  throw InputError(fmt::format(
+      "{}: error: {} {:.10g}: the checkpoint was saved at {:.10g} s; give this time or a later one{}",
+      options.world.string(), setting, time_s, simulation.time_s(),
+      setting.starts_with("--") ? "" : " with --for"));
+}
+
+/// Returns the simulated time at which the film of a simulation ends, s. Throws InputError if it is not given
+/// or if it is before the start of the film.
+double end_of_film(const RenderOptions& options, const Simulation& simulation) {
+  const double end_s = end_of(options, simulation);
+  refuse_earlier(options, simulation, options.for_s ? "--for" : "quit_time_s", end_s);
+  return end_s;
+}
+
+/// Prepares and opens the film, if one is requested; else returns null. Call it before the first picture is
+/// written, so that nothing is written if the film cannot be made. Throws InputError or OutputError.
+std::unique_ptr<Filming> open_film(const RenderOptions& options, const PictureSource& source) {
+  if (options.pictures.film.empty()) return nullptr;
+  auto film = std::make_unique<Filming>(options.pictures, source);
+  film->rehearse();
+  film->open();
+  return film;
+}
+
+std::unique_ptr<Filming> open_film(const RenderOptions& options, const Simulation& simulation) {
+  if (!options.pictures.film.empty()) end_of_film(options, simulation);
+  return open_film(options, SimulationSource(simulation));
+}
+
 void draw_simulation(const RenderOptions& options, Simulation& simulation) {
   Pictures pictures(simulation, options.pictures.look);
   const auto& times = options.pictures.snapshot_at_s;
-  if (!times.empty() && engine::ticks_until(times.front(), simulation.tick_s()) < simulation.tick())
-    throw InputError(fmt::format(
-        "{}: error: {} {:.10g}: the checkpoint was saved at {:.10g} s; give this time or a later one",
-        options.world.string(), options.for_s ? "--for" : "--at", times.front(), simulation.time_s()));
+  if (!times.empty()) refuse_earlier(options, simulation, options.for_s ? "--for" : "--at", times.front());
   pictures.rehearse(snapshot_files(options.pictures).front());
   const RunSpeed speed(simulation.time_s());
   pictures.see(simulation);
@@ -94,11 +126,8 @@ void draw_simulation(const RenderOptions& options, Simulation& simulation) {
   });
 }
 
-void film_simulation(const RenderOptions& options, Simulation& simulation) {
-  const double end_s = end_of(options, simulation);
-  Filming film(options.pictures, SimulationSource(simulation));
-  film.rehearse();
-  film.open();
+void film_simulation(const RenderOptions& options, Simulation& simulation, Filming& film) {
+  const double end_s = end_of_film(options, simulation);
   {
     Progress progress(simulation.time_s(), end_s, true);
     film.observe(simulation);
@@ -145,12 +174,8 @@ void draw_recording(const RenderOptions& options, RecordedRun& run) {
   });
 }
 
-void film_recording(const RenderOptions& options, RecordedRun& run) {
+void film_recording(RecordedRun& run, Filming& film) {
   const std::span<const double> times = run.times_s();
-  run.go_to_frame(0);
-  Filming film(options.pictures, run);
-  film.rehearse();
-  film.open();
   {
     Progress progress(times.front(), times.back(), true);
     for (std::size_t frame = 0; frame < times.size() && !stop_requested(); ++frame) {
@@ -203,22 +228,27 @@ void render_checked(const RenderOptions& options) {
                  "{}: warning: --color-by: \"{}\" is a name of an earlier version of Troupe; the name is now "
                  "\"{}\"\n",
                  options.world.string(), value, *present);
+    run.go_to_frame(0);
+    const std::unique_ptr<Filming> film = open_film(options, run);
     if (!wanted.snapshot.empty()) draw_recording(options, run);
-    if (!wanted.film.empty()) film_recording(options, run);
+    if (film && !stop_requested()) film_recording(run, *film);
     return;
   }
   if (is_checkpoint) refuse_given(options, k_of_checkpoints, "checkpoint: omit this option");
+  std::unique_ptr<Filming> film;
   if (!wanted.snapshot.empty()) {
     Simulation simulation = load(options, is_checkpoint);
     add_inputs(simulation, inputs);
     check_outputs(inputs, outputs);
+    film = open_film(options, simulation);
     draw_simulation(options, simulation);
   }
   if (!wanted.film.empty() && !stop_requested()) {
     Simulation simulation = load(options, is_checkpoint);
     add_inputs(simulation, inputs);
     check_outputs(inputs, outputs);
-    film_simulation(options, simulation);
+    if (!film) film = open_film(options, simulation);
+    film_simulation(options, simulation, *film);
   }
 }
 

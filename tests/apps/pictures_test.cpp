@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -85,6 +86,19 @@ TEST_F(RunPictures, SnapshotsAreTakenWhenTheyAreAskedFor) {
   const std::string hash = lines.back().substr(lines.back().find(' ') + 1, 16);
   EXPECT_THAT(read("p-0.5.png"), HasSubstr(hash));
   EXPECT_THAT(read("p-0.png"), Not(HasSubstr(hash)));
+}
+
+TEST_F(RunPictures, SnapshotsThatTheRunDoesNotReachAreNamed) {
+  write("w.json", R"({"troupe": 1, "stop_when": ["displacement >= 0.95"],
+  "types": {"bot": {"size_m": [0.4, 0.4, 0.4], "drive": {"kind": "diff"},
+    "controller": {"kind": "script", "legs": [{"until_s": 1000, "forward_mps": 1}]}}},
+  "models": [{"name": "r", "type": "bot"}]})");
+  const Outcome outcome = troupe({"run", "w.json", "--for", "60", "--snapshot", "p-{time}.png",
+                                  "--snapshot-at", "0.5,2,60", "--size", "64x48"});
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err,
+            "w.json: warning: the run ended at 1.1 s: these times of --snapshot-at were not drawn: 2, 60\n");
+  EXPECT_THAT(files(), ElementsAre("bin", "p-0.5.png", "room.world", "w.json"));
 }
 
 TEST_F(RunPictures, TheySeeThroughAnyCamera) {
@@ -189,6 +203,16 @@ TEST_F(RunPictures, WithoutFfmpegNothingIsBegun) {
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("f.mp4: error: cannot be written: ffmpeg is not installed"),
                                  HasSubstr("apt install ffmpeg")));
   EXPECT_THAT(files(), ElementsAre("bin", "room.world"));
+}
+
+TEST_F(RunPictures, RenderOpensTheFilmBeforeItDrawsPictures) {
+  add_ffmpeg();
+  ASSERT_EQ(mkfifo(path("f.mp4").c_str(), 0600), 0);
+  const Outcome outcome =
+      troupe({"render", "room.world", "-o", "p.png", "--film", "f.mp4", "--for", "0.5", "--size", "64x48"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("f.mp4: error: cannot be written: "));
+  EXPECT_THAT(files(), ElementsAre("bin", "f.mp4", "room.world"));
 }
 
 TEST_F(RunPictures, AFilmThatFailsIsAFailureAndLeavesNothing) {

@@ -297,8 +297,7 @@ TEST_F(Record, AFullDiskEndsTheRunWithAReadableFile) {
   const Outcome outcome = troupe_with_file_limit(
       {"run", "room.world", "--for", "100000", "--quiet", "--record", "run.h5"}, std::size_t{1} << 20);
   EXPECT_EQ(outcome.code, k_failed);
-  EXPECT_THAT(outcome.err,
-              MatchesRegex("troupe: error: run.h5: error: /[a-z/_]+ cannot be written: File too large\n"));
+  EXPECT_THAT(outcome.err, MatchesRegex("run.h5: error: /[a-z/_]+ cannot be written: File too large\n"));
   const RecordingReader run = recording("run.h5");
   EXPECT_FALSE(run.unfinished());
   EXPECT_GT(run.frames(), 100u);

@@ -93,6 +93,11 @@ TEST_F(Render, ACheckpointIsDrawnAsItWasSaved) {
   EXPECT_EQ(earlier.code, 2);
   EXPECT_EQ(earlier.err,
             "c.h5: error: --at 0.5: the checkpoint was saved at 1 s; give this time or a later one\n");
+  const Outcome film = troupe({"render", "c.h5", "--film", "f%06d.png", "--for", "0.5", "--size", "96x64"});
+  EXPECT_EQ(film.code, 2);
+  EXPECT_EQ(film.err,
+            "c.h5: error: --for 0.5: the checkpoint was saved at 1 s; give this time or a later one\n");
+  EXPECT_FALSE(std::filesystem::exists(path("f000000.png")));
 }
 
 TEST_F(Render, ARecordingIsDrawnWithoutItsWorld) {
@@ -187,6 +192,10 @@ TEST_F(Render, ARecordingCanBeFilmed) {
   EXPECT_TRUE(std::filesystem::exists(path("frames/000020.png")));  // 0 to 1 s
   EXPECT_FALSE(std::filesystem::exists(path("frames/000021.png")));
   EXPECT_EQ(outcome.out, "frames/%06d.png: 21 pictures, 1.05 s\n");
+  const Outcome both = draw({"run.h5", "--film", "frames/b%06d.png", "--fps", "20", "--layers=trails"});
+  EXPECT_EQ(both.code, 0) << both.err;
+  EXPECT_EQ(both.out, "frames/b%06d.png: 21 pictures, 1.05 s\n");
+  EXPECT_EQ(read("frames/b000010.png"), read("frames/000010.png"));
 }
 
 TEST_F(Render, AWorldIsRunAsOptionsSayAndFilmed) {
@@ -207,6 +216,12 @@ TEST_F(Render, AWorldIsRunAsOptionsSayAndFilmed) {
   EXPECT_EQ(film.out, "frames/%06d.png: 6 pictures, 0.6 s\n");
   EXPECT_TRUE(std::filesystem::exists(path("frames/000005.png")));
   EXPECT_FALSE(std::filesystem::exists(path("frames/000006.png")));
+  const Outcome both = draw({"room.world", "--film", "frames/b%06d.png", "--for", "0.5", "--fps", "10"});
+  EXPECT_EQ(both.code, 0) << both.err;
+  EXPECT_TRUE(says("time_s", "0.5"));
+  EXPECT_EQ(both.out, "frames/b%06d.png: 6 pictures, 0.6 s\n");
+  for (const char* frame : {"000000.png", "000005.png"})
+    EXPECT_EQ(read(std::string("frames/b") + frame), read(std::string("frames/") + frame));
 }
 
 TEST_F(Render, WhatIsStoppedKeepsWhatIsDrawn) {
@@ -348,6 +363,7 @@ TEST_F(Render, BadInputIsOneLine) {
        "options"},
       {{"render", "room.world", "--film", "f%06d.png", "--at", "1"}, "--at requires --output"},
       {{"render", "room.world", "--film", "%06d.png"}, "no end time: give --for SECONDS"},
+      {{"render", "room.world", "-o", "q.png", "--film", "%06d.png"}, "no end time: give --for SECONDS"},
       {{"render", "room.world", "-o", "none/q.png"},
        "none/q.png: error: cannot be written: there is no folder none"},
       {{"render", "room.world", "-o", "q.png", "--camera", "window"},

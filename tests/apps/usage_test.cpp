@@ -219,7 +219,9 @@ INSTANTIATE_TEST_SUITE_P(
             in_run(
                 "--center: \"3\" is not x and y in metres, from -1000000 to 1000000, as in --center 2.5,-4")},
         WrongUsage{room({"--snapshot", "p.png", "--across", "0"}),
-                   in_run("--across: \"0\" is not a length in metres, above 0 and at most 1000000")},
+                   in_run("--across: \"0\" is not a length in metres, from 1e-06 to 1000000")},
+        WrongUsage{room({"--snapshot", "p.png", "--across", "1e-306"}),
+                   in_run("--across: \"1e-306\" is not a length in metres, from 1e-06 to 1000000")},
         WrongUsage{room({"--snapshot", "p.png", "--color-range", "2,1"}),
                    in_run("--color-range: \"2,1\" is not two numbers, the lower first, as in --color-range "
                           "0,0.5")},

@@ -1263,8 +1263,8 @@ class Looking(InAFolder):
         for size in ((0, 10), (10, -1)):
             with self.assertRaisesRegex(ValueError, "must be 1 or more"):
                 world.picture(*size)
-        for across_m in (-1, 0, math.nan, math.inf):
-            with self.assertRaisesRegex(ValueError, "^across_m is .*: give a finite number above 0$"):
+        for across_m in (-1, 0, 1e-308, math.nan, math.inf):
+            with self.assertRaisesRegex(ValueError, "^across_m is .*: give a finite number, at least 1e-06$"):
                 world.picture(16, 16, across_m=across_m)
 
     def test_statistics(self):

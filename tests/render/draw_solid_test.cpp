@@ -235,6 +235,18 @@ TEST(DrawSolid, ACameraMayStandAmongTheRobots) {
   EXPECT_EQ(yard.count(is_green), 0);
 }
 
+TEST(DrawSolid, CloseViewsOfLargeWorldsShowTheirTargets) {
+  for (const double half : {8.0, 5000.0}) {
+    Yard yard;
+    yard.scene.types[0] = box_type(0.04, 0.06, true);
+    yard.scene.bounds = {{-half, -half}, {half, half}};
+    yard.view.camera.across_m = 0.5;
+    yard.add(0, 0, 0, k_blue);
+    yard.draw();
+    EXPECT_GT(yard.count(is_blue), 5000) << half;
+  }
+}
+
 TEST(DrawSolid, LayersChangeTheirPixelsAndNoOthers) {
   Yard yard;
   yard.add(0, 0, 0, k_blue);

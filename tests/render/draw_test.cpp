@@ -240,6 +240,36 @@ TEST(Draw, TransparentColorsAreBlended) {
   expect_near(far.at(0, 0), on_paper, "a dot");
 }
 
+TEST(Draw, ColoursOfTransparentPicturesAreNotMultipliedByTheOpacity) {
+  Stage stage;
+  stage.view.background = Background::transparent;
+  stage.view.layers.headings = stage.view.layers.shadows = stage.view.layers.grid = false;
+  stage.frame.mobile = {body_at(0, {-2, 0, 0, 0}, Color{0, 0.2F, 0.8F, 0.5F}),
+                        body_at(0, {2, 0, 0, 0.3}, Color{1, 0, 0, 1})};
+  for (const double pitch : {0.0, 1e-3}) {  // a map; solids, nearly seen from above
+    stage.view.camera.pitch = pitch;
+    stage.draw();
+    const auto value = [&](int column, int row, int part) {
+      return stage.picture
+          .rgba[4 * static_cast<std::size_t>(row * 800 + column) + static_cast<std::size_t>(part)];
+    };
+    EXPECT_NEAR(value(200, 200, 0), 0, 1);
+    EXPECT_NEAR(value(200, 200, 1), 51, 1);
+    EXPECT_NEAR(value(200, 200, 2), 204, 1);
+    EXPECT_NEAR(value(200, 200, 3), 128, 1);
+    // Pixels that the outline, which is darker than the body, covers in part.
+    int on_edges = 0;
+    for (int row = 100; row < 300; ++row) {
+      for (int column = 500; column < 700; ++column) {
+        if (value(column, row, 3) == 0 || value(column, row, 3) == 255) continue;
+        ++on_edges;
+        EXPECT_NEAR(value(column, row, 0), 165, 3) << column << ", " << row;
+      }
+    }
+    EXPECT_GT(on_edges, 100);
+  }
+}
+
 TEST(Draw, BoundsAreALineAndInThePicture) {
   Stage stage;
   stage.scene.limits = Box{{-3, -1}, {3, 1}};

@@ -140,6 +140,28 @@ TEST_P(AnyView, LeavesNothingOutThatCanBeSeen) {
   EXPECT_GT(hidden, 100);
 }
 
+TEST_P(AnyView, ACloseViewOfALargeWorldShowsItsTarget) {
+  const std::vector<Vec3> world = corners({-5000, -5000, 0}, {5000, 5000, 1});
+  Projection close = view();
+  close.look_at({30, 40, 0}, 0.5);
+  close.reach(world);
+  EXPECT_NEAR(close.pixels_per_metre({30, 40, 0}), 1280 / 0.5, 1e-6);
+  EXPECT_TRUE(close.may_show({30, 40, 0}, 0));
+  if (!close.perspective()) return;
+  Projection standing = view();
+  standing.stand_at(Vec3(30, 40, 0) + 0.5 * standing.back());
+  standing.reach(world);
+  EXPECT_TRUE(standing.to_pixels({30, 40, 0}));
+  // The near plane of a view that looks at something farther depends only on the world.
+  Projection ordinary = view();
+  ordinary.look_at({30, 40, 0}, 50);
+  ordinary.reach(world);
+  std::vector<double> depths;
+  for (const Vec3& corner : world) depths.push_back(ordinary.depth(corner));
+  const auto [nearest, farthest] = std::ranges::minmax(depths);
+  EXPECT_DOUBLE_EQ(ordinary.nearest(), std::max(0.8 * nearest, 1.1 * farthest / 4000));
+}
+
 INSTANTIATE_TEST_SUITE_P(Projection, AnyView,
                          ::testing::Values(Case{0, 0, 0}, Case{0, 0, 0.6}, Case{0.9, 0, 0.6},
                                            Case{0.9, 2.5, 0.6}, Case{1.4, -1, 1.0}, Case{0.6, 0.4, 0}));

@@ -214,6 +214,20 @@ TEST_F(PicturesTest, TheyChangeNothing) {
   }
 }
 
+TEST_F(PicturesTest, AfterAResetWithASeedTheyShowTheStaticBodiesOfThisSeed) {
+  const auto file = write("pillars.json", R"({"troupe": 1, "bounds_m": [[-5, -5], [5, 5]],
+    "types": {"pillar": {"size_m": [0.4, 0.4, 1]}},
+    "populations": [{"name": "p", "type": "pillar", "count": 8, "color": "random",
+                     "place": {"rule": "uniform", "region_m": [[-4, -4], [4, 4]]}}]})");
+  const PictureOptions options{.width = 200, .height = 200, .center_m = {{0, 0}}, .across_m = 10};
+  Simulation again(file, {.threads = 1, .seed = 1});
+  const std::vector<std::uint8_t> of_first_seed = again.picture(options);
+  again.reset(2);
+  const Simulation fresh(file, {.threads = 1, .seed = 2});
+  EXPECT_EQ(again.picture(options), fresh.picture(options));
+  EXPECT_NE(again.picture(options), of_first_seed);
+}
+
 TEST_F(PicturesTest, BetweenTwoTicksBodiesAreBetweenTheirPlaces) {
   Simulation simulation(world_);
   simulation.run_for(1);
@@ -283,14 +297,17 @@ TEST_F(PicturesTest, NumbersThatCannotBeDrawnAreErrors) {
     EXPECT_THAT([&] { Pictures(simulation, options); },
                 ::testing::ThrowsMessage<std::invalid_argument>(message));
   };
-  refused({.across_m = -1}, "across_m is -1: give a finite number above 0");
-  refused({.across_m = 0}, "across_m is 0: give a finite number above 0");
-  refused({.across_m = k_nan}, "across_m is nan: give a finite number above 0");
-  refused({.across_m = k_infinity}, "across_m is inf: give a finite number above 0");
+  refused({.across_m = -1}, "across_m is -1: give a finite number, at least 1e-06");
+  refused({.across_m = 0}, "across_m is 0: give a finite number, at least 1e-06");
+  refused({.across_m = 1e-308}, "across_m is 1e-308: give a finite number, at least 1e-06");
+  refused({.across_m = k_nan}, "across_m is nan: give a finite number, at least 1e-06");
+  refused({.across_m = k_infinity}, "across_m is inf: give a finite number, at least 1e-06");
   refused({.angle_rad = {{k_infinity, 0}}}, "angle_rad is (inf, 0): give two finite numbers");
   refused({.center_m = {{0, k_nan}}}, "center_m is (0, nan): give two finite numbers");
   refused({.color_by = "velocity.x", .color_range = {{k_nan, 1}}},
           "color_range is (nan, 1): give two finite numbers");
+  Pictures smallest(simulation, {.width = 320, .height = 240, .across_m = k_least_across_m});
+  EXPECT_EQ(smallest.draw(smallest.take(simulation)).size(), 320U * 240 * 4);
   for (const double high : {2.0, 1.5})
     refused({.color_by = "velocity.x", .color_range = {{2, high}}},
             fmt::format("color_range is (2, {}): give two different numbers, the lower first", high));
