@@ -56,7 +56,7 @@ TEST_F(HostileUsage, TheSchemaIsOfNoKind) {
   const Outcome named = troupe({"describe", "--schema", "ranger"});
   EXPECT_EQ(named.code, 2);
   EXPECT_THAT(named.out, IsEmpty());
-  EXPECT_THAT(named.err, HasSubstr("--schema excludes NAME"));
+  EXPECT_THAT(named.err, HasSubstr("NAME excludes --schema"));
   EXPECT_EQ(troupe({"describe", "--schema", "--plugin-path", "."}).code, 2);
 }
 

@@ -358,7 +358,7 @@ TEST_F(LintTest, ReportsPropertiesThatNeedAnother) {
                "  gps_origin 1 odom_error [0.1 0.1 0 1]\n"
                "  blobfinder( colors [\"red\"] )\n  blobfinder( colors_count 1 ) )\n"
                "position( pose [6 0 0 0] size [1 1 1]\ninclude \"again.inc\"\n)\n"
-               "window( scale 10 )\nwindow( scale 20 )\n"),
+               "window( size [100 100] )\nwindow( size [200 200] )\n"),
       ElementsAre(
           "w.world:3: warning: \"noise\" has no effect: in a model with sensor( ) blocks, only the "
           "properties "

