@@ -158,8 +158,11 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     make_room(order_, rows);
   }
   // A tile stays in the directory after all bodies have left it. The directory is cleared only when there are
-  // far more tiles than rows.
-  if (directory_.size() > 16 + 4 * rows) directory_.clear();
+  // far more tiles than rows, or when the numbers of the cells in homes_ could overflow.
+  constexpr std::uint64_t k_most_cells = std::uint64_t{1} << 32;
+  if (directory_.size() > 16 + 4 * rows ||
+      (directory_.size() + rows) * geometry_.cells_per_tile() > k_most_cells)
+    directory_.clear();
 
   parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1,
                                         std::min(k_most_parts, k_parts_per_thread * parallel.threads())));

@@ -12,6 +12,7 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 /// Conflict resolution: finds out which of the motions that bodies propose for one tick (time step) happen.
 /// engine/conflicts/conflicts.hpp describes the rules; conflicts.cpp and pushing.cpp use this header. Terms:
@@ -372,8 +373,7 @@ class Conflicts::Resolver {
   }
 
   /// Calls visit(row) for the row of every body that may come near the mover during the tick. Some visited
-  /// bodies may be farther away, and the mover itself is also visited. If more than 32 rows are visited, a
-  /// row may be visited several times.
+  /// bodies may be farther away, and the mover itself is also visited.
   template <class Visit>
   void for_each_near(const Mover& mover, Visit&& visit) const {
     const Vec2 from = mover.from.position();
@@ -389,9 +389,16 @@ class Conflicts::Resolver {
     const bool has_wide = index_.has_wide();  // a wide body is listed in several cells
     std::array<std::uint32_t, 32> visited;
     std::size_t visits = 0;
+    std::vector<std::uint32_t> more;  // sorted; visited rows beyond the first 32, which few movers have
     const auto is_repeat = [&](std::uint32_t row) {
       if (std::find(visited.begin(), visited.begin() + visits, row) != visited.begin() + visits) return true;
-      if (visits < visited.size()) visited[visits++] = row;
+      if (visits < visited.size()) {
+        visited[visits++] = row;
+        return false;
+      }
+      const auto place = std::ranges::lower_bound(more, row);
+      if (place != more.end() && *place == row) return true;
+      more.insert(place, row);
       return false;
     };
     index_.for_each_run(Box::around(middle, around), [&](std::span<const BodyCircle> run) {

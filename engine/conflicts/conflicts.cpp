@@ -4,6 +4,7 @@
 #include "engine/conflicts/conflict_resolver.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
@@ -19,6 +20,7 @@ constexpr std::size_t k_large_batch = 512;
 // Rows per task in the rounds after the first. In these rounds few rows are left, and a row in which bodies
 // are pushed can take some ten microseconds: with larger tasks, most threads would have none.
 constexpr std::size_t k_waiting_batch = 16;
+constexpr std::uint32_t k_last_round = 1u << 29;  // Resolution stores a round in 30 bits
 
 }  // namespace
 
@@ -40,7 +42,7 @@ void Conflicts::reserve(std::size_t rows, std::size_t most_pushes, const Pushabl
 
 void Conflicts::forget() {
   constexpr std::uint32_t k_junk = 0x5a5a5a5a;
-  base_ += static_cast<std::uint32_t>(rounds_);
+  base_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(base_ + rounds_, k_last_round));
   rounds_ = 0;
   std::ranges::fill(resolutions_, Resolution(base_, Outcome::out_of_bounds));
   longest_ = std::numeric_limits<double>::quiet_NaN();
@@ -62,13 +64,14 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   push_count_ = 0;
   // After the loop, which may need more rows than there are now. Each row may get a place from another rank.
   reserve(rows, crowd.pushables.most + (border ? rows : 0), crowd.pushables);
-  constexpr std::uint32_t k_last_round = 1u << 29;  // Resolution stores a round in 30 bits
   if (base_ + rounds_ > k_last_round) {
     std::ranges::fill(resolutions_, Resolution());
     base_ = 0;
     rounds_ = 0;
   }
   base_ += static_cast<std::uint32_t>(rounds_);
+  // After an exception, the next call must not take outcomes of this call for its own: it forgets them all.
+  rounds_ = k_last_round + 1;
   Resolver resolver(*this, crowd, scene, index);
   parallel.for_batches(rows, k_large_batch,
                        [&](std::size_t first, std::size_t end) { resolver.bound_motions(first, end); });

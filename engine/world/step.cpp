@@ -69,6 +69,7 @@ void World::make_tick() {
     replica_->agree(before_tick_);
   else if (before_tick_)
     before_tick_();
+  require_whole();  // the callback may have caught an exception that left the state incomplete
   ++state_.now.tick;
   begin_placing();
   begin(Phase::sense);

@@ -662,12 +662,15 @@ class World {
   [[noreturn]] static void throw_frozen();
   [[noreturn]] void throw_half_made() const;
   void require_carries(std::string_view call) const;
-  /// Exists while work changes the state. The destructor sets is_half_made_ if the work threw an exception,
-  /// and clears it otherwise.
+  /// Exists while work changes the state. The constructor clears is_half_made_, and the destructor sets it if
+  /// the work threw an exception. If a callback in the work caught an exception of inner work, such as a
+  /// birth, is_half_made_ stays set.
   class Completion {
    public:
     explicit Completion(World& world) : world_(world) { world_.is_half_made_ = false; }
-    ~Completion() { world_.is_half_made_ = std::uncaught_exceptions() > before_; }
+    ~Completion() {
+      if (std::uncaught_exceptions() > before_) world_.is_half_made_ = true;
+    }
     Completion(const Completion&) = delete;
     Completion& operator=(const Completion&) = delete;
 

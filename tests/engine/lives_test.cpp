@@ -289,6 +289,39 @@ TEST(Lives, EventsTellOfBirthsAndDeaths) {
   EXPECT_THAT(next(), IsEmpty());
 }
 
+// A body whose birth failed half-way must not stay in the world, although the callback knows of its failure.
+TEST(Lives, ABirthThatFailedInACallbackLeavesNoWorldToGoOnWith) {
+  static bool throws;
+  throws = false;
+  Registry registry = test::registry();
+  DeviceKind moody{.name = "moody", .text = ""};
+  moody.prepare = [](const Record&, const Pose&) { return DeviceKind::Prepared{.data = 0}; };
+  moody.start = [](const std::any&, StateTable&, std::size_t) {
+    if (throws) throw std::runtime_error("not today");
+  };
+  registry.devices.push_back(moody);
+  Plain plain;
+  plain.scene[plain.type].devices.push_back({.name = "moody", .kind = "moody", .params = {}, .where = {}});
+  Diagnostics diagnostics;
+  World world(plain.scene.spec, registry, {.threads = 1}, diagnostics);
+  int failed = 0;
+  world.before_tick([&] {
+    try {
+      world.spawn(0, {5, 5, 0, 0});
+    } catch (const StepError&) {
+      ++failed;
+    }
+  });
+  throws = true;
+  EXPECT_THROW(world.step(), std::logic_error);
+  EXPECT_EQ(failed, 1);
+  EXPECT_THROW(world.step(), std::logic_error);
+  throws = false;
+  world.reset();
+  world.step();
+  EXPECT_EQ(world.unborn(0), k_reserve - 1);
+}
+
 TEST(Lives, AReserveOfBodiesThatDoNothingIsRefused) {
   SceneBuilder scene;
   const TypeId crate = scene.type("crate", {box(0.4, 0.4)});
