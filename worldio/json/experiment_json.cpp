@@ -114,7 +114,7 @@ std::optional<SettingSpec> SettingExpander::expand(const SettingDocument& docume
     if (t < type_keys_.size() && !type_keys_[t].empty())
       text += fmt::format("; \"{}\" is the \"name\" of a type: give its key in \"types\", \"{}\"",
                           document.type, type_keys_[t]);
-    DocumentPath(at, "type", document.where_of("type")).error(std::move(text));
+    DocumentPath(at, "type", document.where_of("type")).error(text);
     return std::nullopt;
   }
   SettingSpec setting{.type = TypeId(static_cast<std::size_t>(found - type_keys_.begin())), .params = {}};
