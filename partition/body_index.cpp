@@ -53,11 +53,11 @@ void BodyIndex::reserve(const Box& ground) {
   begins_.reserve(std::min(reserved_ * geometry_.cells_per_tile(), k_most_cells) + 1);
 }
 
-/// Calls visit(tile) for each tile that the row's body touches. If the body is not wide, calls it only for
-/// the tile of the body's origin.
+/// Calls visit(tile) for each tile that the row's body touches. If the body is huge or not wide, calls it
+/// only for the tile of the body's origin.
 template <class Visit>
 void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
-  if (!is_wide(row)) {
+  if (!is_in_many_cells(row)) {
     visit(geometry_.tile(home_cell(row)));
     return;
   }
@@ -72,7 +72,7 @@ void BodyIndex::for_each_tile_of(std::uint32_t row, Visit&& visit) const {
 /// the tile in which the row is listed.
 template <class Visit>
 void BodyIndex::for_each_cell_within(std::uint32_t row, Cell tile, Visit&& visit) const {
-  if (!is_wide(row)) {
+  if (!is_in_many_cells(row)) {
     visit(homes_[row] & (geometry_.cells_per_tile() - 1), true);
     return;
   }
@@ -96,6 +96,7 @@ void BodyIndex::count(Part& part) {
   part.new_tiles.clear();
   part.small_radius = 0;
   part.has_wide = false;
+  part.huge = 0;
   Cell last_tile;
   std::uint32_t last_slot = TileDirectory::k_none;
   // The search is skipped if the previous row was in the same tile, which is often the case.
@@ -112,6 +113,7 @@ void BodyIndex::count(Part& part) {
     const Cell home = home_cell(row);
     if (is_wide(row)) {
       part.has_wide = true;
+      part.huge += is_huge(row);
       for_each_tile_of(row, [&](Cell tile) {
         if (const std::uint32_t slot = slot_of(tile); slot != TileDirectory::k_none) ++part.next[slot];
       });
@@ -178,7 +180,9 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   // Compute where the rows of each part go in each tile.
   small_radius_ = 0;
   has_wide_ = false;
+  huge_ = 0;
   for (const Part& part : parts_) {
+    huge_ += part.huge;
     small_radius_ = std::max(small_radius_, part.small_radius);
     has_wide_ = has_wide_ || part.has_wide;
   }
@@ -216,11 +220,12 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     for_each_tile([&](std::size_t slot) { weigh_tile(slot); });
     place_tiles(parallel);
   }
-  resize_generously(circles_, tiles_[slots].circles + k_read_beyond);
+  resize_generously(circles_, tiles_[slots].circles + huge_ + k_read_beyond);
   order_.resize(tiles_[slots].homes);
   begins_.resize(slots * cells + 1);
   begins_.back() = tiles_[slots].circles;
   for_each_tile([&](std::size_t slot) { sort_tile(slot); });
+  if (huge_ > 0) list_huge();
 }
 
 /// Computes tiles_ (where each tile starts in each array) from counts_ (the sizes of the tiles), by a
@@ -306,8 +311,19 @@ void BodyIndex::sort_tile(std::size_t slot) {
   });
 }
 
+/// Writes the list of huge bodies behind the entries of the cells.
+void BodyIndex::list_huge() {
+  BodyCircle* out = &circles_[begins_.back()];
+  for (const Part& part : parts_) {
+    if (part.huge == 0) continue;
+    for (std::uint32_t row = part.first; row < part.last; ++row)
+      if (is_huge(row)) *out++ = enclosing_circle(places_[row].position, radii_[row], row);
+  }
+}
+
 bool BodyIndex::first_meeting(std::uint32_t row, Cell query_low, Cell run_cell, const std::uint32_t* begin,
                               std::size_t first, std::size_t last, std::uint32_t i) const {
+  if (is_huge(row)) return false;
   const Cell low = geometry_.cell(Box::around(places_[row].position, radii_[row]).min);
   const Cell lowest{std::max(low.x, query_low.x), std::max(low.y, query_low.y)};
   if (lowest.y != run_cell.y || lowest.x < run_cell.x) return false;

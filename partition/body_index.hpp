@@ -48,6 +48,10 @@ inline constexpr double k_not_there = -1;
 /// wider than a cell is called wide. It has an entry in each cell that the bounding square of its circle
 /// touches. A single truck among small robots therefore does not enlarge the search of each query.
 ///
+/// A wide body whose radius is larger than 32 cells is called huge, for example a robot with a long arm among
+/// small robots. Entries in all cells that it touches would take too much memory. It has one entry in the
+/// cell of its origin, and one in a list of all huge bodies, sorted by row. Every query visits this list.
+///
 /// rebuild() is a parallel counting sort in two stages. The first stage sorts the rows by tile; each task
 /// counts a range of rows, so that threads share no counter. The second stage sorts the rows of each tile by
 /// cell; each task sorts whole tiles. Both stages are stable, so rows in the same cell keep their order.
@@ -71,8 +75,8 @@ class BodyIndex {
 
   /// Finds the bodies whose circles may touch the box (metres, world frame), and some other bodies. Calls
   /// visit(span of circles) once per run; a run is a sequence of consecutive entries of the index, from
-  /// neighbouring cells. A wide body may be visited several times, in one run or in several runs. Each other
-  /// body that is found is visited once.
+  /// neighbouring cells or from the list of huge bodies. A wide body may be visited several times, in one run
+  /// or in several runs. Each other body that is found is visited once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);
@@ -81,7 +85,8 @@ class BodyIndex {
   /// Calls visit(span of circles) for the entries in the cells from cell_low to cell_high, both included. A
   /// body that is not wide has its only entry in the cell of its origin. If this cell is not in the range,
   /// the body is not visited, although its circle may reach into the range by at most largest_small_radius().
-  /// A wide body is visited once for each cell of the range in which it has an entry.
+  /// A wide body is visited once for each cell of the range in which it has an entry. A huge body is visited
+  /// in every call, and twice if the cell of its origin is in the range.
   template <class Visit>
   void for_each_run(Cell cell_low, Cell cell_high, Visit&& visit) const {
     partition::for_each_run(geometry_, directory_, cell_low, cell_high,
@@ -91,6 +96,7 @@ class BodyIndex {
                               const std::uint32_t to = begin[last];
                               if (from < to) visit(std::span(&circles_[from], to - from));
                             });
+    if (huge_ > 0) visit(huge());
   }
 
   /// Calls visit(circle) once for every body whose circle may touch the box (metres, world frame), and once
@@ -110,6 +116,8 @@ class BodyIndex {
                                 visit(circle);
                               }
                             });
+    if (huge_ > 0)
+      for (const BodyCircle& circle : huge()) visit(circle);
   }
 
   /// All rows in the index, each once, sorted by the cells of the bodies' origins; valid until the next
@@ -133,12 +141,20 @@ class BodyIndex {
   bool has_wide() const { return has_wide_; }
 
  private:
+  static constexpr double k_huge_cells = 32;  // a wide body that is not huge has at most 66 x 66 entries
+
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
+  bool is_huge(std::uint32_t row) const { return radii_[row] > k_huge_cells * geometry_.cell_m; }
+  /// Whether the row is listed in every cell that its body touches, and not only in the cell of its origin.
+  bool is_in_many_cells(std::uint32_t row) const { return is_wide(row) && !is_huge(row); }
+  /// The entries of the huge bodies. Requires that there are any.
+  std::span<const BodyCircle> huge() const { return {&circles_[begins_.back()], huge_}; }
   Cell home_cell(std::uint32_t row) const { return geometry_.cell(places_[row].position); }
   /// Returns whether for_each_near() must visit the wide body `row` at entry i of the index. A wide body has
   /// one entry in each cell that it touches, but it must be visited only once. It is visited at its entry in
-  /// the lowest and leftmost cell that both the query and the body touch.
+  /// the lowest and leftmost cell that both the query and the body touch. False for a huge body, which is
+  /// visited at its entry in the list of huge bodies.
   /// query_low    lowest and leftmost cell of the query
   /// run_cell     first cell of the run of cells that contains entry i
   /// first, last  index of the first cell of the run in its tile (GridGeometry::in_tile()), and one past the
@@ -153,6 +169,7 @@ class BodyIndex {
     std::uint32_t last = 0;
     double small_radius = 0;
     bool has_wide = false;
+    std::uint32_t huge = 0;  // number of the part's huge bodies
     std::vector<Cell> new_tiles;
     std::vector<std::uint32_t> next;  // per slot: number of the part's rows, then where its next row goes
   };
@@ -161,6 +178,7 @@ class BodyIndex {
   void place_tiles(Parallel& parallel);
   void weigh_tile(std::size_t slot);
   void sort_tile(std::size_t slot);
+  void list_huge();
   template <class Visit>
   void for_each_tile_of(std::uint32_t row, Visit&& visit) const;
   template <class Visit>
@@ -172,6 +190,7 @@ class BodyIndex {
   std::span<const double> radii_;      // owned by the caller
   double small_radius_ = 0;            // largest radius of the bodies that are not wide
   bool has_wide_ = false;
+  std::uint32_t huge_ = 0;    // number of huge bodies
   std::size_t reserved_ = 0;  // tiles
   std::vector<Part> parts_;
   struct Tile {
@@ -191,7 +210,7 @@ class BodyIndex {
   std::vector<BodyCircle> tile_rows_;  // by tile
   std::vector<std::uint32_t> begins_;  // per slot and cell, and one past the end: index into circles_
   std::vector<std::uint32_t> homes_;   // per row: slot of its origin's tile * cells per tile + cell in it
-  std::vector<BodyCircle> circles_;    // by tile and cell
+  std::vector<BodyCircle> circles_;    // by tile and cell, and then the list of huge bodies
   std::vector<std::uint32_t> order_;
 };
 

@@ -1,11 +1,34 @@
 #include "partition/static_scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace troupe::partition {
 namespace {
 
 constexpr double k_least_cover_m = 0.25;  // smaller cells of Strips::covers would classify few more points
+
+/// Returns the largest number of entries that an index of this many edges should have. It is far above the
+/// number of entries that the edges of rooms and furniture have. Without it, a few walls of 100 km among
+/// robots of 2 cm would have tens of millions of entries.
+double most_entries(std::size_t edges) {
+  constexpr double k_for_all = 1 << 21;
+  constexpr double k_per_edge = 8;
+  return k_for_all + k_per_edge * static_cast<double>(edges);
+}
+
+/// Returns the edge of the cells, m, for an index that lists each edge in the cells that it crosses: cell_m,
+/// or if the index would then have too many entries, cell_m times a power of two.
+double sparse_cell(std::span<const FixedEdge> edges, double cell_m) {
+  double length = 0;
+  for (const FixedEdge& edge : edges) length += (edge.b - edge.a).lpNorm<1>();
+  while (length / cell_m > most_entries(edges.size())) cell_m *= 2;
+  return cell_m;
+}
+
+/// Returns the number of strips, not rounded, into which a solid of this height (m) is divided if no limit
+/// demands fewer.
+double fine_strips(double height, double strip_m) { return std::clamp(height / strip_m, 1.0, 4096.0); }
 
 /// Visits the cells that an edge may cross: those of its bounding box, except cells whose centre is farther
 /// from the line of the edge than half the diagonal of a cell. A few cells too many do no harm.
@@ -67,14 +90,16 @@ EdgeGrid::EdgeGrid(std::span<const FixedEdge> edges, const GridGeometry& geometr
 /// Classifies the cells of a solid's box as inside or outside the solid, or as unknown if an edge may cross
 /// the cell. A cell that no edge crosses is wholly inside or wholly outside. If two such cells are next to
 /// each other, both are inside or both are outside. In each row of cells, edges are therefore counted only
-/// for the first cell of a sequence of such cells. If the box has more than 2^20 cells, `covers` stays empty.
-void StaticScene::cover_cells(const Solid& solid, Strips& strips) const {
+/// for the first cell of a sequence of such cells. If the box has more than 2^20 cells, or more than `room`,
+/// `covers` stays empty. The number of cells is subtracted from `room`.
+void StaticScene::cover_cells(const Solid& solid, Strips& strips, double& room) const {
   constexpr double k_most_cells = 1 << 20;
   const Cell low = cover_grid_.cell(strips.box.min);
   const Cell high = cover_grid_.cell(strips.box.max);
   const double columns = 1.0 + high.x - low.x;
   const double rows = 1.0 + high.y - low.y;
-  if (columns * rows > k_most_cells) return;
+  if (columns * rows > std::min(k_most_cells, room)) return;
+  room -= columns * rows;
   strips.low = low;
   strips.width = static_cast<std::size_t>(columns);
   strips.covers.assign(strips.width * static_cast<std::size_t>(rows), Strips::outside);
@@ -103,11 +128,10 @@ std::size_t StaticScene::Strips::strip_at(double y) const {
   return static_cast<std::size_t>(std::clamp((y - y0) / height, 0.0, static_cast<double>(begins.size() - 2)));
 }
 
-/// Divides the box of a solid, strips.box, into strips of about `strip_m` (metres) and sorts the edges of the
-/// solid into them. index: index of the solid in solids().
-void StaticScene::sort_into_strips(std::uint32_t index, double strip_m, Strips& strips) const {
+/// Divides the box of a solid, strips.box, into this many strips and sorts the edges of the solid into them.
+/// index: index of the solid in solids().
+void StaticScene::sort_into_strips(std::uint32_t index, std::size_t count, Strips& strips) const {
   const double height = strips.box.size().y();
-  const auto count = static_cast<std::size_t>(std::clamp(height / strip_m, 1.0, 4096.0));
   strips.y0 = strips.box.min.y();
   strips.height = std::max(height / static_cast<double>(count), 1e-9);
   strips.begins.assign(count + 1, 0);
@@ -139,12 +163,15 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
   std::vector<FixedEdge> hard;
   std::vector<Box> boxes(solids_.size());
   std::vector<Box> obstacle_boxes(solids_.size());
+  double strip_entries = 0;  // estimated number of entries of all Strips
   for (std::uint32_t s = 0; s < solids_.size(); ++s) {
     const FixedSolid& fixed = solids_[s];
     Box& box = boxes[s];
+    double climb = 0;  // sum of the heights of the edges, m
     for_each_edge(fixed.solid, [&](const Vec2& a, const Vec2& b) {
       ++edge_count_;
       box.extend(a);
+      climb += std::abs(b.y() - a.y());
       if (a == b) return;
       (fixed.ranger_return >= 0 ? seen : hidden).push_back({a, b, s});
       if (fixed.obstacle) hard.push_back({a, b, s});
@@ -155,15 +182,24 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
     if (!fixed.obstacle) continue;
     has_obstacles_ = true;
     obstacle_boxes[s] = box;
-    sort_into_strips(s, cell_m, strips_[s]);
-    cover_cells(fixed.solid, strips_[s]);
+    if (const double height = box.size().y(); height > 0)
+      strip_entries += climb / height * fine_strips(height, cell_m);
+  }
+  // Fewer strips and covered cells slow down searches, but change no result.
+  const double coarsening = std::max(strip_entries / most_entries(hard.size()), 1.0);
+  double cover_room = 1 << 26;  // cells of the Strips::covers of all solids; a cell takes a byte
+  for (std::uint32_t s = 0; s < solids_.size(); ++s) {
+    if (obstacle_boxes[s].empty()) continue;
+    const double strips = fine_strips(obstacle_boxes[s].size().y(), cell_m) / coarsening;
+    sort_into_strips(s, static_cast<std::size_t>(std::max(strips, 1.0)), strips_[s]);
+    cover_cells(solids_[s].solid, strips_[s], cover_room);
   }
   constexpr double k_piece = 4;  // the argument piece_m of FixedOutlines, in cells
-  outlines_ = FixedOutlines(seen, k_piece * cell_m);
-  hidden_outlines_ = FixedOutlines(hidden, k_piece * cell_m);
+  outlines_ = FixedOutlines(seen, sparse_cell(seen, k_piece * cell_m));
+  hidden_outlines_ = FixedOutlines(hidden, sparse_cell(hidden, k_piece * cell_m));
   boxes_ = BoxGrid(boxes);
   obstacle_boxes_ = BoxGrid(obstacle_boxes);
-  obstacle_edges_ = EdgeGrid(hard, GridGeometry{cell_m, 3});
+  obstacle_edges_ = EdgeGrid(hard, GridGeometry{sparse_cell(hard, cell_m), 3});
 }
 
 double StaticScene::clearance(const Vec2& point, double most) const {

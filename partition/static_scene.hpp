@@ -65,7 +65,8 @@ class StaticScene {
  public:
   StaticScene() = default;
   /// solids: in the world frame. cell_m: a length, metres, above 0, from which this object derives the cell
-  /// sizes of its grids. It affects only the speed.
+  /// sizes of its grids. It affects only the speed. If very long edges cross too many cells, the cells are
+  /// made larger, so that the memory stays within limits (docs/limits.md).
   StaticScene(std::vector<FixedSolid> solids, double cell_m);
 
   std::span<const FixedSolid> solids() const { return solids_; }  ///< all solids, in the order given
@@ -145,8 +146,8 @@ class StaticScene {
   };
   bool inside(std::size_t solid, const Vec2& point) const;
   bool count_crossings(const Strips& strips, const Vec2& point) const;
-  void sort_into_strips(std::uint32_t index, double strip_m, Strips& strips) const;
-  void cover_cells(const Solid& solid, Strips& strips) const;
+  void sort_into_strips(std::uint32_t index, std::size_t count, Strips& strips) const;
+  void cover_cells(const Solid& solid, Strips& strips, double& room) const;
   /// Whether a whole piece of the shape is inside the obstacle solids()[solid] at a common height. Requires
   /// that no edge of the obstacle enters the shape.
   bool swallows(std::size_t solid, const PlacedShape& shape) const;

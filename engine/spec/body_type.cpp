@@ -287,8 +287,8 @@ class TypeCompiler {
   }
 
   void check_joint_reach() {
-    // Limit of joint_reach, m. The circle of a large body is stored in every grid cell that it touches, so an
-    // unlimited circle would take unlimited memory.
+    // Limit of joint_reach, m. The cells of the spatial index and the searches about moving joints grow with
+    // it, so that each search would visit nearly all bodies.
     constexpr double k_most_reach = 1000;
     if (type_.joint_reach <= k_most_reach) return;  // false for NaN, which is an error
     diagnostics_.error(

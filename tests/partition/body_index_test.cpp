@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <span>
 #include <string>
 #include <tuple>
@@ -114,6 +115,45 @@ TEST(BodyIndex, LeavesOutMostOfWhatIsFar) {
   index.for_each_near(Box::around({50, 50}, 0.5), [&](const BodyCircle&) { ++visited; });
   EXPECT_GT(visited, 1u);
   EXPECT_LT(visited, 30u);
+}
+
+// A body that covers 10^14 cells has no entry in each of them; queries find it nevertheless.
+TEST(BodyIndex, FindsHugeBodiesWhateverTheirSize) {
+  for (const unsigned threads : {1u, 3u}) {
+    Parallel parallel(threads);
+    Draw draw(1);
+    Bodies bodies = random_bodies(draw, 3000, 0, 0.5);
+    const std::vector<std::uint32_t> huge{0, 1500, 2999};
+    BodyIndex index({0.2, 4});
+    const auto expect_found_at = [&](const Vec2& point, const std::vector<std::uint32_t>& expected) {
+      const auto is_huge = [&](const BodyCircle& circle) { return circle.radius > 1e5f; };
+      std::vector<std::uint32_t> found;
+      index.for_each_near(Box::around(point, 1), [&](const BodyCircle& circle) {
+        if (is_huge(circle)) found.push_back(circle.row);
+      });
+      EXPECT_EQ(found, expected);
+      std::set<std::uint32_t> in_runs;
+      index.for_each_run(Box::around(point, 1), [&](std::span<const BodyCircle> run) {
+        for (const BodyCircle& circle : run)
+          if (is_huge(circle)) in_runs.insert(circle.row);
+      });
+      EXPECT_TRUE(std::ranges::equal(in_runs, expected));
+      std::vector<std::uint32_t> rows(index.order().begin(), index.order().end());
+      std::ranges::sort(rows);
+      std::vector<std::uint32_t> all(bodies.places.size());
+      std::iota(all.begin(), all.end(), 0u);
+      EXPECT_EQ(rows, all);
+    };
+    for (const std::uint32_t row : huge) bodies.radii[row] = 1e6;
+    index.rebuild(bodies.places, bodies.radii, parallel);
+    EXPECT_TRUE(index.has_wide());
+    expect_found_at({5, 5}, huge);
+    expect_found_at({-4e5, 4e5}, huge);
+    for (const std::uint32_t row : huge) bodies.radii[row] = 0.05;
+    index.rebuild(bodies.places, bodies.radii, parallel);
+    expect_found_at({5, 5}, {});
+    expect_found_at({-4e5, 4e5}, {});
+  }
 }
 
 TEST(BodyIndex, IsEmptyAtFirstAndCanBeEmptied) {

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <set>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::partition {
@@ -213,6 +215,55 @@ TEST(StaticScene, CountsItsEdgesAndBounds) {
   EXPECT_EQ(scene.edge_count(), 11u);
   EXPECT_EQ(scene.bounds().min, Vec2(-3, 0));
   EXPECT_EQ(scene.bounds().max, Vec2(2, 5));
+}
+
+// Long walls would cross more small cells than fit into memory. Larger cells answer in the same way.
+TEST(StaticScene, LongWallsTakeLittleMemoryInSmallCells) {
+  constexpr std::uint32_t k_walls = 1000;
+  const auto pose_of = [](std::uint32_t wall) { return Pose{0, 2.0 * wall, 0, 0.5}; };
+  std::vector<FixedSolid> solids;
+  for (std::uint32_t w = 0; w < k_walls; ++w)
+    solids.push_back(
+        {{{oracle::turned(rectangle(-5e4, 0, 5e4, 0.5), pose_of(w).heading, pose_of(w).position())}, {0, 1}},
+         BodyId(w)});
+  const StaticScene scene(std::move(solids), 0.05);
+  const oracle::Kind body = oracle::make_kind({{{rectangle(-0.1, -0.1, 0.1, 0.1)}, {0, 1}}});
+  for (const std::uint32_t w : {0u, 500u, k_walls - 1})
+    for (const double x : {-4e4, 0.0, 4e4}) {
+      const auto at = [&](double y) {
+        const Vec2 p = Transform(pose_of(w)) * Vec2(x, y);
+        return Pose{p.x(), p.y(), 0, 0};
+      };
+      const std::vector<BodyId> wall{BodyId(w)};
+      EXPECT_EQ(scene.overlapping(body.shape, at(0.25)), wall) << "inside";
+      EXPECT_EQ(scene.overlapping(body.shape, at(0.5)), wall) << "on an edge";
+      EXPECT_FALSE(scene.blocked(body.shape, at(0.8)));
+      EXPECT_NEAR(scene.clearance(at(0.8).position(), 1), 0.3, 1e-9);
+      bool seen = false;
+      scene.outlines().for_each_run(Box::around(at(0.5).position(), 0.1),
+                                    [&](std::span<const BodyCircle> run) {
+                                      for (const BodyCircle& circle : run)
+                                        seen = seen || scene.outlines().solid(circle.row) == w;
+                                    });
+      EXPECT_TRUE(seen);
+    }
+}
+
+// The cells that tall obstacles cover would not fit into memory either.
+TEST(StaticScene, ManyLargeObstaclesTakeLittleMemory) {
+  constexpr std::uint32_t k_obstacles = 20'000;
+  constexpr double k_shift = 0.01;
+  std::vector<FixedSolid> solids;
+  for (std::uint32_t i = 0; i < k_obstacles; ++i)
+    solids.push_back({{{rectangle(k_shift * i, 0, 255 + k_shift * i, 255)}, {0, 1}}, BodyId(i)});
+  const StaticScene scene(std::move(solids), 0.25);
+  const oracle::Kind body = oracle::make_kind({{{rectangle(-0.001, -0.001, 0.001, 0.001)}, {0, 1}}});
+  const auto overlapping = [&](double x) { return scene.overlapping(body.shape, {x, 100, 0, 0}); };
+  EXPECT_TRUE(overlapping(-0.5 * k_shift).empty());
+  EXPECT_EQ(overlapping(0.5 * k_shift), std::vector{BodyId(0)});
+  EXPECT_EQ(overlapping(100.5 * k_shift).size(), 101u);
+  EXPECT_EQ(overlapping(200).size(), k_obstacles);
+  EXPECT_EQ(overlapping(255 + (k_obstacles - 1.5) * k_shift), std::vector{BodyId(k_obstacles - 1)});
 }
 
 // Every edge is found wherever a box touches it, in the cells of any size.
