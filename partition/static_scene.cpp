@@ -189,7 +189,7 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
   const double coarsening = std::max(strip_entries / most_entries(hard.size()), 1.0);
   double cover_room = 1 << 26;  // cells of the Strips::covers of all solids; a cell takes a byte
   for (std::uint32_t s = 0; s < solids_.size(); ++s) {
-    if (obstacle_boxes[s].empty()) continue;
+    if (!solids_[s].obstacle) continue;
     const double strips = fine_strips(obstacle_boxes[s].size().y(), cell_m) / coarsening;
     sort_into_strips(s, static_cast<std::size_t>(std::max(strips, 1.0)), strips_[s]);
     cover_cells(solids_[s].solid, strips_[s], cover_room);
