@@ -172,7 +172,7 @@ void Placer::add_bodies(const PopulationSpec& population, std::span<const Pose> 
     BodySpec& body = spec_.bodies.emplace_back();
     body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
     body.type = population.type;
-    if (i < poses.size()) body.pose_world_body = poses[i];
+    body.pose_world_body = i < poses.size() ? poses[i] : Pose{0, 0, population.rule.z, 0};
     body.color = population.color;
     body.where = population.where;
     set_color(population, spec_.seed, i, body);

@@ -731,6 +731,7 @@ class World {
   void derive_lives();
   bool lives_hold(std::uint64_t tick) const;
   void count_present();
+  BodyId next_unborn(std::size_t reserve) const;
   Birth give_birth(std::size_t reserve, std::uint32_t trials,
                    const std::function<Pose(std::uint32_t)>& place);
   bool has_many_newborn() const;

@@ -98,11 +98,12 @@ TEST(Populations, AreThoseOfTheirRule) {
   for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(spec.bodies[3 + i].pose_world_body, poses[i]) << i;
 }
 
-TEST(Populations, ReservesFollowWithoutAPlace) {
+TEST(Populations, ReservesFollowWithNothingButAHeight) {
   WorldSpec spec = room();
   PopulationSpec some = row_of("a", 2);
   some.reserve = 3;
   some.random_color = true;
+  some.rule.z = 2;
   Diagnostics diagnostics;
   place(std::span(&some, 1), spec, diagnostics);
   ASSERT_FALSE(diagnostics.has_errors());
@@ -112,7 +113,7 @@ TEST(Populations, ReservesFollowWithoutAPlace) {
   EXPECT_EQ(spec.reserves[0].first, BodyId(5));
   EXPECT_EQ(spec.reserves[0].count, 3u);
   EXPECT_EQ(spec.name(BodyId(7)), "a4");
-  EXPECT_EQ(spec.bodies[7].pose_world_body, Pose());
+  EXPECT_EQ(spec.bodies[7].pose_world_body, (Pose{0, 0, 2, 0}));
   EXPECT_NE(spec.bodies[3].color, spec.bodies[4].color);
 
   // A body that is yet to be born takes up no room.
