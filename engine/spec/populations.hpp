@@ -76,7 +76,8 @@ struct PlaceOptions {
 /// Reports these errors to `diagnostics`:
 /// - The world has too many bodies (PlaceOptions::most_bodies).
 /// - The region of a rule is empty.
-/// - A rule has too many grid points (grid_cells()) or tests too many positions (floor_cells()).
+/// - A rule has too many grid points (grid_cells()) or tests too many positions (floor_cells()), alone or
+///   together with the rules of the same kind before it.
 /// - There is not enough room for a population.
 /// - An outline of a type is too complex for convex_pieces(), which divides it into convex polygons.
 ///

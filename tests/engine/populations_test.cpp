@@ -183,6 +183,13 @@ TEST(Populations, ErrorsNameFileLineAndPopulation) {
   EXPECT_THAT(errors_of({dense}),
               ElementsAre("room.txt:8: error: populations[0].rule: the region has 810002 million cells of "
                           "0.00001 m; at most 100 million are allowed: give a larger \"pitch_m\""));
+  PopulationSpec floor = row_of("a", 1);
+  floor.rule = {.kind = PlacementRule::Kind::free_floor, .region = area(0, 0, 49, 49), .cell_m = 0.01};
+  EXPECT_THAT(
+      errors_of(std::vector<PopulationSpec>(5, floor)),
+      ElementsAre("room.txt:8: error: populations[4].rule: the regions of this population and of the "
+                  "free_floor populations before it have 120.1 million cells in total; at most 100 million "
+                  "are allowed: give a larger \"cell_m\""));
   PopulationSpec nowhere = row_of("a", 1);
   nowhere.rule.region.min = Vec2(0, 9);
   nowhere.rule.region.max = Vec2(9, 0);
