@@ -70,7 +70,8 @@ class BodyIndex {
   /// radii   radius, metres, of the circle that is centred on the origin of the body and encloses the body;
   ///         negative if the body is not in the world
   ///
-  /// Queries read both arrays, so the caller must keep them valid and unchanged until the next rebuild().
+  /// The caller must keep both arrays valid until the next rebuild(). for_each_near() reads them, so it must
+  /// not be called after they have changed. for_each_run() reads only the entries of the index.
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
   /// Finds the bodies whose circles may touch the box (metres, world frame), and some other bodies. Calls

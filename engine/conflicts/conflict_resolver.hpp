@@ -55,11 +55,11 @@ std::atomic_ref<T> atomic(T& value) {
   return std::atomic_ref(value);
 }
 
-/// Returns the number of samples of a motion: `displacement` divided by a quarter of `thinnest`, rounded up.
-/// The result is at least 1 and at most 10,000.
+/// Returns the number of samples of the motion of a body, or of the joints of a body: `displacement` divided
+/// by a quarter of `thinnest`, rounded up. The result is at least 1 and at most 10,000.
 ///
-/// displacement: upper bound on the distance that any vertex of the body moves, m
-/// thinnest: width of the thinnest part of the body, m
+/// displacement: upper bound on the distance that any vertex moves, m
+/// thinnest: width of the thinnest part that moves, m
 inline std::size_t motion_samples(double displacement, double thinnest) {
   const double samples = displacement / (0.25 * thinnest);
   // A very thin body at a very high speed must not stall the step. A motion of 10 m still has a sample for

@@ -627,7 +627,8 @@ Pose World::place_to_add(const Experiment::Intervention& intervention, std::uint
   Random random(state_.spec.seed, intervention.stream, number, trial);
   const double x = random.uniform(box.min.x(), box.max.x());
   const double y = random.uniform(box.min.y(), box.max.y());
-  return {x, y, 0, random.uniform(-k_pi, k_pi)};
+  const double z = state_.spec.bodies[next_unborn(intervention.reserve).index()].pose_world_body.z;
+  return {x, y, z, random.uniform(-k_pi, k_pi)};
 }
 
 bool World::is_setting(const Experiment::Intervention& intervention) const {

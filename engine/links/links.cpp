@@ -2,6 +2,7 @@
 
 #include "base/atomic_maximum.hpp"
 #include "base/room.hpp"
+#include "engine/conflicts/conflict_resolver.hpp"
 #include "engine/kinds/finite.hpp"
 #include "engine/kinds/step_error.hpp"
 #include "partition/placed_shape.hpp"
@@ -448,16 +449,15 @@ double Links::ask_joints(std::size_t c, Row root, std::size_t round) {
   add_tree_body({root, Mount()}, true, moved, thinnest);
   moved.finish(thinnest);
   lifts_[c] = rise > 0;
-  // The samples are as close to one another as those of motions of bodies (see Conflicts), but there may be
-  // up to a million. In addition, no piece rises or sinks by more than a quarter of its height from one
-  // sample to the next, or it could pass through a thin shelf.
-  constexpr double k_most = 1e6;
-  double samples = moved.shape().empty() ? 1 : std::min(k_most, std::ceil(way / (0.25 * thinnest)));
+  // The samples are as close to one another as those of motions of bodies, and at most as many (see
+  // Conflicts). In addition, no piece rises or sinks by more than a quarter of its height from one sample to
+  // the next, or it could pass through a thin shelf.
+  std::size_t samples = moved.shape().empty() ? 1 : motion_samples(way, thinnest);
   if (rise > 0)
     for (const ConvexPrism& piece : moved.shape().pieces)
       if (const double height = piece.z.max - piece.z.min; height > 0)  // a flat piece overlaps nothing
-        samples = std::max(samples, std::min(k_most, std::ceil(rise / (0.25 * height))));
-  samples_[c] = std::max(1u, static_cast<std::uint32_t>(samples));
+        samples = std::max(samples, motion_samples(rise, height));
+  samples_[c] = static_cast<std::uint32_t>(samples);
   return way;
 }
 

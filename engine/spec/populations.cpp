@@ -12,9 +12,10 @@
 namespace troupe::engine {
 namespace {
 
-// Limit on the cells of all grid rules together: each cell may be tested.
+// Limit on the cells of all grid rules together, each of which may be tested, and on those of all free_floor
+// rules together, each of which is tested.
 constexpr double k_max_cells = 100000000;
-// Limit on the cells of one free_floor rule: each cell is tested.
+// Limit on the cells of one free_floor rule.
 constexpr double k_max_floor_cells = 25000000;
 constexpr double k_scene_cell_m = 0.5;
 
@@ -88,6 +89,8 @@ class Placer {
 
   void check_total();
   void check_rules();
+  void check_floor(const PopulationSpec& population, double& cells_so_far);
+  const partition::ObstacleShape* find_shape(const PopulationSpec& population);
   void add(const PopulationSpec& population, partition::Parallel& parallel);
   void add_bodies(const PopulationSpec& population, std::span<const Pose> poses);
 
@@ -113,6 +116,7 @@ void Placer::check_total() {
 
 void Placer::check_rules() {
   double cells_so_far = 0;
+  double floor_cells_so_far = 0;
   for (const PopulationSpec& population : populations_) {
     const PlacementRule& rule = population.rule;
     if (rule.region.empty())
@@ -122,6 +126,8 @@ void Placer::check_rules() {
                 "and y_min must not exceed y_max",
                 plain_number(rule.region.min.x()), plain_number(rule.region.max.x()),
                 plain_number(rule.region.min.y()), plain_number(rule.region.max.y())));
+    else if (rule.kind == PlacementRule::Kind::free_floor)
+      check_floor(population, floor_cells_so_far);
     if (rule.kind != PlacementRule::Kind::grid) continue;
     const double cells = grid_cells(rule);
     cells_so_far += cells;
@@ -138,26 +144,40 @@ void Placer::check_rules() {
   }
 }
 
-void Placer::add(const PopulationSpec& population, partition::Parallel& parallel) {
-  const PlacementRule& rule = population.rule;
-  const partition::ObstacleShape* shape = nullptr;
-  try {
-    shape = &occupancy_.shape(population.type);
-  } catch (const std::length_error& error) {
-    const TypeSpec& type = spec_.types[population.type.index()];
-    diagnostics_.error(type.parts.front().where, fmt::format("type \"{}\": {}", type.name, error.what()));
-    return;
-  }
-  const bool on_floor = rule.kind == PlacementRule::Kind::free_floor;
-  const double cells = on_floor ? floor_cells(rule, *shape) : 0.0;
+/// Checks the number of positions that a rule of the kind free_floor tests, and adds it to `cells_so_far`.
+void Placer::check_floor(const PopulationSpec& population, double& cells_so_far) {
+  const partition::ObstacleShape* shape = find_shape(population);
+  if (shape == nullptr) return;
+  const double cells = floor_cells(population.rule, *shape);
+  cells_so_far += cells;
   if (cells > k_max_floor_cells)
-    return error(
-        population,
-        fmt::format(
-            "the region has {} million cells; at most {} million are allowed: give a larger \"cell_m\"",
-            plain_number(cells / 1e6, 4), k_max_floor_cells / 1e6));
-  const std::vector<Pose> poses = place(rule, *shape, population.count, spec_.seed, population.name,
-                                        spec_.bounds, occupancy_.scene(), occupancy_.crowd(), parallel);
+    error(population,
+          fmt::format(
+              "the region has {} million cells; at most {} million are allowed: give a larger \"cell_m\"",
+              plain_number(cells / 1e6, 4), k_max_floor_cells / 1e6));
+  else if (cells_so_far > k_max_cells)
+    error(population,
+          fmt::format("the regions of this population and of the free_floor populations before it have {} "
+                      "million cells in total; at most {} million are allowed: give a larger \"cell_m\"",
+                      plain_number(cells_so_far / 1e6, 4), k_max_cells / 1e6));
+}
+
+/// Returns the shape of the bodies of a population. If the outlines are too complex, reports this and returns
+/// null.
+const partition::ObstacleShape* Placer::find_shape(const PopulationSpec& population) try {
+  return &occupancy_.shape(population.type);
+} catch (const std::length_error& error) {
+  const TypeSpec& type = spec_.types[population.type.index()];
+  diagnostics_.error(type.parts.front().where, fmt::format("type \"{}\": {}", type.name, error.what()));
+  return nullptr;
+}
+
+void Placer::add(const PopulationSpec& population, partition::Parallel& parallel) {
+  const partition::ObstacleShape* shape = find_shape(population);
+  if (shape == nullptr) return;
+  const std::vector<Pose> poses =
+      place(population.rule, *shape, population.count, spec_.seed, population.name, spec_.bounds,
+            occupancy_.scene(), occupancy_.crowd(), parallel);
   if (poses.size() < population.count) error(population, too_few_places(population, poses.size()));
   add_bodies(population, poses);
 }
@@ -172,7 +192,7 @@ void Placer::add_bodies(const PopulationSpec& population, std::span<const Pose> 
     BodySpec& body = spec_.bodies.emplace_back();
     body.name = spec_.names.add(population.name, static_cast<std::uint32_t>(i));
     body.type = population.type;
-    if (i < poses.size()) body.pose_world_body = poses[i];
+    body.pose_world_body = i < poses.size() ? poses[i] : Pose{0, 0, population.rule.z, 0};
     body.color = population.color;
     body.where = population.where;
     set_color(population, spec_.seed, i, body);

@@ -66,8 +66,9 @@ struct PlaceOptions {
   double most_bodies = 10000000;  ///< largest number of bodies in the world; more are an error
 };
 
-/// Appends populations to a world in their order: for each population first its bodies, then its reserve. A
-/// population without both is added to WorldSpec::empty_populations.
+/// Appends populations to a world in their order: for each population first its bodies, then its reserve,
+/// whose bodies get the height of the rule. A population without both is added to
+/// WorldSpec::empty_populations.
 /// Each body is placed where it overlaps neither the static scene nor the crowd of `occupancy`, and is then
 /// added to the crowd. The poses depend only on the spec, `occupancy` and the populations, not on the number
 /// of threads.
@@ -75,7 +76,8 @@ struct PlaceOptions {
 /// Reports these errors to `diagnostics`:
 /// - The world has too many bodies (PlaceOptions::most_bodies).
 /// - The region of a rule is empty.
-/// - A rule has too many grid points (grid_cells()) or tests too many positions (floor_cells()).
+/// - A rule has too many grid points (grid_cells()) or tests too many positions (floor_cells()), alone or
+///   together with the rules of the same kind before it.
 /// - There is not enough room for a population.
 /// - An outline of a type is too complex for convex_pieces(), which divides it into convex polygons.
 ///
@@ -89,8 +91,8 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnos
            const PlaceOptions& options = {});
 
 /// Repeats place() with another seed: gives the bodies that place() has appended new poses and, if
-/// PopulationSpec::random_color is true, new random colours. Bodies of a reserve have no pose yet, so only
-/// their colours change. If there is not enough room for a population, reports an error at
+/// PopulationSpec::random_color is true, new random colours. Bodies of a reserve have only a height yet, so
+/// only their colours change. If there is not enough room for a population, reports an error at
 /// PopulationSpec::where_place. The bodies of this population and of later ones then keep their poses and
 /// colours. Several threads may call this function at once with the same `occupancy`.
 ///

@@ -291,7 +291,7 @@ void add_spare(WorldSpec& spec, std::uint32_t count, std::span<const std::string
       if (taken.add(added, id) != id) continue;  // another body has this name
       BodySpec& body = spec.bodies.emplace_back(population.like);
       body.name = added;
-      body.pose_world_body = {};
+      body.pose_world_body = {0, 0, population.like.pose_world_body.z, 0};
     }
   }
 }

@@ -196,10 +196,11 @@ Record& params_of(TypeSpec& type, const SettingSpec& setting);
 
 /// One body of the world.
 struct BodySpec {
-  Name name;             ///< name of the body, in the table WorldSpec::names
-  TypeId type;           ///< type of the body: index into WorldSpec::types
-  Pose pose_world_body;  ///< pose at tick 0, world frame
-  Color color;           ///< colour of the parts that set none
+  Name name;    ///< name of the body, in the table WorldSpec::names
+  TypeId type;  ///< type of the body: index into WorldSpec::types
+  /// Pose at tick 0, world frame. Of a body of a reserve, only the height z has an effect: see ReserveSpec.
+  Pose pose_world_body;
+  Color color;  ///< colour of the parts that set none
   /// Value that fiducial finders (sensors of markers) read from part 0 of this body, in place of the value of
   /// the type, which is Returns::fiducial of part 0. Robots with different values can thus share a type. This
   /// member has no effect if it is 0, or if the value of the type is 0.
@@ -209,7 +210,9 @@ struct BodySpec {
 
 /// A reserve: bodies of one population and one type that are *unborn* at tick 0, which means that they are
 /// not in the world. They can be born later, in ascending order of ids (docs/lives.md). A body gets its pose
-/// at its birth. The ids of the reserve are consecutive: first, first + 1, ..., first + count - 1.
+/// at its birth. An intervention `add` that draws random poses takes their height, z, from
+/// BodySpec::pose_world_body. The ids of the reserve are consecutive: first, first + 1, ..., first + count
+/// - 1.
 struct ReserveSpec {
   std::string population;   ///< name of the population: "r" for the bodies "r0", "r1", ...
   BodyId first;             ///< lowest id of the reserve
@@ -315,8 +318,8 @@ void check_rules(const WorldSpec& spec, const std::function<void(Where, const st
 /// If these robots are of several types, the population gets no reserve.
 ///
 /// The new bodies get the numbers after the highest number of the population. Numbers that would repeat the
-/// name of another body are left out. The poses of the new bodies are 0. Their other members are copies of
-/// those of the population's first body.
+/// name of another body are left out. The poses of the new bodies are 0, except for the height. The height
+/// and the other members are copies of those of the population's first body.
 ///
 /// names   names of populations that end in a digit. If `team1` is in this list, the robot `team12` is number
 ///         2 of the population `team1`. Otherwise it is number 12 of the population `team`

@@ -127,6 +127,11 @@ std::optional<std::size_t> World::reserve(std::string_view population) const {
   return static_cast<std::size_t>(found - state_.spec.reserves.begin());
 }
 
+/// The body of a reserve that is born next. Not all bodies of the reserve may have been born.
+BodyId World::next_unborn(std::size_t reserve) const {
+  return BodyId(state_.spec.reserves[reserve].first.index() + next_born_[reserve]);
+}
+
 /// Calls work(). If it throws in the phase move of a distributed world, the exception is thrown later, by
 /// Replica::end_attempts(), on all ranks.
 template <class Work>
@@ -146,7 +151,7 @@ void World::attempt(Work&& work) {
 Birth World::give_birth(std::size_t reserve, std::uint32_t trials,
                         const std::function<Pose(std::uint32_t)>& place) {
   if (unborn(reserve) == 0) return {BirthStatus::used_up, {}};
-  const BodyId id(state_.spec.reserves[reserve].first.index() + next_born_[reserve]);
+  const BodyId id = next_unborn(reserve);
   const BodyType& type = state_.type(id);
   // If bodies with joints can be born, no row is elsewhere (why_replicated()), so a body with joints has a
   // valid row. Its shape depends on the poses of its joints at birth, so it enters the world before its shape

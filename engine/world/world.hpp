@@ -321,10 +321,19 @@ class World {
   const WorldSpec& spec() const { return state_.spec; }
   std::span<const BodyType> types() const { return state_.types; }      ///< compiled types, indexed by TypeId
   const partition::StaticScene& scene() const { return state_.scene; }  ///< geometry of the static bodies
-  /// Spatial index of the bodies that have rows and are in the world. Between steps, it has their present
-  /// poses. During a step, it has the poses before the motions of that step, until it is rebuilt in the phase
-  /// `index`. If devices request births, it is also rebuilt at the end of the phase `move`, before these
-  /// births.
+  /// Spatial index of the bodies that have rows and are in the world. Between steps, and during a step until
+  /// the bodies move, it has their present poses.
+  ///
+  /// After the bodies have moved in the phase `move`, the entries of the index are still those from before
+  /// the motions, until the index is rebuilt in the phase `index`. The hooks DeviceKind::joints_moved and
+  /// DeviceKind::apply run in between. In these hooks, BodyIndex::for_each_run() finds bodies by their poses
+  /// and radii before the motions: to find the bodies that are now near a place, enlarge the box by the
+  /// longest distance that a body can have moved. BodyIndex::for_each_near() must not be called there: it
+  /// compares the entries of wide bodies with their present poses and radii, and may therefore miss a wide
+  /// body, or visit a body several times that was wide before.
+  ///
+  /// If devices request births, and the reserve still has unborn bodies, the index is also rebuilt at the end
+  /// of the phase `move`, before these births. It may then lack bodies that are born in this step.
   const partition::BodyIndex& index() const { return state_.index; }
   /// Spatial index of the parts of static bodies that fiducial finders (sensors of markers) detect.
   const FixedTargets& fixed_targets() const { return state_.fixed_targets; }
@@ -572,6 +581,10 @@ class World {
   /// The test includes the bodies that the row's body carries, and uses the present poses of its joints. If
   /// the body is unborn or dead, its joints are taken to be at rest. In two cases only the bounds count: the
   /// row's body is carried, or neither it nor a body that it carries is an obstacle.
+  ///
+  /// In the hooks DeviceKind::apply and DeviceKind::born, the result false is correct, but the result true
+  /// may be wrong: the test may miss bodies that have moved, or whose joints have moved, in this step (see
+  /// index()). Between steps, and during a step until the bodies move, it misses no body.
   bool is_free(Row row, const Pose& pose) const;
   /// The state table of a device, with one table row per slot of the device's type. The state of a sensor is
   /// its readings. Before the sensor has run for the first time, they are 0 or as DeviceKind::start has set
@@ -734,6 +747,7 @@ class World {
   void derive_lives();
   bool lives_hold(std::uint64_t tick) const;
   void count_present();
+  BodyId next_unborn(std::size_t reserve) const;
   Birth give_birth(std::size_t reserve, std::uint32_t trials,
                    const std::function<Pose(std::uint32_t)>& place);
   bool has_many_newborn() const;

@@ -341,6 +341,22 @@ TEST(Experiment, OthersAreAddedWhereTheyAreFree) {
   EXPECT_EQ(world->robots(), 52u);
 }
 
+TEST(Experiment, WhoIsAddedAtARandomPlaceHasTheHeightOfItsReserve) {
+  Squad row(1);
+  row.scene.spec.reserves.push_back({"fly", BodyId(row.scene.spec.bodies.size()), 3});
+  for (int i = 0; i < 3; ++i) row.scene.body(fmt::format("fly{}", i), row.type, {0, 0, 2 + 0.5 * i, 0});
+  InterventionSpec at_random = at(0.1, Action::add, population("fly", 2));
+  at_random.region = Box::around(Vec2(0, 30), 20);
+  InterventionSpec at_a_pose = at(0.2, Action::add, population("fly"));
+  at_a_pose.pose = Pose{0, -9, 1, 0};
+  row.scene.spec.experiment.at = {at_random, at_a_pose};
+  const auto world = row.world();
+  step(*world, 3);
+  EXPECT_EQ(world->pose(world->find("fly0")).z, 2);
+  EXPECT_EQ(world->pose(world->find("fly1")).z, 2.5);
+  EXPECT_EQ(world->pose(world->find("fly2")).z, 1);
+}
+
 TEST(Experiment, WhoFindsNoPlaceIsNotAdded) {
   Squad row(1);
   row.scene.spec.reserves.push_back({"more", BodyId(row.scene.spec.bodies.size()), 9});

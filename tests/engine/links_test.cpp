@@ -419,6 +419,24 @@ TEST(Links, CarsFarFromTheirBodiesMoveQuickly) {
   EXPECT_NEAR(world.joint_state(world.row(BodyId(5)), 0).x, 60, 1e-9);
 }
 
+// The tip of each slide is 0.1 mm thick, and moves by 500 m in a tick: its samples are 5 cm apart.
+TEST(Links, AMotionHasAtMostTenThousandSamples) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {box(0.3, 0.3, 0.3)});
+  test::add_arm(scene[type], "slide", {0, 0, 0.5, 0},
+                {Solid{{test::rectangle(0, -0.05, 1e-4, 0.05)}, {0, 0.1}}},
+                {{"max_position", 900.0}, {"max_speed", 5000.0}});
+  scene[type].controllers.push_back(test::operate({order(0, "slide", "speed", 5000)}));
+  const BodyId passes = scene.body("passes", type, {0, 0, 0, 0});
+  const BodyId blocked = scene.body("blocked", type, {0, 5, 0, 0});
+  scene.wall(100.01, -0.01, 100.04, 0.01);  // between two samples
+  scene.wall(100.01, 4.99, 100.07, 5.01);
+  World world = scene.world({1, 0});
+  while (world.tick() < 4 && world.joint_state(world.row(passes), 0).x == 0) world.step();
+  EXPECT_EQ(world.joint_state(world.row(passes), 0).x, 500);
+  EXPECT_EQ(world.joint_state(world.row(blocked), 0).x, 0);
+}
+
 TEST(Links, AResetAndAnotherRunAreTheSame) {
   World world = machines(5).world();
   for (int t = 0; t < 30; ++t) world.step();

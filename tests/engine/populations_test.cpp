@@ -98,11 +98,12 @@ TEST(Populations, AreThoseOfTheirRule) {
   for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(spec.bodies[3 + i].pose_world_body, poses[i]) << i;
 }
 
-TEST(Populations, ReservesFollowWithoutAPlace) {
+TEST(Populations, ReservesFollowWithNothingButAHeight) {
   WorldSpec spec = room();
   PopulationSpec some = row_of("a", 2);
   some.reserve = 3;
   some.random_color = true;
+  some.rule.z = 2;
   Diagnostics diagnostics;
   place(std::span(&some, 1), spec, diagnostics);
   ASSERT_FALSE(diagnostics.has_errors());
@@ -112,7 +113,7 @@ TEST(Populations, ReservesFollowWithoutAPlace) {
   EXPECT_EQ(spec.reserves[0].first, BodyId(5));
   EXPECT_EQ(spec.reserves[0].count, 3u);
   EXPECT_EQ(spec.name(BodyId(7)), "a4");
-  EXPECT_EQ(spec.bodies[7].pose_world_body, Pose());
+  EXPECT_EQ(spec.bodies[7].pose_world_body, (Pose{0, 0, 2, 0}));
   EXPECT_NE(spec.bodies[3].color, spec.bodies[4].color);
 
   // A body that is yet to be born takes up no room.
@@ -182,6 +183,13 @@ TEST(Populations, ErrorsNameFileLineAndPopulation) {
   EXPECT_THAT(errors_of({dense}),
               ElementsAre("room.txt:8: error: populations[0].rule: the region has 810002 million cells of "
                           "0.00001 m; at most 100 million are allowed: give a larger \"pitch_m\""));
+  PopulationSpec floor = row_of("a", 1);
+  floor.rule = {.kind = PlacementRule::Kind::free_floor, .region = area(0, 0, 49, 49), .cell_m = 0.01};
+  EXPECT_THAT(
+      errors_of(std::vector<PopulationSpec>(5, floor)),
+      ElementsAre("room.txt:8: error: populations[4].rule: the regions of this population and of the "
+                  "free_floor populations before it have 120.1 million cells in total; at most 100 million "
+                  "are allowed: give a larger \"cell_m\""));
   PopulationSpec nowhere = row_of("a", 1);
   nowhere.rule.region.min = Vec2(0, 9);
   nowhere.rule.region.max = Vec2(9, 0);

@@ -962,7 +962,7 @@ void AddDocument::describe(DocumentKeys<AddDocument>& d) {
   d.value<&AddDocument::count>("count", within(0, k_most_chosen), "number of births")
       .or_default("all bodies that remain in the reserve");
   d.value<&AddDocument::pose>("pose", "pose of each new body in the world frame")
-      .or_default("a random pose")
+      .or_default("a random pose at the height of the population, the `z_m` of its `place`")
       .write_always();
   d.other<&AddDocument::region>(Form::box, "region_m", "instead of `pose`: region of random poses")
       .or_default("the bounds of the world");
