@@ -495,6 +495,12 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   };
   EXPECT_THAT(doing(at(1, Action::remove, population("rs"))),
               HasSubstr("w.json:7: error: /at/0: unknown population \"rs\"; known: r"));
+  EXPECT_THAT(errors([&](Squad& row) {
+                row.scene.body("70", row.type, {3, 3, 0, 0});
+                row.scene.spec.experiment.at = {at(1, Action::remove, population("q"))};
+              }),
+              HasSubstr("unknown population \"q\"; known: r"))
+      << "the population of 70 is unknown";
   EXPECT_THAT(doing(at(1, Action::disable, {By::type, "bto", {}, {}})),
               HasSubstr("unknown type \"bto\"; known: bot (did you mean \"bot\"?)"));
   EXPECT_THAT(doing(at(1, Action::enable, model("r9"))),
