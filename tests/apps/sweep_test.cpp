@@ -537,6 +537,9 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
   study.replace(study.find("\"for_s\": 1,"), 11, "");
   write("study.json", study);
   refused({"sweep", "study.json", "-o", "out"}, "error: no end time: give \"for_s\" in the study");
+  write("study.json", "{\"troupe_study\": 1,\n\"world\": \"wurld.json\", \"for_s\": 1}");
+  refused({"sweep", "study.json", "-o", "out"},
+          "study.json:2: error: /world: wurld.json: there is no such file\n");
 }
 
 }  // namespace

@@ -149,8 +149,11 @@ class StudyReader {
     if (const JsonNode* node = object.find("$schema"))
       read_text(JsonCursor(root, "$schema", *node), "the path of the JSON Schema");
     if (const JsonNode* node = object.require("world", "the path of a world file, relative to this file"))
-      if (const std::string* world = read_text(JsonCursor(root, "world", *node), "the path of a world file"))
+      if (const std::string* world =
+              read_text(JsonCursor(root, "world", *node), "the path of a world file")) {
         study_.world = file_.parent_path() / *world;
+        study_.where_world = node->where;
+      }
     if (const Value end = read_field(object, k_for); end.given()) study_.for_s = end.number();
     // Before the parameters: a list of values may contain equal values only if the study has samples.
     if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())

@@ -40,6 +40,7 @@ struct Study {
 
   Where where;                  ///< the study file, for messages
   std::filesystem::path world;  ///< path of the world file, already joined with the folder of the study
+  Where where_world;            ///< position of the key `world`, for messages
   /// Simulated time at which each run ends, s, unless a stop condition of the world ends it earlier. Empty:
   /// the quit time of the world (WorldSpec::quit_time_s).
   std::optional<double> for_s;
