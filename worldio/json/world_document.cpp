@@ -243,6 +243,13 @@ void read_measure_text(const JsonCursor& at, const std::string& text, const Regi
           fmt::format("\"{}\": expected the name of a type, a population or a robot after the colon", text));
   }
   const auto kind = k_measures.find(registry, measure.kind);
+  if (!kind && colon != text.npos && registry.plugged_measures)  // the plug-in may exist
+    return at.error(
+        registry
+            .plugged_measures(text.substr(0, text.find(':', colon + 1)),
+                              unknown_name("measure", measure.kind, sorted_names(registry.measures)))
+            .error()
+            .text);
   if (!kind) return at.error(kind.error().text);
   measure.params = kind->params->defaults();
   if (const std::vector<std::string> keys = required_keys(*kind->params); !keys.empty())
