@@ -197,6 +197,21 @@ void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>
   }
 }
 
+void check_replaced(const fs::path& file, const ReplacedType& type) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) return;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) refuse_output(file, fmt::format("the existing file cannot be read: {}", std::strerror(errno)));
+  std::string start(std::max(type.mark.size(), type.other.size()), '\0');
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  const bool is_other = !type.other.empty() && start.starts_with(type.other);
+  if (!is_other && (start.starts_with(type.mark) || type.mark.starts_with(start))) return;
+  refuse_output(
+      file,
+      fmt::format("the file exists and is not {}: choose another file name, or remove the file", type.name));
+}
+
 void add_inputs(const Simulation& simulation, std::vector<Input>& inputs) {
   if (simulation.resumed_at_tick()) return;  // a checkpoint contains its world
   for (const fs::path& file : input_files(simulation.world().spec()))
@@ -258,6 +273,8 @@ class HashLogOutput : public ClonedOutput<HashLogOutput> {
   std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
+    if (!simulation.resumed_at_tick())
+      check_replaced(file_, {.name = "a hash log (--hash-log)", .mark = k_hash_log_mark});
     return opening(std::make_unique<HashLog>(file_, simulation));
   }
 

@@ -42,6 +42,16 @@ struct Input {
 ///   frames/%06d.png is a file of its own.
 /// - No input and no other output has the name of a temporary file of the output (worldio::PartialFile).
 void check_outputs(const std::vector<Input>& inputs, const std::vector<std::filesystem::path>& outputs);
+/// A type of text file that a run writes and replaces without --force.
+struct ReplacedType {
+  std::string_view name;        ///< with its option, for messages: "a hash log (--hash-log)"
+  std::string_view mark;        ///< the beginning of each file of this type
+  std::string_view other = {};  ///< the longer beginning of files of another type that begin with `mark` too
+};
+/// Checks that replacing `file` by a new file of this type loses no file of another type. Throws OutputError
+/// if `file` is a regular file that does not begin with the mark of the type. Accepts an empty file and a
+/// file that ends within the mark, because a run that was killed may leave such a file. Changes nothing.
+void check_replaced(const std::filesystem::path& file, const ReplacedType& type);
 /// Appends the files of the world to `inputs`: all files that were read to load the simulation. Appends
 /// nothing for a simulation that was resumed from a checkpoint (saved state of a run).
 void add_inputs(const Simulation& simulation, std::vector<Input>& inputs);

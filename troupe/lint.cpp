@@ -393,9 +393,20 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
                                      found - k_most_listed == 1 ? " starts" : "s start"));
 }
 
-/// Warns of interventions that are later than the end of a run. An intervention exactly at the end is not
-/// reported.
+/// Warns of interventions that add several bodies at one pose, and of interventions that are later than the
+/// end of a run. An intervention exactly at the end is not reported.
 void Lint::check_interventions() {
+  for (const engine::InterventionSpec& intervention : spec_.experiment.at) {
+    if (intervention.action != engine::InterventionSpec::Action::add || !intervention.pose) continue;
+    const engine::ReserveSpec& reserve = spec_.reserves.at(*world_.reserve(intervention.whom.name));
+    const auto count = std::min<std::int64_t>(intervention.whom.count.value_or(reserve.count), reserve.count);
+    if (count > 1 && !world_.type(reserve.first).obstacle.empty())
+      diagnostics_.warning(
+          intervention.where,
+          fmt::format("this entry of \"at\" would add {} bodies at the same pose, where only one has room: "
+                      "give \"count\": 1, or \"region_m\" in place of \"pose\"",
+                      count));
+  }
   if (!spec_.quit_time_s) return;
   for (const engine::InterventionSpec& intervention : spec_.experiment.at)
     if (engine::ticks_until(intervention.time_s, spec_.tick_s) >

@@ -226,6 +226,7 @@ class ProfileOutput : public ClonedOutput<ProfileOutput> {
   std::vector<std::filesystem::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
+    check_replaced(file_, {.name = "a profile (--profile)", .mark = k_profile_mark});
     return [this, &simulation](Observers& observers) {
       observers.push_back(std::make_unique<Profile>(file_, simulation, limits_));
     };

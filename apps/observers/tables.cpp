@@ -206,6 +206,10 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
   std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
+    if (!simulation.resumed_at_tick())
+      check_replaced(
+          file_,
+          {.name = "a table of measures (--measures)", .mark = k_measures_mark, .other = k_events_mark});
     return opening(std::make_unique<MeasuresTable>(file_, simulation, Measures(simulation, names_),
                                                    interval(simulation)));
   }
@@ -252,6 +256,8 @@ class EventsOutput : public ClonedOutput<EventsOutput> {
   std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
+    if (!simulation.resumed_at_tick())
+      check_replaced(file_, {.name = "a table of events (--events)", .mark = k_events_mark});
     return opening(std::make_unique<EventsTable>(file_, simulation));
   }
 

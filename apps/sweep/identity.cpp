@@ -119,6 +119,10 @@ std::string at_parameters(const Study& study, const std::string& errors, const D
 
 SweepIdentity identify(const worldio::Study& study, const SweepOptions& options, bool shows_warnings,
                        Diagnostics& diagnostics) {
+  if (const Result<> readable = worldio::check_readable(study.world); !readable)
+    diagnostics.error(study.where_world,
+                      fmt::format("/world: {}: {}", study.world.string(), readable.error().text));
+  diagnostics.throw_if_errors();
   SweepIdentity identity;
   try {
     identity = unchecked_identity(study, options, shows_warnings);

@@ -279,6 +279,12 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
                               spec.whom.name)
                 : unknown_name("population with a reserve", spec.whom.name, known));
     }
+    if (spec.pose && !state_.bounds().contains(spec.pose->position()))
+      error(fmt::format("a body of \"{}\" would be added at x {}, y {} (m), {}", spec.whom.name, spec.pose->x,
+                        spec.pose->y, outside_text(state_.bounds())));
+    if (spec.region && !spec.region->touches(state_.bounds()))
+      error(fmt::format("\"region_m\", in which bodies of \"{}\" would be added, is {}", spec.whom.name,
+                        outside_text(state_.bounds())));
     if (!spec.pose && !spec.region && !state_.spec.bounds)
       error("\"add\" needs \"region_m\" or \"pose\", because the world has no bounds");
     return;

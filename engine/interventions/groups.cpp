@@ -62,8 +62,9 @@ std::string Groups::text_of_unknown(const GroupSpec& group) const {
     const std::string name = spec.name(BodyId(b));
     if (group.by == By::type) known.insert(world_.type(BodyId(b)).name);
     if (group.by == By::model) known.insert(name);
-    if (group.by == By::population && without_number(name).size() < name.size())
-      known.emplace(without_number(name));
+    const std::string_view population = without_number(name);  // empty if the name is a number
+    if (group.by == By::population && !population.empty() && population.size() < name.size())
+      known.emplace(population);
   }
   constexpr std::array<std::string_view, 3> k_what{"population", "type", "model"};
   return unknown_name(k_what[static_cast<std::size_t>(group.by)], group.name,

@@ -1,7 +1,10 @@
 #include "tests/apps/program.hpp"
 #include "tests/support/scenes.hpp"
 
+#include <fmt/format.h>
+
 #include <ostream>
+#include <utility>
 
 namespace troupe::apps {
 namespace {
@@ -451,6 +454,29 @@ TEST_F(LintTest, ReportsInterventionsAfterTheEndOfTheRun) {
           "late.json:6: warning: this entry of \"at\" has no effect unless --for makes the run longer: "
           "its time is 12.5 s, but \"quit_time_s\" ends the run at 10 s",
           "late.json: 1 finding"));
+}
+
+TEST_F(LintTest, ReportsInterventionsThatAddSeveralBodiesAtOnePose) {
+  const auto world = [](const std::string& count, const std::string& obstacle = "true") {
+    return R"({ "troupe": 1, "tick_s": 0.1,
+  "types": {"dog": {"size_m": [0.4, 0.4, 0.3], "obstacle": )" +
+           obstacle + R"(, "drive": {"kind": "diff"}}},
+  "populations": [{"name": "d", "type": "dog", "count": 1, "reserve": 5,
+    "place": {"rule": "grid", "region_m": [[0, 0], [0, 0]], "pitch_m": 1}}],
+  "at": [
+    {"time_s": 3, "add": {"population": "d", )" +
+           count + R"("pose": {"x_m": 4}}} ] })";
+  };
+  expect_nothing("one.json", world("\"count\": 1, "));
+  expect_nothing("through.json", world("", "false"));
+  for (const auto& [count, number] : {std::pair("", "5"), std::pair("\"count\": 2, ", "2")})
+    EXPECT_THAT(
+        findings("many.json", world(count)),
+        ElementsAre(fmt::format("many.json:6: warning: this entry of \"at\" would add {} bodies at the "
+                                "same pose, where only one has room: give \"count\": 1, or "
+                                "\"region_m\" in place of \"pose\"",
+                                number),
+                    "many.json: 1 finding"));
 }
 
 TEST_F(LintTest, HelpTellsWhatIsReportedAndTheExitCodes) {

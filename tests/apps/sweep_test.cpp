@@ -497,6 +497,17 @@ TEST_F(Sweep, LongErrorsAreCutInHdf5) {
   EXPECT_LE(errors[1].size(), 200u);
 }
 
+TEST_F(Sweep, MayNameMeasuresOfTheWorld) {
+  std::string world(k_world);
+  world.insert(
+      1, R"("measures": [{"kind": "share_within", "center_m": [0, 0], "radius_m": 9, "name": "in_nest"}], )");
+  write("w.json", world);
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 0.2, "measures": ["in_nest"]})");
+  const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(lines_of(table("out"))[0], HasSubstr(",in_nest"));
+}
+
 TEST_F(Sweep, ListsTheRunsAndMakesNone) {
   const Outcome outcome = troupe({"sweep", "study.json", "--list"});
   EXPECT_EQ(outcome.code, 0);
@@ -537,6 +548,9 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
   study.replace(study.find("\"for_s\": 1,"), 11, "");
   write("study.json", study);
   refused({"sweep", "study.json", "-o", "out"}, "error: no end time: give \"for_s\" in the study");
+  write("study.json", "{\"troupe_study\": 1,\n\"world\": \"wurld.json\", \"for_s\": 1}");
+  refused({"sweep", "study.json", "-o", "out"},
+          "study.json:2: error: /world: wurld.json: there is no such file\n");
 }
 
 }  // namespace

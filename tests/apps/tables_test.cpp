@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -249,11 +250,46 @@ TEST_F(Tables, WhatCannotBeMeasuredIsRefusedBeforeTheRun) {
 }
 
 TEST_F(Tables, AnExistingTableIsOverwrittenLikeAHashLog) {
-  write("m.csv", "old\n");
-  write("e.csv", std::string(100000, 'x'));
-  run({"--for", "0.1", "--measures", "m.csv", "--measure", "order", "--events", "e.csv"});
-  EXPECT_THAT(lines_of(read("m.csv")), ElementsAre("tick,time_s,order", StartsWith("0,0,")));
-  EXPECT_THAT(lines_of(read("e.csv")).front(), StartsWith("tick,time_s,event,"));
+  const std::string events = "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id\n";
+  for (const auto& [m, e, h, p] : std::vector<std::array<std::string, 4>>{
+           {"tick,time_s,stalls\n0,0,1\n", events + std::string(100000, 'x'), "# troupe hash log 1\n# old\n",
+            "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\nold"},
+           {"", "", "", ""},
+           {"tick,ti", "tick,time_s,ev", "# tro", "{\"disp"}}) {  // runs that were killed
+    write("m.csv", m);
+    write("e.csv", e);
+    write("h.log", h);
+    write("p.json", p);
+    run({"--for", "0.1", "--measures", "m.csv", "--measure", "order", "--events", "e.csv", "--hash-log",
+         "h.log", "--profile", "p.json"});
+    EXPECT_THAT(lines_of(read("m.csv")), ElementsAre("tick,time_s,order", StartsWith("0,0,")));
+    EXPECT_THAT(read("e.csv"), AllOf(StartsWith(events), ::testing::Not(HasSubstr("xxx"))));
+    EXPECT_THAT(read("h.log"), StartsWith("# troupe hash log 1\n# version: "));
+    EXPECT_THAT(read("p.json"),
+                AllOf(StartsWith("{\"displayTimeUnit\""), ::testing::Not(HasSubstr("\nold"))));
+  }
+}
+
+TEST_F(Tables, AnExistingFileOfAnotherTypeIsKept) {
+  const std::string measures = "tick,time_s,stalls\n0,0,1\n", events = "tick,time_s,event,robot,id\n";
+  const std::vector<std::array<std::string, 4>> cases{
+      {"--events", "study.json", "{\"troupe_study\": 1}\n", "a table of events (--events)"},
+      {"--events", "m.csv", measures, "a table of events (--events)"},
+      {"--events", "n", "n", "a table of events (--events)"},
+      {"--measures", "e.csv", events, "a table of measures (--measures)"},
+      {"--measures", "t.csv", "tick,robot\n", "a table of measures (--measures)"},
+      {"--hash-log", "house.pgm", "P5 1 1 255\n0", "a hash log (--hash-log)"},
+      {"--profile", "w.json", "{\"troupe\": 1}\n", "a profile (--profile)"},
+  };
+  for (const auto& [option, file, text, type] : cases) {
+    write(file, text);
+    refused({"--snapshot", "new.png", option, file},
+            fmt::format("{}: error: cannot be written: the file exists and is not {}: choose another file "
+                        "name, or remove the file",
+                        file, type));
+    EXPECT_EQ(read(file), text);
+  }
+  run({"--for", "0.1", "--measures", "/dev/null", "--events", "/dev/null", "--hash-log", "/dev/null"});
 }
 
 TEST_F(Tables, AFullDiskIsAFailureAndNotASuccess) {

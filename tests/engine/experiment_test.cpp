@@ -511,6 +511,12 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   };
   EXPECT_THAT(doing(at(1, Action::remove, population("rs"))),
               HasSubstr("w.json:7: error: /at/0: unknown population \"rs\"; known: r"));
+  EXPECT_THAT(errors([&](Squad& row) {
+                row.scene.body("70", row.type, {3, 3, 0, 0});
+                row.scene.spec.experiment.at = {at(1, Action::remove, population("q"))};
+              }),
+              HasSubstr("unknown population \"q\"; known: r"))
+      << "the population of 70 is unknown";
   EXPECT_THAT(doing(at(1, Action::disable, {By::type, "bto", {}, {}})),
               HasSubstr("unknown type \"bto\"; known: bot (did you mean \"bot\"?)"));
   EXPECT_THAT(doing(at(1, Action::enable, model("r9"))),
@@ -525,6 +531,24 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   outside.pose = Pose{1e6, 0, 0, 0};
   EXPECT_THAT(doing(outside),
               HasSubstr("\"r0\" would be moved to x 1000000, y 0 (m), outside the world's bounds ("));
+  const auto adding = [&](const std::optional<Pose>& pose, const std::optional<Box>& region) {
+    return errors([&](Squad& row) {
+      row.scene.spec.bounds = Box::around(Vec2(0, 0), 10);
+      row.scene.spec.reserves.push_back({"more", BodyId(row.scene.spec.bodies.size()), 1});
+      row.scene.body("more0", row.type);
+      InterventionSpec& add =
+          row.scene.spec.experiment.at.emplace_back(at(1, Action::add, population("more")));
+      add.pose = pose;
+      add.region = region;
+    });
+  };
+  EXPECT_THAT(adding(Pose{50, 0, 0, 0}, {}),
+              HasSubstr("w.json:7: error: /at/0: at 1 s: a body of \"more\" would be added at x 50, y 0 (m), "
+                        "outside the world's bounds (x -10 to 10, y -10 to 10 m)"));
+  EXPECT_THAT(adding({}, Box::around(Vec2(12, 0), 1)),
+              HasSubstr("w.json:7: error: /at/0: at 1 s: \"region_m\", in which bodies of \"more\" would be "
+                        "added, is outside the world's bounds (x -10 to 10, y -10 to 10 m)"));
+  EXPECT_EQ(adding({}, Box::around(Vec2(10, 0), 1)), "no error") << "partly inside";
   const FieldTable& drive = test::registry().drive("diff")->params;
   EXPECT_THAT(
       doing(setting(1, TypeId(1), SettingSpec::Of::drive, drive, "velocity_max_x", -2.0)),

@@ -122,6 +122,10 @@ TEST_F(PluginProgram, MeasuresWithThem) {
   const Outcome missing = run(with({"--measures", "n.csv", "--measure", "crowd:beyondd"}));
   EXPECT_EQ(missing.code, 2);
   EXPECT_THAT(missing.err, HasSubstr("crowd"));
+  const Outcome misspelt = run(with({"--measures", "n.csv", "--measure", "thrower:measure_sen"}));
+  EXPECT_EQ(misspelt.code, 2);
+  EXPECT_THAT(misspelt.err, AllOf(HasSubstr("thrower.so has no measure \"thrower:measure_sen\"; it has: "),
+                                  HasSubstr("(did you mean \"thrower:measure_seen\"?)")));
   const Outcome nowhere = run({"--measure", "crowd", "--measures", "n.csv", "--plugin-path", "/nowhere"});
   EXPECT_EQ(nowhere.code, 2);
 }

@@ -72,6 +72,24 @@ TEST(ExperimentJson, ConditionsAreRead) {
   EXPECT_EQ(conditions[0].measure.where.line, 10u);
 }
 
+TEST(ExperimentJson, ConditionsMayNameMeasuresOfTheWorld) {
+  const Loaded loaded(R"("measures": [{"kind": "coverage", "cell_m": 0.5, "name": "fine"},
+    {"kind": "coverage", "cell_m": 0.25, "name": "stalls"}],
+    "stop_when": ["fine >= 0.9", "stalls > 3"])");
+  ASSERT_THAT(loaded.found, IsEmpty());
+  const auto& conditions = loaded.spec.experiment.stop_when;
+  ASSERT_EQ(conditions.size(), 2u);
+  EXPECT_EQ(engine::text_of(conditions[0]), "fine >= 0.9");
+  EXPECT_EQ(conditions[0].measure.kind, "coverage");
+  EXPECT_EQ(conditions[0].measure.params, (engine::Record{0.5}));
+  EXPECT_EQ(conditions[0].measure.where.line, 12u);
+  EXPECT_EQ(conditions[1].measure.kind, "stalls") << "kinds of measures come first";
+
+  const Loaded wrong(R"("measures": [{"kind": "coverage", "cell": 0.5, "name": "fine"}],
+    "stop_when": ["fine >= 0.9"])");
+  EXPECT_THAT(wrong.found, ElementsAre(HasSubstr("maze.json:10: error: /measures/0: ")));
+}
+
 TEST(ExperimentJson, WrongConditionsAreTold) {
   const auto found = [](const std::string& condition) {
     const Loaded loaded("\"stop_when\": [\n" + condition + "]");

@@ -316,7 +316,8 @@ TEST_F(StageWorld, RefusesBrokenBlocks) {
 TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
   load(
       "model( block( points 4 point[1] [1 0] point[2] [1 1]\n point[7] [3 3] ) )\n"
-      "model( block( points 3 point[0] [0 0] point[1] [1 1] point[2] [2 2] z [0 1] ) )\n");
+      "model( block( points 3 point[0] [0 0] point[1] [1 1] point[2] [2 2] z [0 1] ) )\n"
+      "model( block( points 4 point[0] [0 0] point[1] [1 1] point[2] [1 0] point[3] [0 1] z [0 1] ) )\n");
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:2: warning: \"point[7]\" is ignored: the block has 4 corners, numbered from 0",
@@ -324,7 +325,9 @@ TEST_F(StageWorld, WarnsOfDoubtfulBlocks) {
                   "without this property is at [0 0]: give all properties from \"point[0]\" to \"point[3]\"",
                   "w.world:1: warning: this block has no height: give the block a \"z\" [min max], with min "
                   "below max",
-                  "w.world:3: warning: this block has no area: check its corners, \"point[k]\""));
+                  "w.world:3: warning: this block has no area: check its corners, \"point[k]\"",
+                  "w.world:4: warning: the outline of this block crosses or touches itself: check the order "
+                  "of its corners, \"point[k]\""));
 }
 
 TEST_F(StageWorld, IgnoresPointsBelowTheFirst) {

@@ -202,6 +202,14 @@ std::optional<Box> read_box(const JsonCursor& at) {
   return std::nullopt;
 }
 
+bool is_on_one_line(const Ring& ring) {
+  constexpr double k_flat = 1e-12;  // tolerance for rounding errors, relative to the extent
+  const double widest = bounds(ring).size().maxCoeff();
+  return std::ranges::all_of(ring, [&](const Vec2& p) {
+    return std::abs(cross(ring[1] - ring[0], p - ring[0])) <= k_flat * widest * widest;
+  });
+}
+
 Result<> check_outline(const Ring& ring) {
   const std::size_t n = ring.size();
   const auto at = [&](std::size_t i) -> const Vec2& { return ring[i % n]; };
@@ -213,12 +221,7 @@ Result<> check_outline(const Ring& ring) {
                                      i + 1, i)
                        : "the last point repeats the first: omit the last point, because outlines are "
                          "closed automatically"};
-  constexpr double k_flat = 1e-12;  // tolerance for rounding errors, relative to the extent
-  const double widest = bounds(ring).size().maxCoeff();
-  if (std::ranges::all_of(ring, [&](const Vec2& p) {
-        return std::abs(cross(ring[1] - ring[0], p - ring[0])) <= k_flat * widest * widest;
-      }))
-    return Error{"the outline has no area: all its points lie on one line"};
+  if (is_on_one_line(ring)) return Error{"the outline has no area: all its points lie on one line"};
   for (std::size_t i = 0; i < n; ++i)
     if (turn(at(i), at(i + 1), at(i + 2)) == 0 && (at(i + 1) - at(i)).dot(at(i + 2) - at(i + 1)) < 0)
       return Error{fmt::format(

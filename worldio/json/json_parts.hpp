@@ -42,6 +42,8 @@ JsonNode points_node(std::span<const Vec2> points);
 /// maximum, reports an error and returns nothing.
 std::optional<Box> read_box(const JsonCursor& at);
 
+/// Whether all points of a ring, at least two, lie on one line, within rounding errors.
+bool is_on_one_line(const Ring& ring);
 /// Checks that a ring, which must not be empty, can be the outline of a block. Returns an error if
 /// - two successive points are equal (the first point follows the last),
 /// - all points lie on one line,

@@ -149,8 +149,11 @@ class StudyReader {
     if (const JsonNode* node = object.find("$schema"))
       read_text(JsonCursor(root, "$schema", *node), "the path of the JSON Schema");
     if (const JsonNode* node = object.require("world", "the path of a world file, relative to this file"))
-      if (const std::string* world = read_text(JsonCursor(root, "world", *node), "the path of a world file"))
+      if (const std::string* world =
+              read_text(JsonCursor(root, "world", *node), "the path of a world file")) {
         study_.world = file_.parent_path() / *world;
+        study_.where_world = node->where;
+      }
     if (const Value end = read_field(object, k_for); end.given()) study_.for_s = end.number();
     // Before the parameters: a list of values may contain equal values only if the study has samples.
     if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
@@ -342,9 +345,27 @@ void StudyReader::read_seeds(JsonObject& object) {
     study_.seeds.push_back(static_cast<std::uint64_t>(seeds->from + i));
 }
 
+/// Whether the list `measures` of a JSON world has an entry with the key `name`. False if the world cannot be
+/// read, which is reported when it is loaded.
+bool lists_measure(const std::filesystem::path& world, std::string_view name) {
+  if (!check_readable(world, k_most_input_bytes)) return false;
+  const std::optional<std::string> text = read_file(world);
+  if (!text) return false;
+  Diagnostics ignored;
+  const std::optional<JsonNode> document = parse_json(*text, {}, true, ignored);
+  const JsonNode* measures = document ? document->find("measures") : nullptr;
+  return measures && measures->list() && std::ranges::any_of(*measures->list(), [&](const JsonNode& entry) {
+           const JsonNode* given = entry.find("name");
+           return given && given->text() && *given->text() == name;
+         });
+}
+
 void StudyReader::read_measures(JsonObject& object) {
   each(object, "measures", [&](const JsonCursor& at) {
-    if (!read_measure(at, registry_)) return;
+    const std::string* text = at.node().text();
+    const bool is_of_world = text && !registry_.find_measure(text->substr(0, text->find(':'))) &&
+                             lists_measure(study_.world, *text);
+    if (!is_of_world && !read_measure(at, registry_)) return;
     study_.measures.push_back(at.node().text() ? *at.node().text() : option_text(at.node()));
   });
   each(object, "statistics", [&](const JsonCursor& at) {

@@ -40,12 +40,14 @@ struct Study {
 
   Where where;                  ///< the study file, for messages
   std::filesystem::path world;  ///< path of the world file, already joined with the folder of the study
+  Where where_world;            ///< position of the key `world`, for messages
   /// Simulated time at which each run ends, s, unless a stop condition of the world ends it earlier. Empty:
   /// the quit time of the world (WorldSpec::quit_time_s).
   std::optional<double> for_s;
   std::vector<Parameter> parameters;  ///< the varied values, in the order of their columns
-  /// Measures, each as text that parse_measure() reads, such as "stalls:leaders" or a JSON object. Empty: the
-  /// measures of the world or, if it has none, all measures that need no parameters.
+  /// Measures, each as text that parse_measure() reads, such as "stalls:leaders" or a JSON object, or as the
+  /// name of a measure that the world lists. Empty: the measures of the world or, if it has none, all
+  /// measures that need no parameters.
   std::vector<std::string> measures;
   std::vector<Statistic> statistics;  ///< the statistics of each measure; load_study() sets at least one
   double measure_every_s = 1;  ///< simulated time between measurements, s; 0: every tick (simulation step)

@@ -8,6 +8,7 @@
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
+#include "worldio/json/read_document.hpp"
 #include "worldio/json/wall_line.hpp"
 #include "worldio/load.hpp"
 #include "worldio/window_fields.hpp"
@@ -243,6 +244,13 @@ void read_measure_text(const JsonCursor& at, const std::string& text, const Regi
           fmt::format("\"{}\": expected the name of a type, a population or a robot after the colon", text));
   }
   const auto kind = k_measures.find(registry, measure.kind);
+  if (!kind && colon != text.npos && registry.plugged_measures)  // the plug-in may exist
+    return at.error(
+        registry
+            .plugged_measures(text.substr(0, text.find(':', colon + 1)),
+                              unknown_name("measure", measure.kind, sorted_names(registry.measures)))
+            .error()
+            .text);
   if (!kind) return at.error(kind.error().text);
   measure.params = kind->params->defaults();
   if (const std::vector<std::string> keys = required_keys(*kind->params); !keys.empty())
@@ -279,6 +287,23 @@ constexpr std::string_view k_condition =
     "a condition on a measure, as in \"coverage >= 0.9\", with one of <, <=, >, >=, ==, != and a number";
 constexpr std::string_view k_comparison_pattern = "(<|<=|>|>=|==|!=) *[-+0-9.eE]+ *$";
 
+/// Returns the entry of the world's list `measures` with the key `name`, for the condition at `at`. Returns
+/// nothing if there is none, or if `name` is the name of a kind of measure.
+std::optional<MeasureDocument> measure_of_world(const JsonCursor& at, const std::string& name,
+                                                const Registry& registry) {
+  const JsonCursor* world = at.parent() ? at.parent()->parent() : nullptr;
+  const JsonNode* measures = world ? world->node().find("measures") : nullptr;
+  if (!measures || !measures->list()) return std::nullopt;
+  for (const JsonNode& entry : *measures->list()) {
+    const JsonNode* given = entry.find("name");
+    if (!given || !given->text() || *given->text() != name) continue;
+    if (registry.find_measure(name) || registry.find_measure(name.substr(0, name.find(':')))) break;
+    Diagnostics reported;  // errors of the entry are reported where the list `measures` is read
+    return read_document<MeasureDocument>(JsonCursor(entry, reported), {registry, LoadOptions().most_bodies});
+  }
+  return std::nullopt;
+}
+
 void read_condition_text(const JsonCursor& at, const std::string& text, const Registry& registry,
                          void* object) {
   auto& condition = *static_cast<ConditionDocument*>(object);
@@ -287,9 +312,10 @@ void read_condition_text(const JsonCursor& at, const std::string& text, const Re
   const std::string_view compares = trimmed(std::string_view(text).substr(sign));
   if (compares.empty() || name.empty()) return at.expected(k_condition);
   const std::size_t before = at.diagnostics().findings().size();
-  MeasureDocument& measure = condition.measure.emplace();
+  const std::optional<MeasureDocument> listed = measure_of_world(at, name, registry);
+  MeasureDocument& measure = condition.measure.emplace(listed.value_or(MeasureDocument()));
   measure.where = at.where();
-  read_measure_text(at, name, registry, &measure);
+  if (!listed) read_measure_text(at, name, registry, &measure);
   if (at.diagnostics().findings().size() > before) return;
   condition.is = read_comparison(at, compares);
 }

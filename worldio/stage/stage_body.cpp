@@ -173,7 +173,12 @@ void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids)
                     "property is at [0 0]: give all properties from \"point[0]\" to \"point[{}]\"",
                     missing, *count, *count - 1));
   const double area = signed_area(ring);
-  if (area == 0) values_.warning(block.where, "this block has no area: check its corners, \"point[k]\"");
+  // The parts of an outline that crosses itself may have opposite signed areas.
+  if (area == 0)
+    values_.warning(block.where, is_on_one_line(ring)
+                                     ? "this block has no area: check its corners, \"point[k]\""
+                                     : "the outline of this block crosses or touches itself: check the order "
+                                       "of its corners, \"point[k]\"");
   if (area < 0) std::ranges::reverse(ring);
 
   ZInterval z;
