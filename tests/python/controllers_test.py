@@ -616,7 +616,10 @@ except KeyboardInterrupt:
              f"my.py:{class_line + 6}: error: roam.decide(robots): expected decide(self, robots)"),
             (('memory["steps"] += 1', 'memory["steps"] = memory["steps"] + 0.5'), 1,
              "my.py:14: TypeError: memory['steps'] has the type uint32, which cannot store values of the type float64"),
-            (("class roam(troupe.Controller)", "class roam"), 2, "has the script a controller?"),
+            (("class roam(troupe.Controller)", "class roam"), 2,
+             f'my.py:{class_line}: error: class "roam" has decide(), but is not a troupe.Controller: write '
+             "class roam(troupe.Controller), or"),
+            (("", ""), 2, "has the script a controller?"),
         ):
             if text.startswith("has the script"):
                 self.write("my.py", "import troupe\n")
@@ -626,6 +629,9 @@ except KeyboardInterrupt:
                 found = self.error_of(change, code)
             with self.subTest(text):
                 self.assertIn(text, found)
+        shared = "class Shared:\n    def decide(self, robots): pass\nclass own(Shared, troupe.Controller): pass\n"
+        self.write("my.py", "import troupe\n" + shared)  # a base of a controller need not be one
+        self.troupe("run", "w.json", "--controller", "my.py")
         found = self.troupe("run", "w.json", "--controller", "none.py", code=2).stderr
         self.assertIn("none.py: error: cannot be read: No such file or directory", found)
         self.write("command.py", ROAM.replace("class roam", "class command"))
