@@ -101,9 +101,14 @@ class Loading(InAFolder):
         self.assertEqual(type(caught.exception).__module__, "troupe")
         findings = caught.exception.findings
         self.assertEqual(len(findings), 2, findings)
-        self.assertRegex(findings[0], r'^made\.json:\d+: error: /types/bot/drive/kind: unknown drive "hover"; known: ')
+        self.assertRegex(findings[0], r'^made\.json: error: /types/bot/drive/kind: unknown drive "hover"; known: ')
         self.assertIn("/types/cart/size_m", findings[1])
         self.assertEqual(str(caught.exception), "\n".join(findings))
+        first = ROOM["populations"][0]
+        with self.assertRaisesRegex(troupe.InputError, '^<dict>.json: error: /populations/1: unknown key "sed"'):
+            troupe.Simulation({**ROOM, "populations": [first, {**first, "name": "s", "sed": 1}]})
+        with self.assertRaisesRegex(troupe.InputError, "^<text>.json:1: error: "):
+            troupe.Simulation.from_text('{"troupe": 1, "sed": 1}')
         with self.assertRaisesRegex(troupe.InputError, "^none.world: error: there is no such file$"):
             troupe.Simulation("none.world")
         with self.assertRaisesRegex(ValueError, 'unknown ranging "gird"; known: exact, grid'):

@@ -47,6 +47,8 @@ class Batch:
         for index, team in enumerate(self.teams):
             check_team(team)
             team.name = team.name or f"team{index}"
+        if isinstance(task.world, dict):
+            options.setdefault("name", f"<{type(task).__name__}>.json")
         simulation = Simulation(copy.deepcopy(task.world), threads=1, **options)
         spec = {
             "copies": copies,
