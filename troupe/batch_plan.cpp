@@ -157,8 +157,8 @@ void BatchEnv::Impl::plan_actions(TeamData& team, Simulation& simulation, BodyId
   }
 }
 
-/// Appends to TeamData::actions_plan an action that commands the drive. drive: the kind of the drive of the robots;
-/// empty: they have none.
+/// Appends to TeamData::actions_plan an action that commands the drive. drive: the kind of the drive of the
+/// robots; empty: they have none.
 void BatchEnv::Impl::plan_drive_action(const BatchAction& action, std::string_view drive, TeamData& team) {
   constexpr std::array<std::string_view, k_drive> k_commands{"forward", "left", "turn"};
   const auto found = std::ranges::find(k_commands, action.command);
@@ -172,9 +172,10 @@ void BatchEnv::Impl::plan_drive_action(const BatchAction& action, std::string_vi
                     "no drive: give the action a device",
                     team.spec->name));
   if (action.command == "left" && (drive == "diff" || drive == "car"))
-    refuse(fmt::format("team \"{}\": the action \"left\" has no effect on the drive \"{}\" of the robots, which "
-                       "cannot move sideways: remove the action, or give the robots the drive \"omni\"",
-                       team.spec->name, drive));
+    refuse(
+        fmt::format("team \"{}\": the action \"left\" has no effect on the drive \"{}\" of the robots, which "
+                    "cannot move sideways: remove the action, or give the robots the drive \"omni\"",
+                    team.spec->name, drive));
   team.drives = true;
   team.actions_plan.push_back({.command = static_cast<std::size_t>(found - k_commands.begin()),
                                .low = action.low,
