@@ -420,6 +420,13 @@ class Controllers(InAFolder):
                     "--hash-log", "set.log")
         self.assertNotEqual(self.hashes("slow.log"), self.hashes("same.log"))
         self.assertEqual(self.hashes("slow.log"), self.hashes("set.log"))
+        self.write("wander.json", WORLD.replace('"devices"', '"controller": {"kind": "wander"}, "devices"'))
+        found = self.troupe("run", "wander.json", *script, "--set", "/types/bot/controller/cruise=0.2", code=2).stderr
+        self.assertIn('unknown key "cruise"', found)
+        self.assertIn('--set /types/bot/controller/cruise: error: to set "cruise" of the controller of my.py, the world must '
+                      'name it: "controller": {"kind": "my"}\n', found)
+        found = self.troupe("run", "wander.json", *script, "--set", "/types/bot/controller/cruse=0.2", code=2).stderr
+        self.assertNotIn("must name it", found)
         self.assertIn("  cruise  0.3      number\n", self.troupe("describe", "my", "--controller", "my.py").stdout)
 
     def test_parameters_that_cannot_be_are_errors_with_their_line(self):
