@@ -186,9 +186,11 @@ class Members {
       throw py::type_error(fmt::format("{}: must be a dict, found {}", what_, std::string(py::repr(given))));
     members_ = py::reinterpret_steal<py::dict>(PyDict_Copy(given.ptr()));
   }
+  /// Adds a name to those that the error of finish() lists.
+  void know(const char* name) { known_.emplace_back(name); }
   template <class T>
   void read(const char* name, T& into) {
-    known_.emplace_back(name);
+    know(name);
     if (!members_.contains(name)) return;
     const py::object value = members_.attr("pop")(name);
     try {
@@ -234,6 +236,7 @@ BatchPart part_of(const std::string& what, const py::handle& given) {
   members.read("count", part.count);
   members.read("range_m", part.range_m);
   members.read("scale", part.scale);
+  for (const char* name : {"low", "high", "shape"}) members.know(name);  // troupe.envs uses and removes these
   members.finish();
   const auto found = std::ranges::find(k_names, of);
   if (found == k_names.end())

@@ -59,6 +59,29 @@ void refuse(std::string_view name, const py::array& given, std::size_t robots, s
                                     std::string(py::str(given.attr("shape"))), robots, wanted));
 }
 
+void require_numbers(std::string_view name, const py::array& given) {
+  constexpr std::string_view k_numbers =
+      "biufO";  // kinds of NumPy types; Python objects are converted one by one
+  if (k_numbers.find(given.dtype().kind()) == std::string_view::npos)
+    throw py::type_error(
+        fmt::format("{}: found {}: give numbers", name, std::string(py::repr(given.attr("tolist")()))));
+}
+
+Column::Column(std::string_view name, const py::object& given, std::size_t robots) : name_(name) {
+  const py::array values = py::array::ensure(given);
+  if (values) {
+    require_numbers(name, values);
+    numbers_ = Numbers::ensure(values);
+  }
+  if (!values || !numbers_)
+    throw py::type_error(
+        fmt::format("{}: found {}: give one number, or one per robot", name, std::string(py::repr(given))));
+  if (numbers_.ndim() > 1 || (numbers_.ndim() == 1 && static_cast<std::size_t>(numbers_.size()) != robots))
+    refuse(name, numbers_, robots, "one number, or one per robot");
+  first_ = numbers_.data();
+  step_ = numbers_.ndim() == 0 ? 0 : 1;
+}
+
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots) {
   if (!where) return {};
   const py::array given(*where);
@@ -94,12 +117,23 @@ const engine::StateField& command_field(std::span<const engine::StateField> fiel
 }
 
 py::array converted(const engine::StateField& field, const py::array& given, const py::handle& value) {
+  require_numbers(field.name, given);
   py::array made = given.attr("astype")(dtype_of(field.element));
   const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
   if (is_whole && !py::module_::import("numpy").attr("array_equal")(made, given).cast<bool>())
     throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
                                       engine::element_name(field.element), std::string(py::str(value))));
   return made;
+}
+
+void refuse_nan(const engine::StateField& field, const py::array& rows, std::span<const std::uint8_t> mask) {
+  if (field.element != engine::Element::f64 && field.element != engine::Element::f32) return;
+  const py::array marks = py::module_::import("numpy").attr("isnan")(rows);
+  const auto* marked = static_cast<const bool*>(marks.data());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(marks.size()); ++k)
+    if (const std::size_t i = k / field.columns; marked[k] && (mask.empty() || mask[i] != 0))
+      throw py::value_error(fmt::format("\"{}\"{} is nan: give a number", field.name,
+                                        rows.ndim() == 2 ? fmt::format(" of row {}", i) : ""));
 }
 
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots) {

@@ -21,6 +21,10 @@
 namespace troupe::python {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
+/// Throws TypeError if the elements of an array are not numbers, such as texts, which NumPy would convert.
+/// name: name of the argument.
+void require_numbers(std::string_view name, const py::array& given);
+
 using Where = std::optional<py::object>;
 
 /// Throws ValueError for an argument of a wrong shape. name: name of the argument; given: its value; robots:
@@ -29,15 +33,12 @@ using Where = std::optional<py::object>;
                          std::string_view wanted);
 
 /// An argument of a command for a swarm: one number for all robots, or one number per robot. Element i is the
-/// number for robot i. The object refers to the memory of the array.
+/// number for robot i.
 class Column {
  public:
-  /// name: name of the argument, for errors; must outlive the object
-  Column(std::string_view name, const Numbers& numbers, std::size_t robots)
-      : name_(name), first_(numbers.data()), step_(numbers.ndim() == 0 ? 0 : 1) {
-    if (numbers.ndim() > 1 || (numbers.ndim() == 1 && static_cast<std::size_t>(numbers.size()) != robots))
-      refuse(name, numbers, robots, "one number, or one per robot");
-  }
+  /// name: name of the argument, for errors; must outlive the object. Throws TypeError for a value that is
+  /// not a number or an array of numbers, and ValueError for an array of a wrong shape.
+  Column(std::string_view name, const py::object& given, std::size_t robots);
   double operator[](std::size_t i) const { return first_[i * step_]; }
   /// Throws ValueError if the number for robot i is infinite or NaN.
   void check_finite(std::size_t i) const {
@@ -47,8 +48,9 @@ class Column {
 
  private:
   std::string_view name_;
-  const double* first_;
-  std::size_t step_;
+  Numbers numbers_;  ///< holds the memory of `first_`
+  const double* first_ = nullptr;
+  std::size_t step_ = 0;
 };
 
 /// Converts the Python argument `where`, which selects the robots that get a command. It is an array or a
@@ -71,8 +73,13 @@ const engine::StateField& command_field(std::span<const engine::StateField> fiel
 
 /// Converts an array to the element type of a field. value: the Python value that the array was made from,
 /// for the text of the error. Throws ValueError if the field has integers and a number is not exactly
-/// representable.
+/// representable, and TypeError if an element is not a number.
 py::array converted(const engine::StateField& field, const py::array& given, const py::handle& value);
+/// Throws ValueError if an element of `rows`, values of a field of a command, is NaN. rows: a contiguous
+/// array with one row per robot, or the row of one robot. mask: as mask_of() returns it; rows of other robots
+/// are not checked.
+void refuse_nan(const engine::StateField& field, const py::array& rows,
+                std::span<const std::uint8_t> mask = {});
 /// Converts a Python value to the values of a field of a command: an array of the shape (robots, columns)
 /// with the element type of the field. The value may be:
 /// - a single number, for all elements
@@ -80,8 +87,8 @@ py::array converted(const engine::StateField& field, const py::array& given, con
 /// - an array of one row per robot
 /// - a `bytes`, `bytearray` or `memoryview` object, or a list of them, instead of rows of bytes. Short ones
 ///   are padded with zeros.
-/// Throws ValueError if the value has another shape, if a `bytes` object is too long, or if the field has
-/// integers and a number is not exactly representable.
+/// Throws ValueError if the value has another shape or if a `bytes` object is too long, and the exceptions of
+/// converted().
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
 
 /// Returns the command that makes radios send `message`, as a dict from names of fields to values. message: a

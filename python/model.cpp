@@ -42,6 +42,7 @@ py::dict command(HeldModel& m, const std::string& device, const py::kwargs& valu
     const engine::StateField& field =
         command_field(asked.fields, name, fmt::format("device \"{}\" of \"{}\"", device, m.model.name()));
     set.emplace_back(&field, elements_of(field, value));
+    refuse_nan(field, set.back().second);
   }
   for (const auto& [field, made] : set)
     std::memcpy(asked.bytes.data() + field->offset, made.data(), static_cast<std::size_t>(made.nbytes()));
@@ -113,8 +114,8 @@ void bind_models(py::module_& module) {
           "Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the "
           "steering angle, rad).\nThey apply from the next tick on, until another command replaces them. If "
           "the robot has a controller, the commands of\nthe controller replace them. Raises RuntimeError if "
-          "the model has no drive or its body is not in the world. A number\nthat is not finite makes the "
-          "next step in which the drive runs raise StepError.")
+          "the model has no drive or its body is not in the world, and\nValueError if a number is not "
+          "finite.")
       .def(
           "accelerate",
           [](HeldModel& m, double forward, double turn, double left) {
@@ -198,8 +199,10 @@ void bind_models(py::module_& module) {
       .def("command", &command, py::arg("device"),
            "Sets fields of the command of a device by name: robot.command(\"lamp\", shows=1, red=1). Other "
            "fields of the\ncommand keep their values. The command applies from the next step on. Returns the "
-           "whole command as a dict.\nRaises LookupError for an unknown device or field, ValueError for a "
-           "value that the field cannot represent, and\nRuntimeError for a robot that is not in the world.")
+           "whole command as a dict.\nRaises LookupError for an unknown device or field, ValueError for NaN "
+           "and for "
+           "a value that the field cannot represent,\nTypeError for a text, and RuntimeError for a robot "
+           "that is not in the world.")
       .def(
           "random", [](HeldModel& m, const std::string& name) { return m.use().random(name); },
           py::arg("name"),

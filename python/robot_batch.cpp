@@ -113,13 +113,14 @@ py::dict RobotBatch::commands(const std::string& device) const {
 void RobotBatch::command(const std::string& device, const Where& where, const py::kwargs& values) const {
   const std::size_t d = device_named(device, true);
   const std::vector<engine::StateField>& fields = prepared_.devices[d].command;
+  const std::vector<std::uint8_t> mask = mask_of(where, batch().size());
   std::vector<std::pair<const engine::StateField*, py::array>> set;
   for (const auto& [key, value] : values) {
     const std::string name = key.cast<std::string>();
     const engine::StateField& field = command_field(fields, name, fmt::format("device \"{}\"", device));
     set.emplace_back(&field, rows_for(field, value, size()));
+    refuse_nan(field, set.back().second, mask);
   }
-  const std::vector<std::uint8_t> mask = mask_of(where, batch().size());
   for (const auto& [field, rows] : set) {
     const std::span<const std::byte> from = const_bytes_of(rows);
     const std::size_t bytes = from.size() / std::max<std::size_t>(batch().size(), 1);
@@ -130,7 +131,8 @@ void RobotBatch::command(const std::string& device, const Where& where, const py
 }
 
 template <engine::ControlMode k_mode>
-void RobotBatch::drive(const Numbers& x, const Numbers& turn, const Numbers& y, const Where& where) const {
+void RobotBatch::drive(const py::object& x, const py::object& turn, const py::object& y,
+                       const Where& where) const {
   const std::size_t n = batch().size();
   constexpr bool k_is_goal = k_mode == engine::ControlMode::position;
   const Column xs(k_is_goal ? "x" : "forward", x, n);

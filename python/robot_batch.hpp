@@ -103,8 +103,8 @@ class RobotBatch {
                        readings("payload", device));
   }
   template <engine::ControlMode k_mode>
-  void drive(const Numbers& x, const Numbers& turn, const Numbers& y, const Where& where) const;
-  void go_to(const Numbers& x, const Numbers& y, const Numbers& heading, const Where& where) const {
+  void drive(const py::object& x, const py::object& turn, const py::object& y, const Where& where) const;
+  void go_to(const py::object& x, const py::object& y, const py::object& heading, const Where& where) const {
     drive<engine::ControlMode::position>(x, heading, y, where);
   }
   /// An array of the numbers that draw(random) returns for the random stream of each robot.

@@ -28,7 +28,7 @@ py::array_t<bool> flags_of(HeldSwarm& held, void (Swarm::*read)(std::span<std::u
 }
 
 template <void (Swarm::*k_command)(std::span<const Model::Speed>, std::span<const std::uint8_t>)>
-void command(HeldSwarm& held, const Numbers& forward, const Numbers& turn, const Numbers& left,
+void command(HeldSwarm& held, const py::object& forward, const py::object& turn, const py::object& left,
              const Where& where) {
   Swarm& swarm = held.use();
   const std::size_t n = swarm.size();
@@ -40,7 +40,8 @@ void command(HeldSwarm& held, const Numbers& forward, const Numbers& turn, const
   (swarm.*k_command)(speeds, mask_of(where, n));
 }
 
-void go_to(HeldSwarm& held, const Numbers& x, const Numbers& y, const Numbers& heading, const Where& where) {
+void go_to(HeldSwarm& held, const py::object& x, const py::object& y, const py::object& heading,
+           const Where& where) {
   Swarm& swarm = held.use();
   const std::size_t n = swarm.size();
   const Column xs("x", x, n);
@@ -83,13 +84,14 @@ void command_device(HeldSwarm& held, const std::string& device, const Where& whe
                     const py::kwargs& values) {
   Swarm& swarm = held.use();
   const std::span<const engine::StateField> fields = swarm.command_fields(device);
+  const std::vector<std::uint8_t> mask = mask_of(where, swarm.size());
   std::vector<std::pair<std::string, py::array>> set;
   for (const auto& [key, value] : values) {
     const std::string name = key.cast<std::string>();
     const engine::StateField& field = command_field(fields, name, fmt::format("device \"{}\"", device));
     set.emplace_back(name, rows_for(field, value, held.size()));
+    refuse_nan(field, set.back().second, mask);
   }
-  const std::vector<std::uint8_t> mask = mask_of(where, swarm.size());
   for (const auto& [name, rows] : set) {  // checks every device before the first change
     std::vector<std::byte> ignored(static_cast<std::size_t>(rows.nbytes()));
     swarm.commands(ignored, name, device);
@@ -120,7 +122,7 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       "The functions with the parameter `where` command or place robots: `where`\nselects robots by one bool "
       "per robot; None selects all. These functions skip robots that are not in the world.\nset_speeds(), "
       "accelerate() and go_to() take one number for all robots or one number per robot. Arrays whose shape "
-      "does\nnot fit raise ValueError.")
+      "does\nnot fit, and numbers that are not finite, raise ValueError; texts raise TypeError.")
       .def("__len__", [](const HeldSwarm& s) { return s.read().size(); })
       .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
       .def_property_readonly("ids",
@@ -222,7 +224,7 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            "bytearray or memoryview object or a list of one such object per robot, padded with zeros. Other "
            "fields keep\ntheir "
            "values. The commands apply from the next step on. Raises LookupError for an unknown device or "
-           "field, and\nValueError for values that do not fit.")
+           "field,\nValueError for values that do not fit and for NaN, and TypeError for texts.")
       .def("say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
            py::arg("where") = py::none(),
            "Sets the messages that the radios named `device` send in each tick from the next one on, until "

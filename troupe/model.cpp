@@ -1,4 +1,5 @@
 #include "base/diagnostics.hpp"
+#include "engine/kinds/finite.hpp"
 #include "engine/world/kind_errors.hpp"
 #include "engine/world/world.hpp"
 #include "models/drives/wheels.hpp"
@@ -150,8 +151,15 @@ void Model::refuse_absent() const {
         fmt::format("\"{}\" is not in the world: it is not yet born, or dead", place_->name));
 }
 
+void Model::require_finite(std::string_view robot, double x, double y, double turn) {
+  if (!engine::is_finite(engine::Command{x, y, turn}))
+    throw std::invalid_argument(
+        fmt::format("\"{}\" was commanded {}, {}, {}: give finite numbers", robot, x, y, turn));
+}
+
 void Model::command(engine::ControlMode mode, double x, double y, double turn) {
   refuse_others_in_for_each();
+  require_finite(place_->name, x, y, turn);
   const auto* wheels = place_->wheels();
   if (wheels == nullptr && !place_->type().drive)
     throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));

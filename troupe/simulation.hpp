@@ -251,8 +251,8 @@ class Model {
   /// it goes to that drive. accelerate() and go_to() use the same drive and throw the same exceptions as
   /// set_speed().
   ///
-  /// Throws std::logic_error for a model that has no drive, and for a body that is not in the world. A number
-  /// that is not finite makes the next step in which the drive runs throw StepError.
+  /// Throws std::logic_error for a model that has no drive, and for a body that is not in the world, and
+  /// std::invalid_argument if a number is not finite.
   void set_speed(double forward, double left, double turn);
   /// Commands speeds as the other set_speed() does, with left = 0.
   void set_speed(double forward, double turn) { set_speed(forward, 0, turn); }
@@ -435,6 +435,7 @@ class Model {
     const Model* before_;  // robot that was marked on this thread before; null if none
   };
   static void refuse_in_for_each(const engine::World& world, std::string_view what);
+  static void require_finite(std::string_view robot, double x, double y, double turn);
   void refuse_others_in_for_each() const;
   void refuse_absent() const;
   void command(engine::ControlMode mode, double x, double y, double turn);

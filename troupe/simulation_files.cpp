@@ -209,6 +209,32 @@ Simulation::Simulation(const worldio::WorldDocument& world, const std::filesyste
                                                 kinds, how, found);
                })) {}
 
+namespace {
+
+/// Adds an error after that of a setting whose last key is the name of a parameter of a script's controller.
+/// Settings apply to the controllers that the world names, before those of scripts replace them.
+void explain_settings(const SimulationOptions& options, Diagnostics& diagnostics) {
+  if (!diagnostics.has_errors()) return;
+  for (const auto& [pointer, value] : options.set) {
+    const Where where{diagnostics.files()->add("--set " + pointer), 0};
+    const std::string_view key = std::string_view(pointer).substr(pointer.rfind('/') + 1);
+    const auto is_of_setting = [&](const Finding& finding) {
+      return finding.severity == Severity::error && finding.where.file == where.file;
+    };
+    if (std::ranges::none_of(diagnostics.findings(), is_of_setting)) continue;
+    for (const std::shared_ptr<const Script>& script : options.scripts)
+      for (const Script::Controller& controller : script->controllers)
+        if (std::ranges::any_of(controller.kind.params.fields,
+                                [&](const auto& field) { return field.name == key; }))
+          diagnostics.error(
+              where, fmt::format("to set \"{}\" of the controller of {}, the world must name it: "
+                                 "\"controller\": {{\"kind\": \"{}\"}}",
+                                 key, script->file.string(), script->name_in_worlds(controller.kind.name)));
+  }
+}
+
+}  // namespace
+
 /// Loads a world with `read`, which parses it. file: the name of the world. files: the source files that a
 /// document states, for the file names in errors; null if the world is not loaded from a document.
 Simulation Simulation::load(const std::filesystem::path& file, const SimulationOptions& options,
@@ -226,6 +252,7 @@ Simulation Simulation::load(const std::filesystem::path& file, const SimulationO
   std::vector<std::string> populations;
   how.populations = &populations;
   engine::WorldSpec spec = read(*impl->registry, how, diagnostics);
+  explain_settings(options, diagnostics);
   diagnostics.throw_if_errors();
   assign_controllers(options.scripts, spec, diagnostics);
   diagnostics.throw_if_errors();

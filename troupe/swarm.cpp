@@ -1,6 +1,7 @@
 #include "troupe/swarm.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/kinds/finite.hpp"
 #include "engine/observing/measures.hpp"
 #include "engine/world/world.hpp"
 
@@ -369,24 +370,35 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
   });
 }
 
+/// Commands command_of(values[i]) to each robot i that write() selects. Throws std::invalid_argument, before
+/// the first command, if a number of a command is not finite.
+template <class Value, class CommandOf>
+void Swarm::command(std::span<const Value> values, std::span<const std::uint8_t> where,
+                    CommandOf&& command_of) const {
+  write(values.size(), where, [&](Row, std::size_t i) {
+    const engine::Command command = command_of(values[i]);
+    if (!engine::is_finite(command))
+      Model::require_finite(world_->spec().name(ids_[i]), command.x, command.y, command.turn);
+  });
+  write(values.size(), where,
+        [&](Row row, std::size_t i) { world_->set_command(row, command_of(values[i])); });
+}
+
 void Swarm::set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where) {
-  write(speeds.size(), where, [&](Row row, std::size_t i) {
-    const Model::Speed& speed = speeds[i];
-    world_->set_command(row, {speed.forward, speed.left, speed.turn, engine::ControlMode::velocity});
+  command(speeds, where, [](const Model::Speed& speed) {
+    return engine::Command{speed.forward, speed.left, speed.turn, engine::ControlMode::velocity};
   });
 }
 
 void Swarm::accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where) {
-  write(accelerations.size(), where, [&](Row row, std::size_t i) {
-    const Model::Speed& rate = accelerations[i];
-    world_->set_command(row, {rate.forward, rate.left, rate.turn, engine::ControlMode::acceleration});
+  command(accelerations, where, [](const Model::Speed& rate) {
+    return engine::Command{rate.forward, rate.left, rate.turn, engine::ControlMode::acceleration};
   });
 }
 
 void Swarm::go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where) {
-  write(goals.size(), where, [&](Row row, std::size_t i) {
-    const Pose& goal = goals[i];
-    world_->set_command(row, {goal.x, goal.y, goal.heading, engine::ControlMode::position});
+  command(goals, where, [](const Pose& goal) {
+    return engine::Command{goal.x, goal.y, goal.heading, engine::ControlMode::position};
   });
 }
 

@@ -145,7 +145,8 @@ class Swarm {
   void for_each(const std::function<void(std::size_t i, Model& robot)>& visit);
 
   /// Commands the speeds of each robot in its body frame, m/s and rad/s, as Model::set_speed() does. For a
-  /// car drive, `turn` is the steering angle, rad.
+  /// car drive, `turn` is the steering angle, rad. If a number for a selected robot is not finite, throws
+  /// std::invalid_argument and commands no robot; accelerate() and go_to() do so too.
   void set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where = {});
   /// Commands the accelerations of each robot in its body frame, m/s^2 and rad/s^2, as Model::accelerate()
   /// does. For a car drive, `turn` is the steering angle, rad.
@@ -177,6 +178,9 @@ class Swarm {
   void read(std::size_t room, Read&& one) const;
   template <class Write>
   void write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const;
+  template <class Value, class CommandOf>
+  void command(std::span<const Value> values, std::span<const std::uint8_t> where,
+               CommandOf&& command_of) const;
   struct Ranger;
   Ranger ranger_of(Row row, std::string_view sensor) const;
   template <class Visit>

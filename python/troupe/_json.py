@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from typing import Any, Optional, Tuple
 
 import numpy as np
@@ -43,3 +44,14 @@ def text_of(value: Any, at: str = "", **options: Any) -> str:
         if found is None:
             raise
         raise ValueError(f"{found[0] or 'the value'} is {found[1]}: give a finite number") from error
+
+
+def without_lines(message: str, name: str, below: str = "") -> str:
+    """Removes from the message of an error the lines of a text that is not a file. name: the name that the message has
+    for the text. below: the JSON pointer of the content of the text in the document of the user, which is put before
+    the pointers in the message."""
+
+    def shown(found: "re.Match[str]") -> str:
+        return f"{name}: {found[1]}: " + (f"{below}/" if found[2] else f"{below}: " if below else "")
+
+    return re.sub(rf"^{re.escape(name)}:(?:\d+:)? (error|warning|note): (/)?", shown, message, flags=re.MULTILINE)

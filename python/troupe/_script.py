@@ -272,11 +272,15 @@ def number_of(function: Any, value: Any) -> float:
         raise error from None
 
 
-def _controller(cls: Any, file: str) -> Dict[str, Any]:
+def _line_of(cls: Any) -> int:
     try:
-        line = inspect.getsourcelines(cls)[1]
+        return inspect.getsourcelines(cls)[1]
     except OSError:
-        line = 0
+        return 0
+
+
+def _controller(cls: Any, file: str) -> Dict[str, Any]:
+    line = _line_of(cls)
     if not isinstance(cls.robots, str):
         _fail(file, line, f"{cls.__name__}.robots is {cls.robots!r}: expected the name of a type, a population or a robot")
     uses = cls.uses
@@ -332,6 +336,10 @@ def _of_file(source: Union[str, os.PathLike[str]]) -> Dict[str, Any]:
         own = [each for each in vars(module).values() if getattr(each, "__module__", None) == module.__name__]
         classes = [each for each in own if isinstance(each, type) and issubclass(each, Controller)]
         functions = [each for each in own if hasattr(each, "_troupe_measure")]
+        for each in own:
+            if isinstance(each, type) and hasattr(each, "decide") and not any(issubclass(cls, each) for cls in classes):
+                _fail(file, _line_of(each), f'class "{each.__name__}" has decide(), but is not a troupe.Controller: write '
+                      f"class {each.__name__}(troupe.Controller), or give the function another name")
         if not classes and not functions:
             raise InputError(f"{file}: error: the script has no class derived from troupe.Controller, and no function "
                              "declared with @troupe.measure")

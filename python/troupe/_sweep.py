@@ -11,7 +11,7 @@ import warnings
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _core
-from ._json import text_of
+from ._json import text_of, without_lines
 from .plot import rounded_time_s
 
 if TYPE_CHECKING:
@@ -45,14 +45,24 @@ def _wanted(measures: Sequence[str]) -> List[Union[str, Dict[str, Any]]]:
     return [json.loads(measure) if measure.startswith("{") else measure for measure in measures]
 
 
+def _without_lines(error: _core.InputError, name: str, below: str = "") -> _core.InputError:
+    """Returns an error whose findings name only JSON pointers, not lines of a text that is not a file."""
+    made = _core.InputError(without_lines(str(error), name, below))
+    made.findings = str(made).splitlines()
+    return made
+
+
 def _load(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any]) -> _core.Simulation:
     """Returns the world of the run with this index."""
     texts, seed = study["runs"][index]
     # Pairs, not a dict: several parameters may append to the same list, that is, have the same pointer.
     settings = [(pointer, json.loads(text)) for (_, pointer), text in zip(study["parameters"], texts)]
-    if isinstance(world, Mapping):
-        options = {**options, "name": name}
-    return _core.Simulation(world, threads=1, seed=seed, set=settings, **options)
+    if not isinstance(world, Mapping):
+        return _core.Simulation(world, threads=1, seed=seed, set=settings, **options)
+    try:
+        return _core.Simulation(dict(world), threads=1, seed=seed, set=settings, name=name, **options)
+    except _core.InputError as error:
+        raise _without_lines(error, name, below="/world") from None
 
 
 def _first_world(world: Any, name: str, study: Dict[str, Any], options: Dict[str, Any]) -> _core.Simulation:
@@ -129,7 +139,7 @@ def _check_failures(failed: Dict[int, Exception], runs: int) -> None:
 
 
 def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,
-          threads: Optional[int] = None, name: str = "study.json", **options: Any) -> "pandas.DataFrame":
+          threads: Optional[int] = None, name: str = "<dict>.json", **options: Any) -> "pandas.DataFrame":
     """Makes all runs of a study and returns a pandas data frame. Each run uses one thread; several runs are made in
     parallel.
 
@@ -138,8 +148,8 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     series   True: the result has the measures over time, one row per sample, instead of one row per run. None: the
              value of "series" in the study
     threads  number of parallel runs; None: one per processor that the process may use
-    name     if `study` is a dict: the file name that error messages show. Relative paths in the dict are resolved from
-             the folder in this name
+    name     if `study` is a dict: the file name that error messages show, with a JSON pointer. Relative paths in
+             the dict are resolved from the folder in this name
     options  keyword arguments of Simulation() for all runs, such as search_path and plugin_path; not threads, seed, set
              and name, which the study or this function determines
     returns  one row per run with the columns run, the parameters, seed, ticks, time_s, the measures, stopped_by,
@@ -165,7 +175,10 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
         if isinstance(document.get("world"), Mapping):
             world = document["world"]
             document["world"] = name
-        read = _core._read_study(name, text_of(document))
+        try:
+            read = _core._read_study(name, text_of(document))
+        except _core.InputError as error:
+            raise _without_lines(error, name) from None
     else:
         name = os.fspath(study)
         read = _core._read_study(name)

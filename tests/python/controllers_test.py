@@ -420,6 +420,13 @@ class Controllers(InAFolder):
                     "--hash-log", "set.log")
         self.assertNotEqual(self.hashes("slow.log"), self.hashes("same.log"))
         self.assertEqual(self.hashes("slow.log"), self.hashes("set.log"))
+        self.write("wander.json", WORLD.replace('"devices"', '"controller": {"kind": "wander"}, "devices"'))
+        found = self.troupe("run", "wander.json", *script, "--set", "/types/bot/controller/cruise=0.2", code=2).stderr
+        self.assertIn('unknown key "cruise"', found)
+        self.assertIn('--set /types/bot/controller/cruise: error: to set "cruise" of the controller of my.py, the world must '
+                      'name it: "controller": {"kind": "my"}\n', found)
+        found = self.troupe("run", "wander.json", *script, "--set", "/types/bot/controller/cruse=0.2", code=2).stderr
+        self.assertNotIn("must name it", found)
         self.assertIn("  cruise  0.3      number\n", self.troupe("describe", "my", "--controller", "my.py").stdout)
 
     def test_parameters_that_cannot_be_are_errors_with_their_line(self):
@@ -616,7 +623,10 @@ except KeyboardInterrupt:
              f"my.py:{class_line + 6}: error: roam.decide(robots): expected decide(self, robots)"),
             (('memory["steps"] += 1', 'memory["steps"] = memory["steps"] + 0.5'), 1,
              "my.py:14: TypeError: memory['steps'] has the type uint32, which cannot store values of the type float64"),
-            (("class roam(troupe.Controller)", "class roam"), 2, "has the script a controller?"),
+            (("class roam(troupe.Controller)", "class roam"), 2,
+             f'my.py:{class_line}: error: class "roam" has decide(), but is not a troupe.Controller: write '
+             "class roam(troupe.Controller), or"),
+            (("", ""), 2, "has the script a controller?"),
         ):
             if text.startswith("has the script"):
                 self.write("my.py", "import troupe\n")
@@ -626,6 +636,9 @@ except KeyboardInterrupt:
                 found = self.error_of(change, code)
             with self.subTest(text):
                 self.assertIn(text, found)
+        shared = "class Shared:\n    def decide(self, robots): pass\nclass own(Shared, troupe.Controller): pass\n"
+        self.write("my.py", "import troupe\n" + shared)  # a base of a controller need not be one
+        self.troupe("run", "w.json", "--controller", "my.py")
         found = self.troupe("run", "w.json", "--controller", "none.py", code=2).stderr
         self.assertIn("none.py: error: cannot be read: No such file or directory", found)
         self.write("command.py", ROAM.replace("class roam", "class command"))

@@ -634,6 +634,22 @@ class Vector(unittest.TestCase):
             env.step(np.zeros((2, 2)))
         with self.assertRaisesRegex(ValueError, 'action 1 of "r1" in copy 0 \(both counted from 0\) is nan'):
             env.step(np.array([[0, 0], [0, np.nan], [0, 0], [0, 0]]))
+        task = Short(2)
+        task.teams[0].actions = [{"command": "forward"}, {"command": "left"}]
+        with self.assertRaisesRegex(ValueError, 'the action "left" has no effect on the drive "diff" of the robots'):
+            troupe.envs.Env(task)
+        task = Short(2)
+        task.teams[0].observation = [{"of": "pose", "hihg": 1}]
+        with self.assertRaisesRegex(ValueError, 'unknown member "hihg"; known: .*high, low, .*shape.*did you mean "high"'):
+            troupe.envs.Env(task)
+        task = Short(2)
+        task.seconds = None
+        with self.assertRaisesRegex(TypeError, "^Short.seconds: must be a number of seconds, found None$"):
+            troupe.envs.Env(task)
+        task = Short(2)
+        task.second = 5.0
+        with self.assertWarnsRegex(UserWarning, 'Short has the attribute "second", which Task does not use: did you mean "seconds"'):
+            troupe.envs.Env(task)
         with self.assertRaisesRegex(LookupError, 'no model "robot" in '):  # it is the name of the type
             troupe.envs.Env(Short(2), robot="robot")
         with self.assertRaisesRegex(LookupError, 'has no device "lidr"; it has: lidar'):

@@ -101,9 +101,14 @@ class Loading(InAFolder):
         self.assertEqual(type(caught.exception).__module__, "troupe")
         findings = caught.exception.findings
         self.assertEqual(len(findings), 2, findings)
-        self.assertRegex(findings[0], r'^made\.json:\d+: error: /types/bot/drive/kind: unknown drive "hover"; known: ')
+        self.assertRegex(findings[0], r'^made\.json: error: /types/bot/drive/kind: unknown drive "hover"; known: ')
         self.assertIn("/types/cart/size_m", findings[1])
         self.assertEqual(str(caught.exception), "\n".join(findings))
+        first = ROOM["populations"][0]
+        with self.assertRaisesRegex(troupe.InputError, '^<dict>.json: error: /populations/1: unknown key "sed"'):
+            troupe.Simulation({**ROOM, "populations": [first, {**first, "name": "s", "sed": 1}]})
+        with self.assertRaisesRegex(troupe.InputError, "^<text>.json:1: error: "):
+            troupe.Simulation.from_text('{"troupe": 1, "sed": 1}')
         with self.assertRaisesRegex(troupe.InputError, "^none.world: error: there is no such file$"):
             troupe.Simulation("none.world")
         with self.assertRaisesRegex(ValueError, 'unknown ranging "gird"; known: exact, grid'):
@@ -385,11 +390,19 @@ print(eight.threads)
         world.step(np.int64(2))
         self.assertEqual(world.tick, 2)
 
-    def test_a_speed_that_is_no_number_is_told_with_its_robot(self):
-        world = troupe.Simulation(ROOM)
+    def test_a_step_that_failed_ends_the_use_until_a_reset(self):
+        fails = [True]
+
+        class Fails(troupe.Controller):
+            robots = "r3"
+
+            def decide(self, robots):
+                if fails[0]:
+                    raise ValueError("no")
+
+        world = troupe.Simulation(ROOM, controllers=Fails)
         robot, swarm, poses = world.find("r3"), world.swarm("r"), world.table("pose")
         measures, events = troupe.Measures(world, ["stalls"]), troupe.Events(world)
-        robot.set_speed(float("nan"), 0)
         with self.assertRaisesRegex(troupe.StepError, '"r3"') as caught:
             world.step()
         self.assertIsInstance(caught.exception, RuntimeError)
@@ -415,28 +428,27 @@ print(eight.threads)
             with self.assertRaisesRegex(RuntimeError, "^tick 1: a step, a birth or a reset failed .* call reset"):
                 use()
         self.assertEqual(list(self.folder.iterdir()), [])
+        fails[0] = False
         world.reset()
         world.step()
         self.assertEqual(world.tick, 1)
 
-
-    def test_an_infinite_command_is_an_error_as_nan_is(self):
-        for infinity in (math.inf, -math.inf):
-            for act, asked in (
-                (lambda swarm, x=infinity: swarm.set_speeds(x, 0), "a speed that is not a finite number"),
-                (lambda swarm, x=infinity: swarm.set_speeds(0, x), "a speed that is not a finite number"),
-                (lambda swarm, x=infinity: swarm.accelerate(x, 0), "an acceleration that is not a finite number"),
-                (lambda swarm, x=infinity: swarm.go_to(0, x, 0), "to drive to a goal pose that is not finite"),
-            ):
-                world = troupe.Simulation(ROOM)
-                act(world.swarm("r3"))
-                with self.assertRaisesRegex(troupe.StepError, f'"r3" was commanded {asked}'):
-                    world.step()
+    def test_a_command_that_is_not_a_finite_number_is_an_error_at_once(self):
+        world = troupe.Simulation(ROOM)
+        swarm = world.swarm("r3")
+        for x in (math.inf, -math.inf, math.nan):
+            for act in (lambda: swarm.set_speeds(x, 0), lambda: swarm.set_speeds(0, x), lambda: swarm.accelerate(x, 0),
+                        lambda: swarm.go_to(0, x, 0), lambda: world.find("r3").set_speed(x, 0)):
+                with self.assertRaisesRegex(ValueError, f'^"r3" was commanded .*{x}.*: give finite numbers$'):
+                    act()
+        for texts in ("0.15", ["0.15"]):
+            with self.assertRaisesRegex(TypeError, f"^forward: found {re.escape(repr(texts))}: give numbers$"):
+                swarm.set_speeds(texts, 0)
+        world.step()
         stack = 'position( name "base" size [1 1 0.4] position( name "top" size [0.3 0.3 0.2] drive "omni" ) )'
         world = troupe.Simulation.from_text(stack, "stack.world")
-        world.find("base.top").set_speed(math.inf, 0)
-        with self.assertRaisesRegex(troupe.StepError, 'a drive on a part of "base" was commanded a velocity that is not a finite'):
-            world.step()
+        with self.assertRaisesRegex(ValueError, '"base.top" was commanded inf, 0, 0: give finite numbers'):
+            world.find("base.top").set_speed(math.inf, 0)
 
 
 class Callbacks(InAFolder):

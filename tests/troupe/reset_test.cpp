@@ -172,7 +172,8 @@ TEST_F(Reset, TakesSubscriptionsAgain) {
 TEST_F(Reset, MakesAWorldOfUseAgainWhoseStepThrew) {
   Simulation simulation(write("room.json", k_room));
   const std::uint64_t loaded = simulation.state_hash();
-  simulation.find("r0").set_speed(std::numeric_limits<double>::quiet_NaN(), 0);
+  engine::World& world = simulation.world();
+  world.set_command(world.row(simulation.find("r0").id()), {std::numeric_limits<double>::quiet_NaN(), 0, 0});
   EXPECT_THROW(simulation.step(), std::runtime_error);
   simulation.reset();
   EXPECT_EQ(simulation.state_hash(), loaded);
@@ -252,7 +253,7 @@ TEST_F(Reset, IsAllThatLeadsOnFromAStepThatThrew) {
       {"world.mean_displacement", [&] { world.mean_displacement(); }},
   };
   const std::uint64_t loaded = simulation.state_hash();
-  robot.set_speed(std::numeric_limits<double>::quiet_NaN(), 0);
+  world.set_command(row, {std::numeric_limits<double>::quiet_NaN(), 0, 0});
   EXPECT_THROW(simulation.step(), engine::StepError);
   for (const auto& [name, use] : uses) {
     try {

@@ -387,12 +387,14 @@ TEST_F(SimulationTest, WhatHasNoDriveCannotBeDriven) {
   EXPECT_THROW(static_cast<void>(wall.stalled()), std::logic_error);
 }
 
-TEST_F(SimulationTest, ASpeedThatIsNoNumberNamesRobotAndTick) {
+TEST_F(SimulationTest, ASpeedThatIsNoNumberNamesTheRobotAndChangesNothing) {
   Simulation simulation = json();
   simulation.step();
-  simulation.find("r0").set_speed(std::numeric_limits<double>::quiet_NaN(), 0);
-  EXPECT_EQ(message_of<std::runtime_error>([&] { simulation.step(); }),
-            "tick 2: robot \"r0\" was commanded a speed that is not a finite number");
+  Model robot = simulation.find("r0");
+  EXPECT_EQ(message_of<std::invalid_argument>(
+                [&] { robot.set_speed(std::numeric_limits<double>::quiet_NaN(), 0); }),
+            "\"r0\" was commanded nan, 0, 0: give finite numbers");
+  EXPECT_NO_THROW(simulation.step());
 }
 
 // A controller runs once in the period of its first device. The time that a robot waits must not depend on

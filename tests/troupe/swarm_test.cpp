@@ -202,8 +202,17 @@ TEST(Swarms, SayWhatIsWrong) {
                 [&] { bots.set_speeds(std::vector<Model::Speed>(3), std::vector<std::uint8_t>(4)); }),
             "found 4 elements of `where` for a swarm of 3 robots: give one per robot");
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  bots.set_speeds(std::vector<Model::Speed>(3, {nan, 0, 0}));
-  EXPECT_THAT(message_of<std::runtime_error>([&] { simulation.step(); }), HasSubstr("\"b0\""));
+  const std::vector<Model::Speed> speeds{{0.1, 0, 0}, {0, 0, nan}, {0.1, 0, 0}};
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { bots.set_speeds(speeds); }),
+            "\"b1\" was commanded 0, 0, nan: give finite numbers");
+  EXPECT_THROW(bots.accelerate(speeds), std::invalid_argument);
+  EXPECT_THROW(bots.go_to(std::vector<Pose>(3, {0, 0, 0, nan})), std::invalid_argument);
+  simulation.step();
+  std::vector<Model::Speed> now(3);
+  bots.speeds(now);
+  EXPECT_EQ(now[0].forward, 0) << "an invalid command changes nothing";
+  bots.set_speeds(speeds, std::vector<std::uint8_t>{1, 0, 1});  // the robot with nan is not selected
+  EXPECT_NO_THROW(simulation.step());
 }
 
 /// The controller expand_swarm, for all robots in one call from outside.

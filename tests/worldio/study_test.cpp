@@ -263,6 +263,10 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
           R"("seeds": {"from": 1, "count": 1000}, "parameters": [{"set": "/x", "from": 0, "to": 1, "steps": 1001}])"),
       ElementsAre(HasSubstr("the study has 1001000 runs; at most 1000000 are allowed")));
   EXPECT_THAT(wrong(R"("sample": 3)"), ElementsAre(HasSubstr("unknown key \"sample\"")));
+  EXPECT_THAT(wrong(R"("measures": [], "statistics": [])"),
+              ElementsAre("study.json:2: error: /measures: the list is empty: give at least one entry, or "
+                          "remove the key, for the measures of the world",
+                          HasSubstr("/statistics: the list is empty: give at least one entry")));
   Diagnostics nowhere;
   load_study("nowhere.json", make_registry(), nowhere);
   EXPECT_THAT(findings(nowhere), ElementsAre("nowhere.json: error: there is no such file"));

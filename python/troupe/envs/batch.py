@@ -12,7 +12,7 @@ import numpy.typing as npt
 from gymnasium import spaces
 
 from .._core import BatchEnv, Simulation, _seed_of
-from .task import Task, Team, action_space, check_team, commands_of, require_task
+from .task import Task, Team, action_space, check_task, check_team, commands_of, require_task
 
 Flags = npt.NDArray[np.bool_]
 _ONLY = "observation"  # name of the array of a team whose observation is a single Box
@@ -33,6 +33,7 @@ class Batch:
 
     def __init__(self, task: Task, copies: int, *, threads: int = 0, robot: Optional[str] = None, **options: Any) -> None:
         require_task(task)
+        check_task(task)
         self.task = task
         if not task.teams:
             raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
@@ -47,6 +48,8 @@ class Batch:
         for index, team in enumerate(self.teams):
             check_team(team)
             team.name = team.name or f"team{index}"
+        if isinstance(task.world, dict):
+            options.setdefault("name", f"<{type(task).__name__}>.json")
         simulation = Simulation(copy.deepcopy(task.world), threads=1, **options)
         spec = {
             "copies": copies,

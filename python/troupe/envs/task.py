@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import numbers
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 
 import numpy as np
@@ -117,6 +119,20 @@ def require_task(task: Any) -> None:
     """Raises TypeError if the argument `task` of an environment is not a Task."""
     if not isinstance(task, Task):
         raise TypeError(f"task: must be a troupe.envs.Task, found {task!r}")
+
+
+def check_task(task: Task) -> None:
+    """Raises TypeError if Task.seconds is not a number. Warns of attributes of a task that Task does not have but whose
+    names are similar to those of its members, such as `second`."""
+    if not isinstance(task.seconds, numbers.Real):
+        raise TypeError(f"{type(task).__name__}.seconds: must be a number of seconds, found {task.seconds!r}")
+    members = [name for name in vars(Task) if not name.startswith("_")]
+    own = {name for cls in type(task).__mro__ if issubclass(cls, Task) for name in vars(cls)} | set(vars(task))
+    for name in sorted(own.difference(members)):
+        near = difflib.get_close_matches(name, members, 1, 0.85)
+        if near and not name.startswith("_"):
+            warnings.warn(f'{type(task).__name__} has the attribute "{name}", which Task does not use: did you mean "{near[0]}"?',
+                          stacklevel=4)
 
 
 def check_team(team: Team) -> None:
