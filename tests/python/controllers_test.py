@@ -638,7 +638,7 @@ except KeyboardInterrupt:
                 self.assertIn(text, found)
         shared = "class Shared:\n    def decide(self, robots): pass\nclass own(Shared, troupe.Controller): pass\n"
         self.write("my.py", "import troupe\n" + shared)  # a base of a controller need not be one
-        self.troupe("run", "w.json", "--controller", "my.py")
+        self.troupe("run", "w.json", "--controller", "my.py", "--for", "0.2")
         found = self.troupe("run", "w.json", "--controller", "none.py", code=2).stderr
         self.assertIn("none.py: error: cannot be read: No such file or directory", found)
         self.write("command.py", ROAM.replace("class roam", "class command"))

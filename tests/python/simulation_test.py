@@ -394,7 +394,7 @@ print(eight.threads)
         fails = [True]
 
         class Fails(troupe.Controller):
-            robots = "r3"
+            robots = "bot"
 
             def decide(self, robots):
                 if fails[0]:
@@ -403,7 +403,7 @@ print(eight.threads)
         world = troupe.Simulation(ROOM, controllers=Fails)
         robot, swarm, poses = world.find("r3"), world.swarm("r"), world.table("pose")
         measures, events = troupe.Measures(world, ["stalls"]), troupe.Events(world)
-        with self.assertRaisesRegex(troupe.StepError, '"r3"') as caught:
+        with self.assertRaisesRegex(troupe.StepError, '"r0"') as caught:
             world.step()
         self.assertIsInstance(caught.exception, RuntimeError)
         for use in (
