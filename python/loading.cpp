@@ -207,7 +207,7 @@ void bind_loading(SimulationClass& simulation) {
       .def(
           py::init(&load), py::arg("world"), py::kw_only(), py::arg("robots") = py::none(),
           py::arg("threads") = 0, py::arg("seed") = py::none(), py::arg("ranging") = py::none(),
-          py::arg("set") = py::none(), py::arg("name") = "<dict>.json", py::arg("search_path") = py::tuple(),
+          py::arg("set") = py::none(), py::arg("name") = "dict.json", py::arg("search_path") = py::tuple(),
           py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::tuple(),
           py::arg("tile_size_m") = 0.0, py::arg("ranks") = 1,
           "Loads a world. world: a file name (Stage .world or JSON), or a dict with the content of a JSON "
@@ -226,7 +226,7 @@ void bind_loading(SimulationClass& simulation) {
           "spatial index, m, which affects only the speed; 0: automatic. Raises\nInputError if the world is "
           "invalid.")
       .def_static(
-          "from_text", &from_text, py::arg("text"), py::arg("name") = "<text>.json", py::kw_only(),
+          "from_text", &from_text, py::arg("text"), py::arg("name") = "text.json", py::kw_only(),
           py::arg("robots") = py::none(), py::arg("threads") = 0, py::arg("seed") = py::none(),
           py::arg("ranging") = py::none(), py::arg("set") = py::none(), py::arg("search_path") = py::tuple(),
           py::arg("plugin_path") = py::tuple(), py::arg("controllers") = py::tuple(),

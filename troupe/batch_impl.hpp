@@ -133,7 +133,7 @@ struct BatchEnv::Impl {
   void plan(TeamData& team, Copy& first);
   Part plan(const BatchPart& part, Simulation& simulation, BodyId robot) const;
   void plan_actions(TeamData& team, Simulation& simulation, BodyId robot) const;
-  static void plan_drive_action(const BatchAction& action, std::string_view drive, TeamData& team);
+  static void plan_drive_action(const BatchAction& action, bool has_drive, TeamData& team);
   static void plan_device_action(const BatchAction& action, std::span<const engine::StateField> fields,
                                  TeamData& team);
   Column find(const TeamData& team, const BatchColumn& column, std::string_view what) const;

@@ -148,34 +148,27 @@ BatchEnv::Impl::Part BatchEnv::Impl::plan(const BatchPart& part, Simulation& sim
 }
 
 void BatchEnv::Impl::plan_actions(TeamData& team, Simulation& simulation, BodyId robot) const {
-  const std::optional<engine::DriveSpec>& drive = simulation.world().spec().type(robot).drive;
+  const bool has_drive = simulation.world().type(simulation.world().row(robot)).drive.has_value();
   for (const BatchAction& action : team.spec->actions) {
     if (action.device.empty())
-      plan_drive_action(action, drive ? drive->kind : std::string_view(), team);
+      plan_drive_action(action, has_drive, team);
     else
       plan_device_action(action, simulation.model(robot).command_fields(action.device), team);
   }
 }
 
-/// Appends to TeamData::actions_plan an action that commands the drive. drive: the kind of the drive of the
-/// robots; empty: they have none.
-void BatchEnv::Impl::plan_drive_action(const BatchAction& action, std::string_view drive, TeamData& team) {
+void BatchEnv::Impl::plan_drive_action(const BatchAction& action, bool has_drive, TeamData& team) {
   constexpr std::array<std::string_view, k_drive> k_commands{"forward", "left", "turn"};
   const auto found = std::ranges::find(k_commands, action.command);
   if (found == k_commands.end())
     throw std::out_of_range(
         fmt::format("team \"{}\": an action without a device commands the drive: {}", team.spec->name,
                     unknown_name("command", action.command, {k_commands.begin(), k_commands.end()})));
-  if (drive.empty())
+  if (!has_drive)
     refuse(
         fmt::format("team \"{}\": an action without a device commands the drive, but the robots have "
                     "no drive: give the action a device",
                     team.spec->name));
-  if (action.command == "left" && (drive == "diff" || drive == "car"))
-    refuse(
-        fmt::format("team \"{}\": the action \"left\" has no effect on the drive \"{}\" of the robots, which "
-                    "cannot move sideways: remove the action, or give the robots the drive \"omni\"",
-                    team.spec->name, drive));
   team.drives = true;
   team.actions_plan.push_back({.command = static_cast<std::size_t>(found - k_commands.begin()),
                                .low = action.low,

@@ -139,7 +139,7 @@ def _check_failures(failed: Dict[int, Exception], runs: int) -> None:
 
 
 def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,
-          threads: Optional[int] = None, name: str = "<dict>.json", **options: Any) -> "pandas.DataFrame":
+          threads: Optional[int] = None, name: str = "dict.json", **options: Any) -> "pandas.DataFrame":
     """Makes all runs of a study and returns a pandas data frame. Each run uses one thread; several runs are made in
     parallel.
 

@@ -289,7 +289,8 @@ TEST_F(Tables, AnExistingFileOfAnotherTypeIsKept) {
                         file, type));
     EXPECT_EQ(read(file), text);
   }
-  run({"--for", "0.1", "--measures", "/dev/null", "--events", "/dev/null", "--hash-log", "/dev/null"});
+  for (const char* option : {"--measures", "--events", "--hash-log"})
+    run({"--for", "0.1", option, "/dev/null"});
 }
 
 TEST_F(Tables, AFullDiskIsAFailureAndNotASuccess) {

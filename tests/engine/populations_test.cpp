@@ -118,11 +118,11 @@ TEST(Populations, ReservesFollowWithNothingButAHeight) {
 
   // A body that is yet to be born takes up no room.
   WorldSpec again = spec;
-  again.bodies[5].pose_world_body.x = 4;
+  again.bodies[5].pose_world_body.x = 2;
   PopulationSpec more = row_of("b", 1);
   more.rule.z = 2;
   place(std::span(&more, 1), again, diagnostics);
-  EXPECT_EQ(again.bodies[8].pose_world_body.x, 4);
+  EXPECT_EQ(again.bodies[8].pose_world_body.x, 2);
 }
 
 TEST(Populations, WithoutBodiesAreKeptByName) {

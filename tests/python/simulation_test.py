@@ -105,9 +105,9 @@ class Loading(InAFolder):
         self.assertIn("/types/cart/size_m", findings[1])
         self.assertEqual(str(caught.exception), "\n".join(findings))
         first = ROOM["populations"][0]
-        with self.assertRaisesRegex(troupe.InputError, '^<dict>.json: error: /populations/1: unknown key "sed"'):
+        with self.assertRaisesRegex(troupe.InputError, '^dict.json: error: /populations/1: unknown key "sed"'):
             troupe.Simulation({**ROOM, "populations": [first, {**first, "name": "s", "sed": 1}]})
-        with self.assertRaisesRegex(troupe.InputError, "^<text>.json:1: error: "):
+        with self.assertRaisesRegex(troupe.InputError, "^text.json:1: error: "):
             troupe.Simulation.from_text('{"troupe": 1, "sed": 1}')
         with self.assertRaisesRegex(troupe.InputError, "^none.world: error: there is no such file$"):
             troupe.Simulation("none.world")
@@ -885,7 +885,7 @@ class Models(InAFolder):
         stepping.join(WAIT_S)
         self.assertFalse(stepping.is_alive())
         self.assertEqual(world.tick, 3)
-        lines = [json.loads(line) for line in (self.folder / "world.session.jsonl").read_text().splitlines()]
+        lines = [json.loads(line) for line in (self.folder / "dict.session.jsonl").read_text().splitlines()]
         self.assertEqual((lines[-1]["do"], lines[-1]["tick"]), ("end", 3))
 
     @unittest.skipIf(has_view(), "this build has a view")

@@ -82,11 +82,11 @@ class Sweep(unittest.TestCase):
         self.assertEqual(list(troupe.sweep(numpy)["state_hash"]), list(troupe.sweep(STUDY)["state_hash"]))
 
     def test_what_is_wrong_is_an_error_and_a_run_that_fails_a_row(self):
-        with self.assertRaisesRegex(troupe.InputError, "^<dict>.json: error: "):
+        with self.assertRaisesRegex(troupe.InputError, "^dict.json: error: "):
             troupe.sweep({"troupe_study": 1})
-        with self.assertRaisesRegex(troupe.InputError, '^<dict>.json: error: unknown key "sed"'):
+        with self.assertRaisesRegex(troupe.InputError, '^dict.json: error: unknown key "sed"'):
             troupe.sweep({**STUDY, "sed": 1})
-        with self.assertRaisesRegex(troupe.InputError, '^<dict>.json: error: /world: unknown key "sed"') as caught:
+        with self.assertRaisesRegex(troupe.InputError, '^dict.json: error: /world: unknown key "sed"') as caught:
             troupe.sweep({**STUDY, "world": {**WORLD, "sed": 1}})
         self.assertEqual(caught.exception.findings, [str(caught.exception)])
         with self.assertRaisesRegex(troupe.InputError, "there is no such file"):
@@ -129,7 +129,7 @@ class Sweep(unittest.TestCase):
 
     def test_a_study_has_an_end_time(self):
         study = {key: value for key, value in STUDY.items() if key != "for_s"}
-        text = '^<dict>.json: error: no end time: give "for_s" in the study, or set quit_time_s in the world'
+        text = '^dict.json: error: no end time: give "for_s" in the study, or set quit_time_s in the world'
         for series in (True, False):
             with self.assertRaisesRegex(troupe.InputError, text):
                 troupe.sweep(study, series=series)

@@ -49,7 +49,7 @@ class Batch:
             check_team(team)
             team.name = team.name or f"team{index}"
         if isinstance(task.world, dict):
-            options.setdefault("name", f"<{type(task).__name__}>.json")
+            options.setdefault("name", f"{type(task).__name__}.json")
         simulation = Simulation(copy.deepcopy(task.world), threads=1, **options)
         spec = {
             "copies": copies,
