@@ -738,7 +738,7 @@ class Models(InAFolder):
     @needs_view
     def test_a_view_steps_it_or_the_program_does(self):
         world = troupe.Simulation.from_text(json.dumps({**ROOM, "mortal": True}), "room.json")
-        view = world.view(rate=0, out=self.folder)
+        view = world.view(rate=500, out=self.folder)  # two seconds, in which the user acts
         self.assertRegex(view.address, r"^http://127\.0\.0\.1:\d+/#[0-9a-f]{32}$")
         self.assertNotEqual(view.address, view.read_only_address)
         port, token = view.address.removeprefix("http://127.0.0.1:").split("/#")
