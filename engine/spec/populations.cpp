@@ -38,8 +38,16 @@ std::string path_of(const PopulationSpec& population, std::size_t index) {
   return fmt::format("populations[{}].rule", index);
 }
 
-std::string too_few_places(const PopulationSpec& population, std::size_t placed) {
+std::string too_few_places(const PopulationSpec& population, std::size_t placed,
+                           const std::optional<Box>& bounds) {
   const PlacementRule& rule = population.rule;
+  const auto text_of = [](const Box& box) {
+    return fmt::format("(x {} to {}, y {} to {} m)", plain_number(box.min.x()), plain_number(box.max.x()),
+                       plain_number(box.min.y()), plain_number(box.max.y()));
+  };
+  if (bounds && !rule.region.touches(*bounds))
+    return fmt::format("the region {} lies outside the world's bounds {}: check its units and signs",
+                       text_of(rule.region), text_of(*bounds));
   const std::string why =
       rule.kind == PlacementRule::Kind::grid
           ? fmt::format("the region has no further free cell (it has {:.0f} cells)", grid_cells(rule))
@@ -178,7 +186,8 @@ void Placer::add(const PopulationSpec& population, partition::Parallel& parallel
   const std::vector<Pose> poses =
       place(population.rule, *shape, population.count, spec_.seed, population.name, spec_.bounds,
             occupancy_.scene(), occupancy_.crowd(), parallel);
-  if (poses.size() < population.count) error(population, too_few_places(population, poses.size()));
+  if (poses.size() < population.count)
+    error(population, too_few_places(population, poses.size(), spec_.bounds));
   add_bodies(population, poses);
 }
 
@@ -251,8 +260,9 @@ void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec
         place(population.rule, occupancy.shape(population.type), population.count, seed, population.name,
               bounds, occupancy.scene(), crowd, one_thread);
     if (poses.size() < population.count)
-      return diagnostics.error(population.where_place, fmt::format("{}: {}", path_of(population, p),
-                                                                   too_few_places(population, poses.size())));
+      return diagnostics.error(
+          population.where_place,
+          fmt::format("{}: {}", path_of(population, p), too_few_places(population, poses.size(), bounds)));
     for (std::size_t i = 0; i < poses.size(); ++i) bodies[i].pose_world_body = poses[i];
     for (std::size_t i = 0; i < population.count + population.reserve; ++i)
       set_color(population, seed, i, bodies[i]);

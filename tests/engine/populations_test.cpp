@@ -13,6 +13,7 @@ namespace troupe::engine {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 Solid square(double side) {
   const double h = 0.5 * side;
@@ -123,6 +124,17 @@ TEST(Populations, ReservesFollowWithNothingButAHeight) {
   more.rule.z = 2;
   place(std::span(&more, 1), again, diagnostics);
   EXPECT_EQ(again.bodies[8].pose_world_body.x, 2);
+}
+
+TEST(Populations, ARegionOutsideTheWorldIsTheCause) {
+  WorldSpec small = room();
+  small.bounds = area(-4, -4, 4, 4);
+  PopulationSpec lost = row_of("a", 2);
+  lost.rule.region = area(20, 0, 29, 0);
+  EXPECT_THAT(
+      errors_of({lost}, small),
+      ElementsAre(HasSubstr("the region (x 20 to 29, y 0 to 0 m) lies outside the world's bounds (x -4 "
+                            "to 4, y -4 to 4 m): check its units and signs")));
 }
 
 TEST(Populations, WithoutBodiesAreKeptByName) {

@@ -98,6 +98,31 @@ TEST(JsonWorld, PopulationsWhoseNamesDifferOnlyInDigitsAtTheEndAreRefused) {
     EXPECT_THAT(Loaded(changed("NAME", name, world)).found, IsEmpty()) << name;
 }
 
+// Measures and interventions find populations by the names of their bodies.
+TEST(JsonWorld, AModelIsNotCalledLikeAPopulationOrOneOfItsBodies) {
+  const auto errors = [](std::string_view name, std::string_view type) {
+    return Loaded(fmt::format(R"({{"troupe": 1,
+      "types": {{"bot": {{"size_m": [0.2, 0.2, 0.2], "drive": {{"kind": "diff"}}}}, "wall": {{"size_m": [1, 1, 1]}}}},
+      "bounds_m": [[-9, -9], [9, 9]],
+      "models": [
+        {{"name": "{}", "type": "{}", "pose": {{"x_m": 8}}}}],
+      "populations": [{{"name": "fast", "type": "bot", "count": 3, "place": {{"rule": "uniform",
+        "region_m": [[-5, -5], [5, 5]]}}}}]}})",
+                              name, type))
+        .found;
+  };
+  EXPECT_THAT(errors("fast100", "bot"),
+              ElementsAre("maze.json:5: error: /models/0: a body called \"fast100\" would belong to the "
+                          "population \"fast\", whose bodies are fast0, fast1, ...: choose another name for "
+                          "the model"));
+  EXPECT_THAT(errors("fast", "bot"),
+              ElementsAre("maze.json:5: error: /models/0: \"fast\" is also the name of a "
+                          "population: choose another name for the model"));
+  for (const char* name : {"faster", "fast_1", "fas1", "slow100"})
+    EXPECT_THAT(errors(name, "bot"), IsEmpty());
+  EXPECT_THAT(errors("fast100", "wall"), IsEmpty()) << "static bodies are in no population";
+}
+
 TEST(JsonWorld, AWorldIsReadAsItStands) {
   const Loaded loaded(k_world);
   ASSERT_THAT(loaded.found, IsEmpty());

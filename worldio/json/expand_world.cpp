@@ -16,8 +16,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <span>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <unordered_map>
 
 namespace troupe::worldio {
@@ -60,6 +63,8 @@ class WorldExpander {
     if (document_.arena) expand_arena(*document_.arena);
     if (document_.bounds) spec_.bounds = document_.bounds;  // overrides those of floor plans and arena
     expand_types(world);
+    for (const PopulationDocument& population : document_.populations)
+      if (!population.name.empty()) population_names_.insert(population.name);
     each(world, "models", document_.models, &WorldExpander::expand_model);
     each(world, "populations", document_.populations, &WorldExpander::expand_population);
     for (const MeasureDocument& measure : document_.measures)
@@ -99,6 +104,7 @@ class WorldExpander {
   void check_model(const Model& model, engine::Occupancy& occupancy);
   void report_overlaps(const Model& model, const partition::ObstacleShape& shape,
                        engine::Occupancy& occupancy);
+  void check_population_of(const Model& model, const DocumentPath& at);
   void name_parts(const Model& model, BodyId body);
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
@@ -122,7 +128,8 @@ class WorldExpander {
   std::unordered_map<std::string_view, TypeId> type_ids_;  // by key of the document
   FloorImages images_;                                     // shared: several objects may use one image
   ImageFolder folder_;
-  std::size_t vertices_ = 0;  // number of corners of all floor plans together
+  std::size_t vertices_ = 0;                             // number of corners of all floor plans together
+  std::set<std::string, std::less<>> population_names_;  // of the document
   std::vector<Model> models_;
   std::vector<engine::PopulationSpec> populations_;
 };
@@ -267,7 +274,25 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
                              "the type \"{}\" a \"fiducial_return\" that is not 0",
                              spec_.types[model.body.type.index()].name));
   }
+  if (!model.reserve_of) check_population_of(model, at);
   models_.push_back(std::move(model));
+}
+
+/// Reports an error if the name of a model that is not static is that of a population or of a body of a
+/// population: measures and interventions find populations by the names of their bodies.
+void WorldExpander::check_population_of(const Model& model, const DocumentPath& at) {
+  if (population_names_.empty() || engine::is_static(spec_.types[model.body.type.index()])) return;
+  const std::string name = spec_.names.text(model.body.name);
+  if (population_names_.contains(name))
+    at.error(fmt::format("\"{}\" is also the name of a population: choose another name for the model", name));
+  const std::size_t least = std::max<std::size_t>(engine::without_number(name).size(), 1);
+  for (std::size_t size = least; size < name.size(); ++size)
+    if (const std::string_view population = std::string_view(name).substr(0, size);
+        population_names_.contains(population))
+      at.error(
+          fmt::format("a body called \"{}\" would belong to the population \"{}\", whose bodies are "
+                      "{}0, {}1, ...: choose another name for the model",
+                      name, population, population, population));
 }
 
 void WorldExpander::expand_population(const PopulationDocument& document, const DocumentPath& at) {
