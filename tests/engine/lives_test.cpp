@@ -23,6 +23,7 @@ namespace troupe::engine {
 namespace {
 
 using test::box;
+using test::Moody;
 using test::SceneBuilder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -291,15 +292,8 @@ TEST(Lives, EventsTellOfBirthsAndDeaths) {
 
 // A body whose birth failed half-way must not stay in the world, although the callback knows of its failure.
 TEST(Lives, ABirthThatFailedInACallbackLeavesNoWorldToGoOnWith) {
-  static bool throws;
-  throws = false;
   Registry registry = test::registry();
-  DeviceKind moody{.name = "moody", .text = ""};
-  moody.prepare = [](const Record&, const Pose&) { return DeviceKind::Prepared{.data = 0}; };
-  moody.start = [](const std::any&, StateTable&, std::size_t) {
-    if (throws) throw std::runtime_error("not today");
-  };
-  registry.devices.push_back(moody);
+  registry.devices.push_back(Moody::kind());
   Plain plain;
   plain.scene[plain.type].devices.push_back({.name = "moody", .kind = "moody", .params = {}, .where = {}});
   Diagnostics diagnostics;
@@ -312,11 +306,11 @@ TEST(Lives, ABirthThatFailedInACallbackLeavesNoWorldToGoOnWith) {
       ++failed;
     }
   });
-  throws = true;
+  Moody::throws = true;
   EXPECT_THROW(world.step(), std::logic_error);
   EXPECT_EQ(failed, 1);
   EXPECT_THROW(world.step(), std::logic_error);
-  throws = false;
+  Moody::throws = false;
   world.reset();
   world.step();
   EXPECT_EQ(world.unborn(0), k_reserve - 1);

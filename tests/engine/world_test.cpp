@@ -20,6 +20,7 @@ namespace troupe::engine {
 namespace {
 
 using test::box;
+using test::Moody;
 using test::SceneBuilder;
 
 TEST(World, ACommandOfAControllerActsATickAfterItsReadings) {
@@ -69,15 +70,8 @@ TEST(World, ARestartThatTheGridRefusesChangesNothing) {
 }
 
 TEST(World, AfterARestartThatThrewTheGridHasTheNewScene) {
-  static bool throws;
-  throws = false;
   Registry registry = test::registry();
-  DeviceKind moody{.name = "moody", .text = ""};
-  moody.prepare = [](const Record&, const Pose&) { return DeviceKind::Prepared{.data = 0}; };
-  moody.start = [](const std::any&, StateTable&, std::size_t) {
-    if (throws) throw std::runtime_error("not today");
-  };
-  registry.devices.push_back(moody);
+  registry.devices.push_back(Moody::kind());
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
   scene[type].devices = {test::ranger("eye", {{.range_max = 5}}),
@@ -90,9 +84,9 @@ TEST(World, AfterARestartThatThrewTheGridHasTheNewScene) {
   World world(scene.spec, registry, {.threads = 1}, diagnostics);
   std::vector<BodySpec> bodies = world.spec().bodies;
   bodies[wall.index()].pose_world_body.x = 3;
-  throws = true;
+  Moody::throws = true;
   EXPECT_THROW(world.restart(7, bodies, registry), StepError);
-  throws = false;
+  Moody::throws = false;
   world.reset();
   world.step();
   const Row row = world.row(robot);

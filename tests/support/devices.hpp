@@ -5,6 +5,9 @@
 #include "models/devices/gripper.hpp"
 #include "tests/support/scene.hpp"
 
+#include <any>
+#include <cstddef>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -27,6 +30,19 @@ inline std::size_t add_device(engine::TypeSpec& type, std::string name, std::str
   engine::add_device_body(type, d, kind);
   return d;
 }
+
+/// A kind of device, "moody", which cannot start while `throws` is true.
+struct Moody {
+  static inline bool throws = false;
+  static engine::DeviceKind kind() {
+    engine::DeviceKind made{.name = "moody", .text = ""};
+    made.prepare = [](const engine::Record&, const Pose&) { return engine::DeviceKind::Prepared{.data = 0}; };
+    made.start = [](const std::any&, engine::StateTable&, std::size_t) {
+      if (throws) throw std::runtime_error("not today");
+    };
+    return made;
+  }
+};
 
 /// Adds an actuator (a motor-driven joint) that moves `solids`. The solids are given in the frame of the
 /// actuator. The other parameters and the result are those of add_device().
