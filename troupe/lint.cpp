@@ -112,6 +112,7 @@ class Lint {
 
   void check() {
     check_types();
+    check_controllers();
     check_sensors();
     check_radios();
     check_floor_plans();
@@ -120,6 +121,7 @@ class Lint {
 
  private:
   void check_types();
+  void check_controllers();
   void check_sensors();
   std::size_t others(std::size_t t, std::uint32_t type) const;
   bool can_height_change(std::uint32_t type) const;
@@ -151,6 +153,31 @@ void Lint::check_types() {
     if (!is_used(t) && !used_files.contains(file_of(t)))  // a world rarely uses all types of an included file
       diagnostics_.warning(spec_.types[t].parts.front().where,
                            fmt::format("type \"{}\" is never used", spec_.types[t].name));
+}
+
+/// Warns of controllers that have a period but run with another one: that of their first device or of the
+/// drive.
+void Lint::check_controllers() {
+  for (std::size_t t = 0; t < spec_.types.size(); ++t) {
+    const engine::BodyType& type = world_.types()[t];
+    for (std::size_t c = 0; c < type.controllers.size(); ++c) {
+      const engine::ControllerSpec& given = spec_.types[t].controllers[c];
+      const engine::BodyType::Controller& controller = type.controllers[c];
+      if (!(given.period_s > 0) || engine::period_ticks(given.period_s, spec_.tick_s) == controller.period)
+        continue;
+      const std::string with =
+          controller.devices.empty()
+              ? std::string("the drive")
+              : fmt::format("its first device \"{}\"", type.devices[controller.devices.front()].name);
+      diagnostics_.warning(
+          given.where,
+          fmt::format(
+              "the period of {:.10g} s of the controller \"{}\" of \"{}\" has no effect: the controller runs "
+              "whenever {} has run, every {:.10g} s",
+              given.period_s, given.kind, spec_.types[t].name, with,
+              static_cast<double>(controller.period) * spec_.tick_s));
+    }
+  }
 }
 
 void Lint::check_sensors() {
@@ -393,8 +420,8 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
                                      found - k_most_listed == 1 ? " starts" : "s start"));
 }
 
-/// Warns of interventions that add several bodies at one pose, and of interventions that are later than the
-/// end of a run. An intervention exactly at the end is not reported.
+/// Warns of interventions that add several bodies at one pose, and of interventions and faults that are later
+/// than the end of a run. Those exactly at the end are not reported.
 void Lint::check_interventions() {
   for (const engine::InterventionSpec& intervention : spec_.experiment.at) {
     if (intervention.action != engine::InterventionSpec::Action::add || !intervention.pose) continue;
@@ -417,6 +444,15 @@ void Lint::check_interventions() {
               "this entry of \"at\" has no effect unless --for makes the run longer: its time is {:.10g} s, "
               "but \"quit_time_s\" ends the run at {:.10g} s",
               intervention.time_s, *spec_.quit_time_s));
+  for (const engine::FaultSpec& fault : spec_.experiment.faults)
+    if (engine::ticks_until(fault.from_s, spec_.tick_s) >
+        engine::ticks_until(*spec_.quit_time_s, spec_.tick_s))
+      diagnostics_.warning(
+          fault.where,
+          fmt::format(
+              "this entry of \"faults\" has no effect unless --for makes the run longer: it begins at "
+              "{:.10g} s, but \"quit_time_s\" ends the run at {:.10g} s",
+              fault.from_s, *spec_.quit_time_s));
 }
 
 /// Reports the errors that a run with the measures, the stop conditions and the recording of the world would

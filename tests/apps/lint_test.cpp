@@ -454,6 +454,35 @@ TEST_F(LintTest, ReportsInterventionsAfterTheEndOfTheRun) {
           "late.json:6: warning: this entry of \"at\" has no effect unless --for makes the run longer: "
           "its time is 12.5 s, but \"quit_time_s\" ends the run at 10 s",
           "late.json: 1 finding"));
+  const std::string whole = world("10");
+  const std::string late =
+      whole.substr(0, whole.rfind('}')) +
+      R"(, "faults": [{"model": "rex", "from_s": 11, "slow_wheels": {"factor": 0.5}}] })";
+  EXPECT_THAT(
+      findings("late_fault.json", late),
+      ElementsAre(
+          HasSubstr("this entry of \"faults\" has no effect unless --for makes the run longer: it begins "
+                    "at 11 s, but \"quit_time_s\" ends the run at 10 s"),
+          "late_fault.json: 1 finding"));
+}
+
+TEST_F(LintTest, ReportsPeriodsOfControllersThatHaveNoEffect) {
+  const auto world = [](const std::string& period, const std::string& of_sensor) {
+    return R"({ "troupe": 1, "tick_s": 0.1, "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+  "sensors": [{"name": "eye", "kind": "ranger", "period_s": )" +
+           of_sensor +
+           R"(, "pose": {"z_m": 0.1}, "transducers": [{"range_max_m": 5, "fov_deg": 90, "samples": 9}]}],
+  "controller": {"kind": "wander", "period_s": )" +
+           period + R"(} }},
+  "models": [{"name": "r0", "type": "bot"}, {"name": "r1", "type": "bot", "pose": {"x_m": 3}}] })";
+  };
+  expect_nothing("same.json", world("0.5", "0.5"));
+  expect_nothing("none.json", world("0", "0.5"));
+  EXPECT_THAT(
+      findings("other.json", world("0.5", "0.2")),
+      ElementsAre("other.json:3: warning: the period of 0.5 s of the controller \"wander\" of \"bot\" has no "
+                  "effect: the controller runs whenever its first device \"eye\" has run, every 0.2 s",
+                  "other.json: 1 finding"));
 }
 
 TEST_F(LintTest, ReportsInterventionsThatAddSeveralBodiesAtOnePose) {
