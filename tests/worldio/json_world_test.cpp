@@ -98,6 +98,14 @@ TEST(JsonWorld, PopulationsWhoseNamesDifferOnlyInDigitsAtTheEndAreRefused) {
     EXPECT_THAT(Loaded(changed("NAME", name, world)).found, IsEmpty()) << name;
 }
 
+TEST(JsonWorld, AWrongArenaIsTheOnlyErrorOfItsWorld) {
+  EXPECT_THAT(Loaded(R"({"troupe": 1, "arena": {"size_m": 6},
+      "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}}},
+      "populations": [{"name": "r", "type": "bot", "count": 3, "place": {"rule": "uniform"}}]})")
+                  .found,
+              ElementsAre(HasSubstr("maze.json:1: error: /arena/size_m: expected a list of 2 numbers")));
+}
+
 // Measures and interventions find populations by the names of their bodies.
 TEST(JsonWorld, AModelIsNotCalledLikeAPopulationOrOneOfItsBodies) {
   const auto errors = [](std::string_view name, std::string_view type) {

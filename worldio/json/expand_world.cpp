@@ -354,7 +354,8 @@ PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const Do
 
 /// Sets the region in which the origins of the bodies must lie: a box, a polygon, or the intersection of
 /// both. If the document has neither, the region is the bounds of the world. In a world without bounds, the
-/// rule `gaussian` needs no region, and any other rule is then an error.
+/// rule `gaussian` needs no region, and any other rule is then an error. If the world has no bounds because
+/// of an error in the keys that give them, only that error is reported.
 void WorldExpander::expand_region(const PlaceDocument& document, const DocumentPath& at,
                                   PlacementRule& rule) {
   if (document.polygon) rule.polygon = *document.polygon;
@@ -365,7 +366,8 @@ void WorldExpander::expand_region(const PlaceDocument& document, const DocumentP
     rule.region = *spec_.bounds;
   else if (rule.kind == PlacementRule::Kind::gaussian)
     rule.region = Box::around(Vec2::Zero(), k_max_size_m);
-  else
+  else if (!diagnostics_.has_errors() ||
+           !(document_.says("bounds_m") || document_.says("floorplans") || document_.says("arena")))
     at.error(
         "missing \"region_m\", [[x_min, y_min], [x_max, y_max]] (or \"polygon_m\"), which is needed because "
         "the world has no bounds, floor plans or arena");
