@@ -435,24 +435,18 @@ void Lint::check_interventions() {
                       count));
   }
   if (!spec_.quit_time_s) return;
+  const auto check_time = [&](std::string_view key, std::string_view what, double time_s, Where where) {
+    if (engine::ticks_until(time_s, spec_.tick_s) > engine::ticks_until(*spec_.quit_time_s, spec_.tick_s))
+      diagnostics_.warning(
+          where,
+          fmt::format("this entry of \"{}\" has no effect unless --for makes the run longer: {} {:.10g} "
+                      "s, but \"quit_time_s\" ends the run at {:.10g} s",
+                      key, what, time_s, *spec_.quit_time_s));
+  };
   for (const engine::InterventionSpec& intervention : spec_.experiment.at)
-    if (engine::ticks_until(intervention.time_s, spec_.tick_s) >
-        engine::ticks_until(*spec_.quit_time_s, spec_.tick_s))
-      diagnostics_.warning(
-          intervention.where,
-          fmt::format(
-              "this entry of \"at\" has no effect unless --for makes the run longer: its time is {:.10g} s, "
-              "but \"quit_time_s\" ends the run at {:.10g} s",
-              intervention.time_s, *spec_.quit_time_s));
+    check_time("at", "its time is", intervention.time_s, intervention.where);
   for (const engine::FaultSpec& fault : spec_.experiment.faults)
-    if (engine::ticks_until(fault.from_s, spec_.tick_s) >
-        engine::ticks_until(*spec_.quit_time_s, spec_.tick_s))
-      diagnostics_.warning(
-          fault.where,
-          fmt::format(
-              "this entry of \"faults\" has no effect unless --for makes the run longer: it begins at "
-              "{:.10g} s, but \"quit_time_s\" ends the run at {:.10g} s",
-              fault.from_s, *spec_.quit_time_s));
+    check_time("faults", "it begins at", fault.from_s, fault.where);
 }
 
 /// Reports the errors that a run with the measures, the stop conditions and the recording of the world would
