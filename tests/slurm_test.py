@@ -19,25 +19,13 @@ import tempfile
 import time
 import unittest
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from tests.support import room  # noqa: E402
+
 PROGRAM = None
 CPUS = 4
 WAIT_S = 240  # for a busy machine
 
-WORLD = {
-    "troupe": 1, "title": "A room", "quit_time_s": 3,
-    "types": {
-        "wall": {"size_m": [0.2, 6.5, 1]},
-        "wanderer": {
-            "size_m": [0.31, 0.17, 0.2], "drive": {"kind": "diff", "localization": "odom"}, "controller": {"kind": "wander"},
-            "sensors": [{"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1},
-                         "transducers": [{"range_max_m": 3.3, "fov_deg": 170.5, "samples": 9}]}]}},
-    "models": [{"name": "wall", "type": "wall", "pose": {"x_m": 3.7, "heading_deg": 0.7}}],
-    "populations": [{"name": "w", "type": "wanderer", "count": 40,
-                     "place": {"rule": "uniform", "region_m": [[-3.3, -3.3], [3.3, 3.3]]}}],
-}
-STUDY = {"troupe_study": 1, "world": "room.json", "for_s": 1, "measures": ["stalls"],
-         "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [5, 10]}],
-         "seeds": {"from": 1, "count": 4}}
 CONFIGURATION = """ClusterName=troupe
 SlurmctldHost={host}(127.0.0.1)
 SlurmctldPort={ports[0]}
@@ -140,8 +128,8 @@ class OnSlurm(unittest.TestCase):
         return subprocess.run(command, capture_output=True, text=True, cwd=cls.folder, env=cls.environment, timeout=WAIT_S).stdout
 
     def setUp(self):
-        (self.folder / "room.json").write_text(json.dumps(WORLD))
-        (self.folder / "study.json").write_text(json.dumps(STUDY))
+        (self.folder / "room.json").write_text(json.dumps(room.WORLD))
+        (self.folder / "study.json").write_text(json.dumps(room.STUDY))
 
     def call(self, *command, **environment):
         done = subprocess.run(list(map(str, command)), capture_output=True, text=True, cwd=self.folder, timeout=300,

@@ -20,24 +20,12 @@ import tempfile
 import time
 import unittest
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from tests.support import room  # noqa: E402
+
 PROGRAM = None
 MARGIN_S = 240  # for a busy machine
 
-WORLD = {
-    "troupe": 1, "title": "A room", "quit_time_s": 3,
-    "types": {
-        "wall": {"size_m": [0.2, 6.5, 1]},
-        "wanderer": {
-            "size_m": [0.31, 0.17, 0.2], "drive": {"kind": "diff", "localization": "odom"}, "controller": {"kind": "wander"},
-            "sensors": [{"name": "eyes", "kind": "ranger", "pose": {"z_m": 0.1},
-                         "transducers": [{"range_max_m": 3.3, "fov_deg": 170.5, "samples": 9}]}]}},
-    "models": [{"name": "wall", "type": "wall", "pose": {"x_m": 3.7, "heading_deg": 0.7}}],
-    "populations": [{"name": "w", "type": "wanderer", "count": 40,
-                     "place": {"rule": "uniform", "region_m": [[-3.3, -3.3], [3.3, 3.3]]}}],
-}
-STUDY = {"troupe_study": 1, "world": "room.json", "for_s": 1, "measures": ["stalls"],
-         "parameters": [{"set": "/populations/0/count", "name": "robots", "values": [5, 10]}],
-         "seeds": {"from": 1, "count": 3}}
 AGENT = """#!/bin/sh
 # AGENT [OPTION...] HOST COMMAND...: as ssh
 while [ "${1#-}" != "$1" ]; do shift; done
@@ -111,7 +99,7 @@ class OnTwoNodes:
         scratch = tempfile.TemporaryDirectory(dir="/var/tmp")
         self.addCleanup(scratch.cleanup)
         self.folder = pathlib.Path(scratch.name)
-        (self.folder / "room.json").write_text(json.dumps(WORLD))
+        (self.folder / "room.json").write_text(json.dumps(room.WORLD))
         addresses = {"troupe-a": "10.77.3.1", "troupe-b": "10.77.3.2"}
         (self.folder / "hosts").write_text("127.0.0.1 localhost\n" + "".join(f"{a} {name}\n" for name, a in addresses.items()))
         self.nodes = []
@@ -165,7 +153,7 @@ class OnTwoNodes:
         self.assertEqual(lines_of(self.folder / "two.log"), lines_of(self.folder / "one.log"))
 
     def test_a_study(self):
-        (self.folder / "study.json").write_text(json.dumps(STUDY))
+        (self.folder / "study.json").write_text(json.dumps(room.STUDY))
         self.call([PROGRAM, "sweep", "study.json", "-o", "one", "--quiet"])
         self.call(self.on_nodes(1, "sweep", "study.json", "-o", "two", "--threads", 1, "--quiet"))
         self.assertEqual((self.folder / "two" / "table.csv").read_text(), (self.folder / "one" / "table.csv").read_text())

@@ -48,28 +48,12 @@ struct Resolved {
 Resolved resolve_engine(const PushCrowd& crowd, const partition::StaticScene& scene,
                         const partition::GridGeometry& grid, partition::Parallel& parallel,
                         Conflicts& conflicts) {
-  std::vector<Pose> poses;
-  std::vector<Transform> transforms;
-  std::vector<engine::Motion> motions;
-  std::vector<double> radii;
+  std::vector<engine::FreeCircle> free;
+  Resolved resolved{
+      resolve(crowd, scene, grid, parallel, conflicts, free, crowd.pushables()), {}, conflicts.rounds()};
   for (std::size_t i = 0; i < crowd.size(); ++i) {
-    const Motion& m = crowd.motions[i];
-    poses.push_back(m.from);
-    transforms.emplace_back(m.from);
-    motions.push_back({m.to, Rotation(m.to.heading), m.turn, m.moves});
-    radii.push_back(crowd.shapes[i]->radius);
-  }
-  partition::BodyIndex index(grid);
-  index.rebuild(transforms, radii, parallel);
-  std::vector<engine::FreeCircle> free(crowd.size());
-  const Box everywhere = Box::around({0, 0}, 1e6);
-  conflicts.resolve({poses, transforms, motions, crowd.shapes, crowd.ids, free, crowd.seed, crowd.tick,
-                     crowd.bounds.value_or(everywhere), crowd.pushables()},
-                    scene, index, parallel);
-  Resolved resolved{{}, poses, conflicts.rounds()};
-  for (std::size_t i = 0; i < crowd.size(); ++i) {
-    resolved.outcomes.push_back(conflicts.outcome(i));
-    if (resolved.outcomes[i] == Outcome::moved) resolved.poses[i] = crowd.motions[i].to;
+    const Motion& motion = crowd.motions[i];
+    resolved.poses.push_back(resolved.outcomes[i] == Outcome::moved ? motion.to : motion.from);
   }
   for (const Conflicts::Push& push : conflicts.pushes()) {
     if (!conflicts.is_last(push)) continue;
