@@ -1,6 +1,8 @@
 #include "troupe/lint.hpp"
 
 #include "base/fp_environment.hpp"
+#include "base/number_text.hpp"
+#include "engine/interventions/groups.hpp"
 #include "engine/observing/measures.hpp"
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/spec/ticks.hpp"
@@ -117,6 +119,7 @@ class Lint {
     check_radios();
     check_floor_plans();
     check_interventions();
+    check_selections();
   }
 
  private:
@@ -133,6 +136,7 @@ class Lint {
   Result<> can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const;
   void check_who_stands_in(const std::vector<BodyId>& plans);
   void check_interventions();
+  void check_selections();
 
   const engine::World& world_;
   const engine::WorldSpec& spec_;
@@ -447,6 +451,34 @@ void Lint::check_interventions() {
     check_time("at", "its time is", intervention.time_s, intervention.where);
   for (const engine::FaultSpec& fault : spec_.experiment.faults)
     check_time("faults", "it begins at", fault.from_s, fault.where);
+}
+
+/// Warns of interventions and faults whose `count` or `share` is so small that they select no body of their
+/// group. An intervention selects among at most all bodies of the group, a fault among those that are in the
+/// world at the start.
+void Lint::check_selections() {
+  engine::Groups groups(world_);
+  const auto check = [&](std::string_view key, const engine::GroupSpec& whom, std::size_t size, Where where) {
+    if (size == 0 || whom.selected_of(size) > 0) return;
+    const std::string why = whom.count == 0
+                                ? std::string("its \"count\" is 0")
+                                : fmt::format(
+                                      "its \"share\" of {:.10g} selects none of {} {}: the least share that "
+                                      "selects a body is {}",
+                                      *whom.share, size, size == 1 ? "body" : "bodies",
+                                      plain_number(0.5 / static_cast<double>(size)));
+    diagnostics_.warning(where, fmt::format("this entry of \"{}\" has no effect: {}", key, why));
+  };
+  using Action = engine::InterventionSpec::Action;
+  for (const engine::InterventionSpec& at : spec_.experiment.at)
+    if (at.action == Action::remove || at.action == Action::disable || at.action == Action::enable)
+      check("at", at.whom, groups.find(at.whom, at.where, diagnostics_)->size(), at.where);
+  for (const engine::FaultSpec& fault : spec_.experiment.faults) {
+    const engine::Groups::Bodies bodies = groups.find(fault.whom, fault.where, diagnostics_);
+    const auto starts = [&](BodyId body) { return spec_.starts(body); };
+    check("faults", fault.whom, static_cast<std::size_t>(std::ranges::count_if(*bodies, starts)),
+          fault.where);
+  }
 }
 
 /// Reports the errors that a run with the measures, the stop conditions and the recording of the world would

@@ -508,6 +508,36 @@ TEST_F(LintTest, ReportsInterventionsThatAddSeveralBodiesAtOnePose) {
                     "many.json: 1 finding"));
 }
 
+TEST_F(LintTest, ReportsInterventionsAndFaultsThatSelectNoBody) {
+  const auto world = [](const std::string& keys) {
+    return R"({ "troupe": 1, "tick_s": 0.1,
+  "types": {"dog": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}}},
+  "populations": [{"name": "d", "type": "dog", "count": 20, "reserve": 20,
+    "place": {"rule": "grid", "region_m": [[0, 0], [9, 9]], "pitch_m": 1}}],
+)" + keys + " }";
+  };
+  const auto slow = [&](const std::string& selects) {
+    return world(R"("faults": [{"population": "d", )" + selects + R"(, "slow_wheels": {"factor": 0.5}}])");
+  };
+  expect_nothing("half.json", slow(R"("share": 0.025)"));
+  expect_nothing("one.json", slow(R"("count": 1)"));
+  EXPECT_THAT(findings("less.json", slow(R"("share": 0.024)")),
+              ElementsAre("less.json:5: warning: this entry of \"faults\" has no effect: its \"share\" of "
+                          "0.024 selects none of 20 bodies: the least share that selects a body is 0.025",
+                          "less.json: 1 finding"));
+  EXPECT_THAT(findings("none.json", slow(R"("count": 0)")),
+              ElementsAre("none.json:5: warning: this entry of \"faults\" has no effect: its \"count\" is 0",
+                          "none.json: 1 finding"));
+  // When an intervention selects, bodies of the reserve may have been added.
+  const auto disable = [&](const std::string& share) {
+    return world(R"("at": [{"time_s": 1, "disable": {"population": "d", "share": )" + share + "}}]");
+  };
+  expect_nothing("later.json", disable("0.0125"));
+  EXPECT_THAT(findings("never.json", disable("0.012")),
+              Contains(HasSubstr("this entry of \"at\" has no effect: its \"share\" of 0.012 selects none of "
+                                 "40 bodies: the least share that selects a body is 0.0125")));
+}
+
 TEST_F(LintTest, HelpTellsWhatIsReportedAndTheExitCodes) {
   const Outcome outcome = troupe({"lint", "--help"});
   EXPECT_EQ(outcome.code, 0);
