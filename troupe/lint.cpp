@@ -114,6 +114,8 @@ class Lint {
 
   void check() {
     check_types();
+    check_drives();
+    check_supplies();
     check_controllers();
     check_sensors();
     check_radios();
@@ -124,6 +126,8 @@ class Lint {
 
  private:
   void check_types();
+  void check_drives();
+  void check_supplies();
   void check_controllers();
   void check_sensors();
   std::size_t others(std::size_t t, std::uint32_t type) const;
@@ -157,6 +161,50 @@ void Lint::check_types() {
     if (!is_used(t) && !used_files.contains(file_of(t)))  // a world rarely uses all types of an included file
       diagnostics_.warning(spec_.types[t].parts.front().where,
                            fmt::format("type \"{}\" is never used", spec_.types[t].name));
+}
+
+/// Warns of drives whose limits exclude 0, so that the robot moves although its command is 0.
+void Lint::check_drives() {
+  for (std::size_t t = 0; t < spec_.types.size(); ++t) {
+    const engine::BodyType& type = world_.types()[t];
+    if (!type.drive || levels_[t].empty()) continue;
+    const engine::Command rest;
+    engine::Velocity velocity;
+    type.drive->kind->drive(
+        type.drive->data, {.commands = {&rest, 1}, .velocities = {&velocity, 1}, .elapsed_s = spec_.tick_s});
+    std::string moves;
+    const auto add = [&](std::string_view what, double speed, std::string_view unit) {
+      if (speed != 0)
+        moves += fmt::format("{}a {} of {:.10g} {}", moves.empty() ? "" : " and ", what, speed, unit);
+    };
+    add("forward speed", velocity.x, "m/s");
+    add("speed to the left", velocity.y, "m/s");
+    add("turn rate", velocity.turn, "rad/s");
+    if (moves.empty()) continue;
+    diagnostics_.warning(
+        spec_.types[t].drive->where,
+        fmt::format("the drive \"{}\" of \"{}\" cannot stand still: if the command is 0, its "
+                    "limits give {}",
+                    type.drive->kind->name, type.name, moves));
+  }
+}
+
+/// Warns of power supplies that can hold no energy and therefore stop everything that they serve.
+void Lint::check_supplies() {
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    for (std::size_t d = 0; d < world_.types()[t].devices.size() && !levels_[t].empty(); ++d) {
+      const engine::BodyType::Device& device = world_.types()[t].devices[d];
+      const engine::DeviceKind& kind = *device.kind;
+      if (!kind.is_spent || !kind.energy) continue;
+      engine::StateTable state("", engine::HashGroup::sensor, engine::StateTable::Layout::rows,
+                               device.prepared.percepts, {BodyId(0)}, device.prepared.percept_bytes);
+      if (kind.start) kind.start(device.prepared.data, state, 0);
+      if (!kind.is_spent(device.prepared.data, state, 0) || kind.energy(state, 0).capacity_j > 0) continue;
+      diagnostics_.warning(spec_.types[t].devices[d].where,
+                           fmt::format("\"{}\" of \"{}\" can hold no energy: its capacity is 0 J, so "
+                                       "everything that it supplies is stopped for the whole run",
+                                       device.name, world_.types()[t].name));
+    }
 }
 
 /// Warns of controllers that have a period but run with another one: that of their first device or of the

@@ -508,6 +508,45 @@ TEST_F(LintTest, ReportsInterventionsThatAddSeveralBodiesAtOnePose) {
                     "many.json: 1 finding"));
 }
 
+TEST_F(LintTest, ReportsDrivesThatCannotStandStill) {
+  const auto world = [](const std::string& drive) {
+    return R"({ "troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.3],
+    "drive": {)" +
+           drive + R"(} }},
+  "models": [{"name": "r0", "type": "bot"}] })";
+  };
+  expect_nothing("one_way.json",
+                 world(R"("kind": "diff", "velocity_min_x_mps": 0, "velocity_max_x_mps": 0.2)"));
+  EXPECT_THAT(findings("back.json", world(R"("kind": "diff", "velocity_max_x_mps": -0.5)")),
+              ElementsAre("back.json:2: warning: the drive \"diff\" of \"bot\" cannot stand still: if the "
+                          "command is 0, its limits give a forward speed of -0.5 m/s",
+                          "back.json: 1 finding"));
+  EXPECT_THAT(
+      findings("plane.json", world(R"("kind": "omni", "velocity_min_y_mps": 0.25, "turn_min_radps": 0.5)")),
+      Contains(HasSubstr("its limits give a speed to the left of 0.25 m/s and a turn rate of 0.5 rad/s")));
+  EXPECT_THAT(findings("car.json", world(R"("kind": "car", "velocity_min_x_mps": 0.5)")),
+              Contains(HasSubstr("the drive \"car\" of \"bot\" cannot stand still: if the command is 0, its "
+                                 "limits give a forward speed of 0.5 m/s")));
+}
+
+TEST_F(LintTest, ReportsPowerPacksThatCanHoldNoEnergy) {
+  const auto world = [](const std::string& pack) {
+    return R"({ "troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+    "devices": [{"name": "pack", "kind": "power_pack", "mass_kg": 1)" +
+           pack + R"(}] }},
+  "models": [{"name": "r0", "type": "bot"}] })";
+  };
+  EXPECT_THAT(
+      findings("none.json", world("")),
+      ElementsAre("none.json:2: warning: \"pack\" of \"bot\" can hold no energy: its capacity is 0 J, "
+                  "so everything that it supplies is stopped for the whole run",
+                  "none.json: 1 finding"));
+  expect_nothing("full.json", world(R"(, "capacity_J": 100)"));
+  expect_nothing("empty.json", world(R"(, "capacity_J": 100, "stored_J": 0)"));  // it may be charged
+  expect_nothing("infinite.json", world(R"(, "infinite": true)"));
+  expect_nothing("stage.json", world(R"(, "when_empty": "nothing")"));
+}
+
 TEST_F(LintTest, ReportsInterventionsAndFaultsThatSelectNoBody) {
   const auto world = [](const std::string& keys) {
     return R"({ "troupe": 1, "tick_s": 0.1,
