@@ -1,5 +1,7 @@
 #include "base/number_text.hpp"
 
+#include "base/geometry.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -17,6 +19,11 @@ std::string plain_number(double x, int digits) {
   text = fmt::format("{:.{}f}", x, decimals);
   text.erase(text.find_last_not_of('0') + 1);
   return text;
+}
+
+std::string extent_text(const Box& box) {
+  return fmt::format("x {} to {}, y {} to {} m", plain_number(box.min.x()), plain_number(box.max.x()),
+                     plain_number(box.min.y()), plain_number(box.max.y()));
 }
 
 std::optional<double> finite_number_of(std::string_view text) {

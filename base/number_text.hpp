@@ -8,6 +8,8 @@
 
 namespace troupe {
 
+struct Box;  // base/geometry.hpp
+
 /// Returns a number as text for messages, without an exponent where this is readable. Let `digits` be 10:
 ///
 /// - 0, and numbers with an absolute value of at least 1e-9 and below 1e16, have no exponent: `0.000001`,
@@ -18,6 +20,9 @@ namespace troupe {
 ///
 /// digits: number of significant digits, from 1 to 16
 std::string plain_number(double x, int digits = 10);
+/// Returns the extent of a box as text for messages: `x -2 to 2, y 0 to 5.5 m`. The numbers are written by
+/// plain_number().
+std::string extent_text(const Box& box);
 
 /// Converts a whole text to a number of type T. Returns std::nullopt if the text is not a decimal number,
 /// contains anything else (a space, a unit, a leading `+`), or is outside the range of T. For a

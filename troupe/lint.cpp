@@ -1,10 +1,14 @@
 #include "troupe/lint.hpp"
 
 #include "base/fp_environment.hpp"
+#include "base/number_text.hpp"
+#include "engine/interventions/groups.hpp"
 #include "engine/observing/measures.hpp"
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
+#include "models/controllers/expand.hpp"
+#include "models/controllers/wander.hpp"
 #include "sensors/radio.hpp"
 #include "sensors/ranger.hpp"
 #include "sensors/ranger_beams.hpp"
@@ -112,15 +116,20 @@ class Lint {
 
   void check() {
     check_types();
+    check_drives();
+    check_supplies();
     check_controllers();
     check_sensors();
     check_radios();
     check_floor_plans();
     check_interventions();
+    check_selections();
   }
 
  private:
   void check_types();
+  void check_drives();
+  void check_supplies();
   void check_controllers();
   void check_sensors();
   std::size_t others(std::size_t t, std::uint32_t type) const;
@@ -133,6 +142,7 @@ class Lint {
   Result<> can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const;
   void check_who_stands_in(const std::vector<BodyId>& plans);
   void check_interventions();
+  void check_selections();
 
   const engine::World& world_;
   const engine::WorldSpec& spec_;
@@ -155,14 +165,62 @@ void Lint::check_types() {
                            fmt::format("type \"{}\" is never used", spec_.types[t].name));
 }
 
+/// Warns of drives whose limits exclude 0, so that the robot moves although its command is 0.
+void Lint::check_drives() {
+  for (std::size_t t = 0; t < spec_.types.size(); ++t) {
+    const engine::BodyType& type = world_.types()[t];
+    if (!type.drive || levels_[t].empty()) continue;
+    const engine::Command rest;
+    engine::Velocity velocity;
+    type.drive->kind->drive(
+        type.drive->data, {.commands = {&rest, 1}, .velocities = {&velocity, 1}, .elapsed_s = spec_.tick_s});
+    std::string moves;
+    const auto add = [&](std::string_view what, double speed, std::string_view unit) {
+      if (speed != 0)
+        moves += fmt::format("{}a {} of {:.10g} {}", moves.empty() ? "" : " and ", what, speed, unit);
+    };
+    add("forward speed", velocity.x, "m/s");
+    add("speed to the left", velocity.y, "m/s");
+    add("turn rate", velocity.turn, "rad/s");
+    if (moves.empty()) continue;
+    diagnostics_.warning(
+        spec_.types[t].drive->where,
+        fmt::format("the drive \"{}\" of \"{}\" cannot stand still: if the command is 0, its "
+                    "limits give {}",
+                    type.drive->kind->name, type.name, moves));
+  }
+}
+
+/// Warns of power supplies that can hold no energy and therefore stop everything that they serve.
+void Lint::check_supplies() {
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    for (std::size_t d = 0; d < world_.types()[t].devices.size() && !levels_[t].empty(); ++d) {
+      const engine::BodyType::Device& device = world_.types()[t].devices[d];
+      const engine::DeviceKind& kind = *device.kind;
+      if (!kind.is_spent || !kind.energy) continue;
+      engine::StateTable state("", engine::HashGroup::sensor, engine::StateTable::Layout::rows,
+                               device.prepared.percepts, {BodyId(0)}, device.prepared.percept_bytes);
+      if (kind.start) kind.start(device.prepared.data, state, 0);
+      if (!kind.is_spent(device.prepared.data, state, 0) || kind.energy(state, 0).capacity_j > 0) continue;
+      diagnostics_.warning(spec_.types[t].devices[d].where,
+                           fmt::format("\"{}\" of \"{}\" can hold no energy: its capacity is 0 J, so "
+                                       "everything that it supplies is stopped for the whole run",
+                                       device.name, world_.types()[t].name));
+    }
+}
+
 /// Warns of controllers that have a period but run with another one: that of their first device or of the
-/// drive.
+/// drive. Warns of controllers that find an obstacle at every reading of their ranger.
 void Lint::check_controllers() {
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
     const engine::BodyType& type = world_.types()[t];
     for (std::size_t c = 0; c < type.controllers.size(); ++c) {
       const engine::ControllerSpec& given = spec_.types[t].controllers[c];
       const engine::BodyType::Controller& controller = type.controllers[c];
+      for (const auto why : {models::why_wander_only_turns, models::why_expand_only_turns})
+        if (const std::string text = why(controller.data); !text.empty() && !levels_[t].empty())
+          diagnostics_.warning(
+              given.where, fmt::format("the controller \"{}\" of \"{}\" {}", given.kind, type.name, text));
       if (!(given.period_s > 0) || engine::period_ticks(given.period_s, spec_.tick_s) == controller.period)
         continue;
       const std::string with =
@@ -447,6 +505,34 @@ void Lint::check_interventions() {
     check_time("at", "its time is", intervention.time_s, intervention.where);
   for (const engine::FaultSpec& fault : spec_.experiment.faults)
     check_time("faults", "it begins at", fault.from_s, fault.where);
+}
+
+/// Warns of interventions and faults whose `count` or `share` is so small that they select no body of their
+/// group. An intervention selects among at most all bodies of the group, a fault among those that are in the
+/// world at the start.
+void Lint::check_selections() {
+  engine::Groups groups(world_);
+  const auto check = [&](std::string_view key, const engine::GroupSpec& whom, std::size_t size, Where where) {
+    if (size == 0 || whom.selected_of(size) > 0) return;
+    const std::string why = whom.count == 0
+                                ? std::string("its \"count\" is 0")
+                                : fmt::format(
+                                      "its \"share\" of {:.10g} selects none of {} {}: the least share that "
+                                      "selects a body is {}",
+                                      *whom.share, size, size == 1 ? "body" : "bodies",
+                                      plain_number(0.5 / static_cast<double>(size)));
+    diagnostics_.warning(where, fmt::format("this entry of \"{}\" has no effect: {}", key, why));
+  };
+  using Action = engine::InterventionSpec::Action;
+  for (const engine::InterventionSpec& at : spec_.experiment.at)
+    if (at.action == Action::remove || at.action == Action::disable || at.action == Action::enable)
+      check("at", at.whom, groups.find(at.whom, at.where, diagnostics_)->size(), at.where);
+  for (const engine::FaultSpec& fault : spec_.experiment.faults) {
+    const engine::Groups::Bodies bodies = groups.find(fault.whom, fault.where, diagnostics_);
+    const auto starts = [&](BodyId body) { return spec_.starts(body); };
+    check("faults", fault.whom, static_cast<std::size_t>(std::ranges::count_if(*bodies, starts)),
+          fault.where);
+  }
 }
 
 /// Reports the errors that a run with the measures, the stop conditions and the recording of the world would

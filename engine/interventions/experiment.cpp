@@ -593,11 +593,7 @@ bool World::set_disabled(Row row, bool disabled) {
 
 std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
   std::vector<Experiment::Candidate>& all = experiment_.candidates;
-  std::size_t count = all.size();
-  if (group.count) count = std::min(count, static_cast<std::size_t>(*group.count));
-  if (group.share)
-    count = std::min(
-        count, static_cast<std::size_t>(std::floor(*group.share * static_cast<double>(all.size()) + 0.5)));
+  const std::size_t count = group.selected_of(all.size());
   if (count < all.size()) {
     const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
     std::ranges::nth_element(all, end, {},

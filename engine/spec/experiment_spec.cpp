@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace troupe::engine {
@@ -25,6 +26,15 @@ std::string text_of(const StopSpec& condition) {
   if (name.empty()) name = measure.of.empty() ? measure.kind : fmt::format("{}:{}", measure.kind, measure.of);
   return fmt::format("{} {} {}", name, k_comparisons[static_cast<std::size_t>(condition.comparison)],
                      condition.value);
+}
+
+std::size_t GroupSpec::selected_of(std::size_t size) const {
+  std::size_t selected = size;
+  if (count) selected = std::min(selected, static_cast<std::size_t>(*count));
+  if (share)
+    selected =
+        std::min(selected, static_cast<std::size_t>(std::floor(*share * static_cast<double>(size) + 0.5)));
+  return selected;
 }
 
 Record changed(const Record& params, const SettingSpec& setting) {

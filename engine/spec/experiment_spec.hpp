@@ -6,6 +6,7 @@
 #include "engine/spec/measure_spec.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -79,6 +80,9 @@ struct GroupSpec {
   /// Fraction of the bodies to select, 0 to 1. The resulting number of bodies is rounded to the nearest
   /// integer, halves up. Not set: no limit. Not used for the interventions `add` and `move`.
   std::optional<double> share;
+
+  /// Number of bodies that the intervention or fault selects at random from `size` candidates.
+  std::size_t selected_of(std::size_t size) const;
 };
 
 /// New values for some parameters of the drive, of a device or of a controller of a body type. The type must

@@ -41,13 +41,9 @@ std::string path_of(const PopulationSpec& population, std::size_t index) {
 std::string too_few_places(const PopulationSpec& population, std::size_t placed,
                            const std::optional<Box>& bounds) {
   const PlacementRule& rule = population.rule;
-  const auto text_of = [](const Box& box) {
-    return fmt::format("(x {} to {}, y {} to {} m)", plain_number(box.min.x()), plain_number(box.max.x()),
-                       plain_number(box.min.y()), plain_number(box.max.y()));
-  };
   if (bounds && !rule.region.touches(*bounds))
-    return fmt::format("the region {} lies outside the world's bounds {}: check its units and signs",
-                       text_of(rule.region), text_of(*bounds));
+    return fmt::format("the region ({}) lies outside the world's bounds ({}): check its units and signs",
+                       extent_text(rule.region), extent_text(*bounds));
   const std::string why =
       rule.kind == PlacementRule::Kind::grid
           ? fmt::format("the region has no further free cell (it has {:.0f} cells)", grid_cells(rule))

@@ -14,9 +14,7 @@ namespace troupe::engine {
 const partition::ObstacleShape k_no_shape;
 
 std::string outside_text(const Box& bounds) {
-  return fmt::format("outside the world's bounds (x {} to {}, y {} to {} m)", plain_number(bounds.min.x()),
-                     plain_number(bounds.max.x()), plain_number(bounds.min.y()),
-                     plain_number(bounds.max.y()));
+  return fmt::format("outside the world's bounds ({})", extent_text(bounds));
 }
 
 std::span<const std::uint32_t> rows_within(std::span<const std::uint32_t> order, const RowRange& range,

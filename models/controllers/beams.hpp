@@ -18,6 +18,7 @@ struct Beam {
   double bearing = 0;          ///< bearing, rad, counter-clockwise from straight ahead, in [-pi, pi]
   SinCos direction;            ///< cosine and sine of the bearing
   Vec2 origin = Vec2::Zero();  ///< point at which the beam starts, m
+  float range_max = 0;         ///< greatest reading of the beam, m
 };
 
 /// Returns the beams of the ranger (range sensor) `device`, in the order of its readings. If the ranger is
@@ -32,14 +33,16 @@ inline std::vector<Beam> beams_of(const engine::DeviceInfo& device) {
     const auto after = static_cast<std::size_t>(next - layout.transducers.begin());
     const std::size_t transducer = after > 0 ? after - 1 : 0;
     const double heading = device.pose.heading + layout.bearings[i];
+    const bool has_transducer = transducer < layout.transducers.size();
     beams[i] = {
         .reading = i,
         .transducer = transducer,
         .bearing = wrap_angle(heading),
         .direction = sincos(heading),
-        .origin = transducer < layout.transducers.size()
+        .origin = has_transducer
                       ? pose_drive_sensor * layout.transducers[transducer].pose_sensor_transducer.position()
-                      : pose_drive_sensor.position};
+                      : pose_drive_sensor.position,
+        .range_max = has_transducer ? static_cast<float>(layout.transducers[transducer].range_max) : 0.0f};
   }
   return beams;
 }

@@ -3,11 +3,14 @@
 #include "base/geometry.hpp"
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/spec/world_spec.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "models/devices/led.hpp"
 #include "sensors/radio.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -109,6 +112,15 @@ struct Chain {
     }
     if (choice.take_kind("led")) led = choice.chosen().size() - 1;
     return choice.chosen();
+  }
+
+  /// Robots need a drive; the nest and the prey do not. A device that drives a part moves a joint.
+  Result<> bind_world(const engine::WorldSpec&, const engine::TypeSpec& type, std::uint32_t) const {
+    if (params.role != Role::robot || type.drive || !type.joints.empty()) return {};
+    return Error{fmt::format(
+        "needs a drive for the role \"robot\", but type \"{}\" has none: add a drive to the type, "
+        "or give the role \"nest\" or \"prey\"",
+        type.name)};
   }
 
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,

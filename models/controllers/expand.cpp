@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace troupe::models {
 namespace {
@@ -63,8 +64,15 @@ struct Expand {
     double clearance;  // m; -1: no limit, because every range exceeds -1
   };
 
+  /// A beam whose reading can never exceed the clearance.
+  struct Short {
+    float range_max;   // m
+    double clearance;  // m
+  };
+
   Params params;
   std::vector<Feeler> feelers;
+  std::optional<Short> too_short;  // the first such beam; the robot then never drives
 
   /// Whether there are readings for which the vector sum of these beams points into the cone ahead. If there
   /// are none, the robot would turn forever.
@@ -102,6 +110,7 @@ struct Expand {
                             : beam.transducer < params.clearances.size() ? params.clearances[beam.transducer]
                                                                          : 0.0;
       feelers.push_back({beam.reading, beam.direction, demand > 0 ? demand : -1.0});
+      if (beam.range_max <= feelers.back().clearance && !too_short) too_short = Short{beam.range_max, demand};
     }
     return choice.chosen();
   }
@@ -153,6 +162,15 @@ struct Expand {
 engine::ControllerKind expand_controller() {
   return engine::make_controller_kind<Expand>(
       "expand", "disperse: turn towards the vector sum of the ranges, and drive while the way is clear");
+}
+
+std::string why_expand_only_turns(const std::any& prepared) {
+  const auto* expand = std::any_cast<Expand>(&prepared);
+  if (expand == nullptr || !expand->too_short) return {};
+  return fmt::format(
+      "never drives: it drives only while the reading of each beam exceeds the clearance of the beam, but a "
+      "beam with a clearance of {:.9g} m reads at most {:.9g} m",
+      expand->too_short->clearance, expand->too_short->range_max);
 }
 
 engine::Registry::Preset expand_pioneer_preset() {

@@ -143,6 +143,10 @@ struct Operate {
             "has an order \"{}\" for \"{}\", which is of kind \"{}\": only devices of kind \"{}\" "
             "take this order",
             k_orders[static_cast<std::size_t>(step.order)], step.device, device->kind, wanted)};
+      if (!takes_value(step.order) && step.value != 0)
+        return Error{
+            fmt::format("has an order \"{}\" for \"{}\" with the value {:g}: this order takes no value",
+                        k_orders[static_cast<std::size_t>(step.order)], step.device, step.value)};
       const auto index = static_cast<std::size_t>(device - devices.begin());
       const auto known = std::ranges::find(chosen, index);
       step.chosen = static_cast<std::size_t>(known - chosen.begin());

@@ -37,6 +37,7 @@ Scanner::Scanner(const engine::DeviceInfo& ranger, std::size_t share) {
                           (beam.bearing > tolerance - window && beam.bearing <= window + tolerance);
     beams_.push_back(
         {static_cast<std::uint32_t>(beam.reading), is_ahead, !is_middle && beam.bearing > 0, is_middle});
+    if (is_ahead) reach_ahead_ = std::min(reach_ahead_, beam.range_max);
     sees_ahead_ = sees_ahead_ || (is_ahead && least <= k_ahead + tolerance);
     if (!is_middle) continue;
     y_min = std::min(y_min, beam.origin.y());

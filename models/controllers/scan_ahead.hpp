@@ -52,6 +52,9 @@ class Scanner {
   /// least one beam in the window, and at least one beam within 30 degrees of straight ahead.
   bool is_usable() const { return beams_.size() >= k_least_samples && sees_ahead_; }
   std::size_t size() const { return beams_.size(); }  ///< number of beams
+  /// Smallest of the greatest readings of the beams in the window, m; infinite if there is no such beam. If
+  /// the argument `min_front` of ahead() exceeds this, ahead() always reports an obstruction.
+  float reach_ahead() const { return reach_ahead_; }
 
   /// Summarises one scan.
   ///
@@ -72,6 +75,7 @@ class Scanner {
   };
   std::vector<Beam> beams_;
   bool sees_ahead_ = false;
+  float reach_ahead_ = std::numeric_limits<float>::infinity();
 };
 
 /// Adds the parameter `min_front` (m) to `d`, the list of the parameters that a world file can give a

@@ -4,6 +4,10 @@
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 namespace troupe::models {
 namespace {
 
@@ -71,6 +75,19 @@ struct Wander {
 engine::ControllerKind wander_controller() {
   return engine::make_controller_kind<Wander>(
       "wander", "drive about, and turn away from obstacles that the ranger sees ahead");
+}
+
+std::string why_wander_only_turns(const std::any& prepared) {
+  const auto* wander = std::any_cast<Wander>(&prepared);
+  if (wander == nullptr) return {};
+  const Wander::Params& params = wander->params;
+  const float reach = wander->scanner.reach_ahead();
+  if (std::max(params.min_front, params.stop) <= reach) return {};
+  return fmt::format(
+      "never drives straight on: it turns away while a reading ahead is below its \"{}\" of {:.9g} m, but "
+      "the ranger reads at most {:.9g} m there",
+      params.min_front > reach ? "min_front" : "stop",
+      params.min_front > reach ? params.min_front : params.stop, reach);
 }
 
 }  // namespace troupe::models

@@ -50,13 +50,22 @@ struct Remover {
     types.assign(world.types.size(), 0);
     std::vector<std::string_view> known;
     bool is_known = false;
+    bool has_rows = false;  // bodies without rows are static and cannot die
     for (std::size_t t = 0; t < world.types.size(); ++t) {
       if (TypeId(t) == world.bodies.front().type) continue;  // the ground
       known.push_back(world.types[t].name);
       types[t] = world.types[t].name == params.of;
-      is_known = is_known || types[t] != 0;
+      if (types[t] == 0) continue;
+      is_known = true;
+      const engine::TypeSpec& type = world.types[t];
+      has_rows = has_rows || !engine::is_static(type) || !type.devices.empty() || !type.controllers.empty();
     }
-    if (is_known) return {};
+    if (has_rows) return {};
+    if (is_known)
+      return Error{
+          fmt::format("would remove bodies of the type \"{}\", which are static: only bodies that can move, "
+                      "sense, decide, be gripped or be pushed can be removed",
+                      params.of)};
     return Error{fmt::format("refers to an {}", unknown_name("type", params.of, known))};
   }
 

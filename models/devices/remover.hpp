@@ -26,9 +26,9 @@ struct RemoverState {
 ///
 /// which  A body comes near if its origin is within the parameter `radius` (m) of the remover, seen from
 ///        above. The remover removes robots (bodies with a drive) or, if the parameter `of` names a type of
-///        the world file, the bodies of this type. It does not remove its own body or bodies that another
-///        body carries. Of the bodies that are near in a tick (simulation step), it removes at most
-///        k_most_removed: those with the lowest ids.
+///        the world file, the bodies of this type; a type of static bodies is an error. The remover does not
+///        remove its own body or bodies that another body carries. Of the bodies that are near in a tick
+///        (simulation step), it removes at most k_most_removed: those with the lowest ids.
 /// when   A body that is near at the end of a tick dies at the end of the next tick (docs/lives.md).
 /// state  RemoverState; no commands
 engine::DeviceKind remover_kind();

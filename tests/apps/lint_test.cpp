@@ -508,6 +508,109 @@ TEST_F(LintTest, ReportsInterventionsThatAddSeveralBodiesAtOnePose) {
                     "many.json: 1 finding"));
 }
 
+TEST_F(LintTest, ReportsControllersThatReactBeyondTheRangeOfTheirRanger) {
+  const auto world = [](const std::string& controller) {
+    return R"({ "troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+  "sensors": [{"name": "eye", "kind": "ranger", "pose": {"z_m": 0.1},
+    "transducers": [{"range_max_m": 0.5, "fov_deg": 180, "samples": 11}]}],
+  "controller": {)" +
+           controller + R"(} }},
+  "models": [{"name": "r0", "type": "bot"}, {"name": "r1", "type": "bot", "pose": {"x_m": 3}}] })";
+  };
+  expect_nothing("wander.json", world(R"("kind": "wander", "min_front_m": 0.5, "stop_m": 0.5)"));
+  EXPECT_THAT(
+      findings("far.json", world(R"("kind": "wander")")),
+      ElementsAre(
+          "far.json:4: warning: the controller \"wander\" of \"bot\" never drives straight on: it turns "
+          "away while a reading ahead is below its \"min_front\" of 1 m, but the ranger reads at most "
+          "0.5 m there",
+          "far.json: 1 finding"));
+  EXPECT_THAT(
+      findings("stop.json", world(R"("kind": "wander", "min_front_m": 0.4, "stop_m": 0.6)")),
+      Contains(HasSubstr("is below its \"stop\" of 0.6 m, but the ranger reads at most 0.5 m there")));
+
+  // A reading must exceed the clearance.
+  expect_nothing("expand.json", world(R"("kind": "expand", "clearance_m": 0.49)"));
+  EXPECT_THAT(
+      findings("wide.json", world(R"("kind": "expand", "clearance_m": 0.5)")),
+      ElementsAre(
+          "wide.json:4: warning: the controller \"expand\" of \"bot\" never drives: it drives only while "
+          "the reading of each beam exceeds the clearance of the beam, but a beam with a clearance of "
+          "0.5 m reads at most 0.5 m",
+          "wide.json: 1 finding"));
+  EXPECT_THAT(findings("list.json", world(R"("kind": "expand", "clearances_m": [0.8])")),
+              Contains(HasSubstr("a beam with a clearance of 0.8 m reads at most 0.5 m")));
+}
+
+TEST_F(LintTest, ReportsDrivesThatCannotStandStill) {
+  const auto world = [](const std::string& drive) {
+    return R"({ "troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.3],
+    "drive": {)" +
+           drive + R"(} }},
+  "models": [{"name": "r0", "type": "bot"}] })";
+  };
+  expect_nothing("one_way.json",
+                 world(R"("kind": "diff", "velocity_min_x_mps": 0, "velocity_max_x_mps": 0.2)"));
+  EXPECT_THAT(findings("back.json", world(R"("kind": "diff", "velocity_max_x_mps": -0.5)")),
+              ElementsAre("back.json:2: warning: the drive \"diff\" of \"bot\" cannot stand still: if the "
+                          "command is 0, its limits give a forward speed of -0.5 m/s",
+                          "back.json: 1 finding"));
+  EXPECT_THAT(
+      findings("plane.json", world(R"("kind": "omni", "velocity_min_y_mps": 0.25, "turn_min_radps": 0.5)")),
+      Contains(HasSubstr("its limits give a speed to the left of 0.25 m/s and a turn rate of 0.5 rad/s")));
+  EXPECT_THAT(findings("car.json", world(R"("kind": "car", "velocity_min_x_mps": 0.5)")),
+              Contains(HasSubstr("the drive \"car\" of \"bot\" cannot stand still: if the command is 0, its "
+                                 "limits give a forward speed of 0.5 m/s")));
+}
+
+TEST_F(LintTest, ReportsPowerPacksThatCanHoldNoEnergy) {
+  const auto world = [](const std::string& pack) {
+    return R"({ "troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+    "devices": [{"name": "pack", "kind": "power_pack", "mass_kg": 1)" +
+           pack + R"(}] }},
+  "models": [{"name": "r0", "type": "bot"}] })";
+  };
+  EXPECT_THAT(
+      findings("none.json", world("")),
+      ElementsAre("none.json:2: warning: \"pack\" of \"bot\" can hold no energy: its capacity is 0 J, "
+                  "so everything that it supplies is stopped for the whole run",
+                  "none.json: 1 finding"));
+  expect_nothing("full.json", world(R"(, "capacity_J": 100)"));
+  expect_nothing("empty.json", world(R"(, "capacity_J": 100, "stored_J": 0)"));  // it may be charged
+  expect_nothing("infinite.json", world(R"(, "infinite": true)"));
+  expect_nothing("stage.json", world(R"(, "when_empty": "nothing")"));
+}
+
+TEST_F(LintTest, ReportsInterventionsAndFaultsThatSelectNoBody) {
+  const auto world = [](const std::string& keys) {
+    return R"({ "troupe": 1, "tick_s": 0.1,
+  "types": {"dog": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}}},
+  "populations": [{"name": "d", "type": "dog", "count": 20, "reserve": 20,
+    "place": {"rule": "grid", "region_m": [[0, 0], [9, 9]], "pitch_m": 1}}],
+)" + keys + " }";
+  };
+  const auto slow = [&](const std::string& selects) {
+    return world(R"("faults": [{"population": "d", )" + selects + R"(, "slow_wheels": {"factor": 0.5}}])");
+  };
+  expect_nothing("half.json", slow(R"("share": 0.025)"));
+  expect_nothing("one.json", slow(R"("count": 1)"));
+  EXPECT_THAT(findings("less.json", slow(R"("share": 0.024)")),
+              ElementsAre("less.json:5: warning: this entry of \"faults\" has no effect: its \"share\" of "
+                          "0.024 selects none of 20 bodies: the least share that selects a body is 0.025",
+                          "less.json: 1 finding"));
+  EXPECT_THAT(findings("none.json", slow(R"("count": 0)")),
+              ElementsAre("none.json:5: warning: this entry of \"faults\" has no effect: its \"count\" is 0",
+                          "none.json: 1 finding"));
+  // When an intervention selects, bodies of the reserve may have been added.
+  const auto disable = [&](const std::string& share) {
+    return world(R"("at": [{"time_s": 1, "disable": {"population": "d", "share": )" + share + "}}]");
+  };
+  expect_nothing("later.json", disable("0.0125"));
+  EXPECT_THAT(findings("never.json", disable("0.012")),
+              Contains(HasSubstr("this entry of \"at\" has no effect: its \"share\" of 0.012 selects none of "
+                                 "40 bodies: the least share that selects a body is 0.0125")));
+}
+
 TEST_F(LintTest, HelpTellsWhatIsReportedAndTheExitCodes) {
   const Outcome outcome = troupe({"lint", "--help"});
   EXPECT_EQ(outcome.code, 0);

@@ -1,5 +1,7 @@
 #include "base/number_text.hpp"
 
+#include "base/geometry.hpp"
+
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -29,6 +31,13 @@ TEST(PlainNumber, HasAnExponentIfItIsExtreme) {
   EXPECT_EQ(plain_number(1e30), "1e+30");
   EXPECT_EQ(plain_number(1e-12), "1e-12");
   EXPECT_EQ(plain_number(std::numeric_limits<double>::infinity()), "inf");
+}
+
+TEST(ExtentText, GivesBothAxesInPlainNumbers) {
+  Box box;
+  box.extend(Vec2(-2, 0.000001));
+  box.extend(Vec2(3600, 5.5));
+  EXPECT_EQ(extent_text(box), "x -2 to 3600, y 0.000001 to 5.5 m");
 }
 
 }  // namespace

@@ -476,6 +476,25 @@ TEST(Controllers, TurnAwayForSecondsInShortTicksToo) {
   }
 }
 
+TEST(Chain, NeedsADriveInTheRoleOfARobotAlone) {
+  const auto error_of = [](const std::string& role) -> std::string {
+    BeforeAWall robot("chain", 0.15, 0.13, 0.1);
+    engine::TypeSpec& type = robot.scene.spec.types.back();
+    type.drive.reset();
+    type.controllers = {test::controller("chain", {{"role", role}})};
+    try {
+      robot.scene.world();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(error_of("robot"),
+              testing::HasSubstr("controller \"chain\" needs a drive for the role \"robot\""));
+  EXPECT_EQ(error_of("nest"), "");
+  EXPECT_EQ(error_of("prey"), "");
+}
+
 TEST(Wander, TakesOverARobotThatWasSentSomewhere) {
   Decision decide(Decision::scanner(31), "wander", test::registry().controller("wander")->params.defaults());
   decide.command = {3, 4, 0.5, engine::ControlMode::position};

@@ -250,6 +250,9 @@ TEST(Remover, TakesThoseOfItsTypeAlone) {
 
   Door unknown({device("remover", {{"of", "othr"}})});
   EXPECT_THAT(error_of(unknown.scene), HasSubstr("unknown type \"othr\"; known: bot, door"));
+  Door still({device("remover", {{"of", "wall"}})});
+  still.scene.type("wall", {box(1, 1)});
+  EXPECT_THAT(error_of(still.scene), HasSubstr("would remove bodies of the type \"wall\", which are static"));
 }
 
 TEST(Remover, TakesThoseOfATypeThatIsCalledGround) {

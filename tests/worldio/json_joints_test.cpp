@@ -173,6 +173,10 @@ TEST(JsonJoints, WhatIsWrongIsTold) {
               ::testing::HasSubstr(
                   "has an order \"close\" for \"boom\", which is of kind \"actuator\": only devices of kind "
                   "\"gripper\" take this order"));
+  EXPECT_THAT(
+      error_of(changed(R"("device": "boom", "order": "go_to")", R"("device": "hand", "order": "close")")),
+      ::testing::HasSubstr(
+          "has an order \"close\" for \"hand\" with the value 1.2: this order takes no value"));
 }
 
 }  // namespace
