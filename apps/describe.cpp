@@ -18,6 +18,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -335,7 +336,7 @@ std::string list_script(const Script& script) {
                     script.measures, [](const engine::MeasureKind& each) -> const auto& { return each; }));
 }
 
-std::string describe_name(const Registry& registry, std::string_view name) {
+std::string describe_name(const Registry& registry, Plugins& plugins, std::string_view name) {
   std::string text = kind_description(registry, name);
   if (text.empty())
     if (const std::string_view kind = worldio::kind_in_path(registry, name); !kind.empty())
@@ -356,8 +357,7 @@ std::string describe_name(const Registry& registry, std::string_view name) {
       fmt::format("\"{}\" is neither a kind nor a key of JSON worlds{}; `troupe describe` lists all kinds",
                   name, did_you_mean(name, known));
   // The error of a plug-in is more specific. The names of plug-ins contain no separators of keys.
-  if (registry.plugged_controllers && name.find_first_of("./") == name.npos)
-    if (const auto found = registry.plugged_controllers(name, unknown); !found) unknown = found.error().text;
+  if (name.find_first_of("./") == name.npos) unknown = plugins.unknown_kind(name, std::move(unknown));
   throw InputError("troupe describe: error: " + unknown);
 }
 
@@ -385,9 +385,11 @@ ExitCode describe(const DescribeOptions& options) {
     fmt::print("{}", worldio::world_schema(make_registry()));
     return k_finished;
   }
-  const Registry registry = registry_with(options.sources);
+  Registry registry = make_registry();
+  const std::shared_ptr<Plugins> plugins =
+      add_plugins(registry, plugin_path(options.sources.plugin_path), options.sources.scripts);
   if (!options.name.empty()) {
-    fmt::print("{}", describe_name(registry, options.name));
+    fmt::print("{}", describe_name(registry, *plugins, options.name));
     return k_finished;
   }
   for (const std::shared_ptr<const Script>& script : options.sources.scripts)

@@ -3,6 +3,7 @@
 #include "apps/exit_code.hpp"
 #include "apps/options.hpp"
 #include "engine/kinds/kinds.hpp"
+#include "troupe/plugins.hpp"
 #include "troupe/script.hpp"
 
 #include <string>
@@ -48,8 +49,9 @@ std::vector<std::string_view> kind_names(const engine::Registry& registry);
 /// robot. For a measure, it contains the definition. worldio::find_keys() finds the keys. A name such as
 /// "sensors.ranger" also refers to a kind.
 ///
-/// Also searches the plug-ins (shared libraries with further kinds) of the registry. Throws InputError if
-/// there is no such kind or key; the error suggests similar names.
-std::string describe_name(const engine::Registry& registry, std::string_view name);
+/// plugins: the plug-ins (shared libraries with further kinds) of the registry, as add_plugins() returns
+/// them; they are searched too. Throws InputError if there is no such kind or key; the error suggests similar
+/// names.
+std::string describe_name(const engine::Registry& registry, Plugins& plugins, std::string_view name);
 
 }  // namespace troupe::apps

@@ -93,6 +93,13 @@ Result<> check_build(const plugin::Library& library) {
   return {};
 }
 
+/// Whether a name has the form of names of kinds in plug-ins: "dancer" or "swarm:leader".
+bool may_be_kind(std::string_view name) {
+  const std::size_t colon = name.find(':');
+  return plugin::is_name(name.substr(0, colon)) &&
+         (colon == name.npos || plugin::is_name(name.substr(colon + 1)));
+}
+
 /// Returns the error of dlerror() for the library `file`, `cannot be loaded: undefined symbol: ...`, without
 /// the file name, which callers add.
 Error load_error(const fs::path& file) {
@@ -137,13 +144,13 @@ struct Plugins::Loaded : Library {
   Group<engine::DeviceKind> devices{"sensor or device", false};
   Group<engine::MeasureKind> measures{"measure"};
   std::shared_ptr<const Script> script;  ///< the owner of the kinds, if the library is a script
-  /// Returns a part of the error for a library that has no kind of a group: "compass, crowding, but no
-  /// controller". It lists the kinds that the library has. what: Group::what of the group.
-  std::string has_else(std::string_view what) const {
-    std::vector<std::string_view> known = controllers.known();
-    for (const std::string_view known_name : devices.known()) known.push_back(known_name);
-    for (const std::string_view known_name : measures.known()) known.push_back(known_name);
-    return fmt::format("{}, but no {}", comma_list(known), what);
+  /// Names of the kinds of all groups, sorted.
+  std::vector<std::string_view> known() const {
+    std::vector<std::string_view> names = controllers.known();
+    for (const std::string_view name_of_device : devices.known()) names.push_back(name_of_device);
+    for (const std::string_view name_of_measure : measures.known()) names.push_back(name_of_measure);
+    std::ranges::sort(names);
+    return names;
   }
 };
 
@@ -169,10 +176,10 @@ Result<const engine::MeasureKind*> Plugins::measure(std::string_view name, std::
 template <class Group>
 auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unknown)
     -> Result<const typename Group::Kind*> {
+  if (!may_be_kind(name)) return Error{std::move(unknown)};
   const std::size_t colon = name.find(':');
   const std::string_view library_name = name.substr(0, colon);
   const std::string_view own_name = colon == name.npos ? name : name.substr(colon + 1);
-  if (!plugin::is_name(library_name) || !plugin::is_name(own_name)) return Error{std::move(unknown)};
   const std::scoped_lock lock(mutex_);
   Loaded& library = loaded(library_name);
   const Group& own = library.*kinds;
@@ -186,9 +193,21 @@ auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unkn
   const auto kind = std::ranges::find(own.kinds, std::string_view(full_name), &Group::Kind::name);
   if (kind != own.kinds.end()) return &*kind;
   const std::vector<std::string_view> known = own.known();
-  return Error{fmt::format("{} has no {} \"{}\"; it has: {}{}", library.file.string(), own.what, name,
-                           known.empty() ? library.has_else(own.what) : comma_list(known),
-                           did_you_mean(name, known))};
+  return Error{fmt::format(
+      "{} has no {} \"{}\"; it has: {}{}", library.file.string(), own.what, name,
+      known.empty() ? fmt::format("{}, but no {}", comma_list(library.known()), own.what) : comma_list(known),
+      did_you_mean(name, known))};
+}
+
+std::string Plugins::unknown_kind(std::string_view name, std::string unknown) {
+  if (!may_be_kind(name)) return unknown;
+  const std::scoped_lock lock(mutex_);
+  const Loaded& library = loaded(name.substr(0, name.find(':')));
+  if (!library.found) return fmt::format("{}; {}", unknown, library.missing_script());
+  if (!library.opened) return library.opened.error().text;
+  const std::vector<std::string_view> known = library.known();
+  return fmt::format("{} has no kind \"{}\"; it has: {}{}", library.file.string(), name, comma_list(known),
+                     did_you_mean(name, known));
 }
 
 Result<const Plugins::Library*> Plugins::load(std::string_view name, bool may_be_script) {

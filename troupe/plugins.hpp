@@ -55,6 +55,9 @@ class Plugins {
   Result<const engine::DeviceKind*> device(std::string_view name, std::string unknown);
   /// Returns the measure of this name, as controller() does for controllers.
   Result<const engine::MeasureKind*> measure(std::string_view name, std::string unknown);
+  /// Returns the error for a name that no controller, device or measure has. It is that of controller(), but
+  /// if the library of the name exists, it lists the kinds of all these sorts that the library has.
+  std::string unknown_kind(std::string_view name, std::string unknown);
   /// Adds the controllers and measures of a script, as if they came from a loaded library with the name of
   /// the script. Throws InputError if this name is not valid or already in use. Also throws InputError if the
   /// script defines no controller and no measure, two of them with the same name, or one with a name that

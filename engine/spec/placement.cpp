@@ -432,6 +432,11 @@ double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& sh
   return (std::ceil(size.x()) + 1) * (std::ceil(size.y()) + 1);
 }
 
+bool is_on_floor(const PlacementRule& rule, const partition::ObstacleShape& shape,
+                 const partition::StaticScene& scene, partition::Parallel& parallel) {
+  return Floor(rule, shape, scene, parallel).contains(*rule.from);
+}
+
 std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
                         std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
                         const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel) {

@@ -123,6 +123,10 @@ double grid_cells(const PlacementRule& rule);
 /// The result is a double, because it may exceed the range of every integer type.
 double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& shape);
 
+/// Whether PlacementRule::from, which must be set, is a point of a floor for bodies of this shape.
+bool is_on_floor(const PlacementRule& rule, const partition::ObstacleShape& shape,
+                 const partition::StaticScene& scene, partition::Parallel& parallel);
+
 /// Chooses poses (world frame) for the bodies 0, 1, ... of a population, one after another, by a rule. At its
 /// pose, a body overlaps neither the static scene `scene` nor a body of `crowd`, and its origin is within
 /// `bounds` (if set). Each body is added to `crowd` before the next pose is chosen. If no free pose is found

@@ -39,11 +39,24 @@ std::string path_of(const PopulationSpec& population, std::size_t index) {
 }
 
 std::string too_few_places(const PopulationSpec& population, std::size_t placed,
-                           const std::optional<Box>& bounds) {
+                           const std::optional<Box>& bounds, Occupancy& occupancy,
+                           partition::Parallel& parallel) {
   const PlacementRule& rule = population.rule;
   if (bounds && !rule.region.touches(*bounds))
     return fmt::format("the region ({}) lies outside the world's bounds ({}): check its units and signs",
                        extent_text(rule.region), extent_text(*bounds));
+  if (rule.kind == PlacementRule::Kind::free_floor && rule.from) {
+    const std::string from =
+        fmt::format("\"from_m\" [{}, {}]", plain_number(rule.from->x()), plain_number(rule.from->y()));
+    if (!rule.region.contains(*rule.from))
+      return fmt::format("{} lies outside the region ({}): give a point in the region", from,
+                         extent_text(rule.region));
+    if (!is_on_floor(rule, occupancy.shape(population.type), occupancy.scene(), parallel))
+      return fmt::format(
+          "{} is no free floor: a disc as wide as the body overlaps a wall there; give a point "
+          "with more room",
+          from);
+  }
   const std::string why =
       rule.kind == PlacementRule::Kind::grid
           ? fmt::format("the region has no further free cell (it has {:.0f} cells)", grid_cells(rule))
@@ -183,7 +196,7 @@ void Placer::add(const PopulationSpec& population, partition::Parallel& parallel
       place(population.rule, *shape, population.count, spec_.seed, population.name, spec_.bounds,
             occupancy_.scene(), occupancy_.crowd(), parallel);
   if (poses.size() < population.count)
-    error(population, too_few_places(population, poses.size(), spec_.bounds));
+    error(population, too_few_places(population, poses.size(), spec_.bounds, occupancy_, parallel));
   add_bodies(population, poses);
 }
 
@@ -258,7 +271,8 @@ void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec
     if (poses.size() < population.count)
       return diagnostics.error(
           population.where_place,
-          fmt::format("{}: {}", path_of(population, p), too_few_places(population, poses.size(), bounds)));
+          fmt::format("{}: {}", path_of(population, p),
+                      too_few_places(population, poses.size(), bounds, occupancy, one_thread)));
     for (std::size_t i = 0; i < poses.size(); ++i) bodies[i].pose_world_body = poses[i];
     for (std::size_t i = 0; i < population.count + population.reserve; ++i)
       set_color(population, seed, i, bodies[i]);

@@ -18,9 +18,11 @@ struct BrushCommand {
 
   static constexpr void describe(engine::Description<BrushCommand>& d) {
     d.member<&BrushCommand::paints>("paints", "1: the brush paints the zone below it in each tick");
-    d.member<&BrushCommand::red>("red", "amount of red in the paint, from 0 to 1");
-    d.member<&BrushCommand::green>("green", "amount of green in the paint, from 0 to 1");
-    d.member<&BrushCommand::blue>("blue", "amount of blue in the paint, from 0 to 1");
+    d.member<&BrushCommand::red>("red", "amount of red in the paint, from 0 to 1; other values are clamped");
+    d.member<&BrushCommand::green>("green",
+                                   "amount of green in the paint, from 0 to 1; other values are clamped");
+    d.member<&BrushCommand::blue>("blue",
+                                  "amount of blue in the paint, from 0 to 1; other values are clamped");
   }
 
   /// Makes the brush paint with this colour from the next tick on. r, g, b: red, green and blue, each from 0

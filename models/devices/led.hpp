@@ -20,9 +20,12 @@ struct LedCommand {
   static constexpr void describe(engine::Description<LedCommand>& d) {
     d.member<&LedCommand::shows>(
         "shows", "1: the LED takes the colour of this command in each tick; 0: it keeps its colour");
-    d.member<&LedCommand::red>("red", "amount of red in the colour to show, from 0 to 1");
-    d.member<&LedCommand::green>("green", "amount of green in the colour to show, from 0 to 1");
-    d.member<&LedCommand::blue>("blue", "amount of blue in the colour to show, from 0 to 1");
+    d.member<&LedCommand::red>("red",
+                               "amount of red in the colour to show, from 0 to 1; other values are clamped");
+    d.member<&LedCommand::green>(
+        "green", "amount of green in the colour to show, from 0 to 1; other values are clamped");
+    d.member<&LedCommand::blue>(
+        "blue", "amount of blue in the colour to show, from 0 to 1; other values are clamped");
   }
 
   /// Makes the LED show this colour from the next tick on. r, g, b: red, green and blue, each from 0 to 1.

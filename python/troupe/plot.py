@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import difflib
 import math
 import os
 import sys
@@ -50,7 +51,9 @@ def _read(file: str) -> Tuple[List[str], List[List[str]]]:
 
 def _known(what: str, name: str, known: Sequence[str]) -> str:
     if name not in known:
-        raise PlotError(f'error: unknown {what} "{name}"; known: {", ".join(known) if known else "none"}')
+        near = difflib.get_close_matches(name, known, 1)
+        raise PlotError(f'error: unknown {what} "{name}"; known: {", ".join(sorted(known)) if known else "none"}'
+                        + (f' (did you mean "{near[0]}"?)' if near else ""))
     return name
 
 

@@ -385,6 +385,18 @@ TEST_F(LintTest, ReportsPropertiesThatNeedAnother) {
           "w.world: 12 findings"));
 }
 
+TEST_F(LintTest, ReportsEveryWindowAfterTheFirst) {
+  EXPECT_THAT(
+      findings("w.world",
+               "position( size [0.4 0.4 0.4] )\n"
+               "window( size [100 100] )\n"
+               "window( size [100 100] show_flags 1 )\nwindow( size [100 100] )\n"),
+      ElementsAre("w.world:3: warning: show_flags of a window: this property affects only Stage's window",
+                  "w.world:3: warning: this window has no effect: the first window, at line 2, is used",
+                  "w.world:4: warning: this window has no effect: the first window, at line 2, is used",
+                  "w.world: 3 findings"));
+}
+
 TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {
   expect_nothing("w.world",
                  "position( size [0.4 0.4 0.4]\n"

@@ -325,6 +325,8 @@ TEST_F(Describe, EveryFieldOfAStateOrCommandHasAMeaning) {
   EXPECT_GT(fields, 80u);
   EXPECT_THAT(troupe({"describe", "wheels"}).out,
               HasSubstr("  heading  float64 rad           heading of the part"));
+  EXPECT_THAT(troupe({"describe", "led"}).out, HasSubstr("from 0 to 1; other values are clamped\n"));
+  EXPECT_THAT(troupe({"describe", "brush"}).out, HasSubstr("from 0 to 1; other values are clamped\n"));
 }
 
 // Kinds of others may leave the scope at its default, `anything`.

@@ -137,6 +137,24 @@ TEST(Populations, ARegionOutsideTheWorldIsTheCause) {
                             "to 4, y -4 to 4 m): check its units and signs")));
 }
 
+TEST(Populations, AStartOfTheFloorThatIsBlockedOrOutsideIsTheCause) {
+  PopulationSpec lost = row_of("a", 2);
+  lost.rule = {.kind = PlacementRule::Kind::free_floor, .region = area(0, -4, 9, 4), .from = Vec2(1, 0)};
+  EXPECT_THAT(
+      errors_of({lost}),
+      ElementsAre(HasSubstr("\"from_m\" [1, 0] is no free floor: a disc as wide as the body overlaps a "
+                            "wall there; give a point with more room")));
+  lost.rule.from = Vec2(9, 9);
+  EXPECT_THAT(errors_of({lost}),
+              ElementsAre(HasSubstr("\"from_m\" [9, 9] lies outside the region (x 0 to 9, y -4 "
+                                    "to 4 m): give a point in the region")));
+  // A free start is not the cause.
+  lost.rule.from = Vec2(4, 3);
+  lost.count = 1000;
+  EXPECT_THAT(errors_of({lost}),
+              ElementsAre(HasSubstr("none of 1000 random poses for the next body was free")));
+}
+
 TEST(Populations, WithoutBodiesAreKeptByName) {
   WorldSpec spec = room();
   std::vector<PopulationSpec> populations{row_of("a", 1), row_of("b", 0), row_of("c", 0)};

@@ -96,7 +96,13 @@ TEST_F(PluginProgram, DescribesThem) {
   EXPECT_EQ(missing.code, 2);
   EXPECT_EQ(missing.err,
             "troupe describe: error: " + folder_of("plugins") +
-                "/swarm.so has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy\n");
+                "/swarm.so has no kind \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy\n");
+  // A plug-in with controllers, devices and measures.
+  const Outcome misspelt = troupe({"describe", "thrower:measure_sen", "--plugin-path", folder_of("plugins")});
+  EXPECT_EQ(misspelt.code, 2);
+  EXPECT_THAT(misspelt.err,
+              AllOf(HasSubstr("/thrower.so has no kind \"thrower:measure_sen\"; it has: thrower:"),
+                    HasSubstr("(did you mean \"thrower:measure_seen\"?)\n")));
 }
 
 TEST_F(PluginProgram, MeasuresWithThem) {

@@ -365,7 +365,7 @@ class Plot(unittest.TestCase):
             troupe.plot.draw(nowhere)
         self.assertEqual(str(raised.exception), f"{nowhere}: error: there is no such folder: give the folder of a "
                          "completed sweep")
-        self.assertIn('unknown measure "odor"; known: order', message("odor"))
+        self.assertIn('unknown measure "ordr"; known: order (did you mean "order"?)', message("ordr"))
         self.assertIn('unknown parameter "size"; known: robots', message(by="size"))
         self.assertIn("must end in .png, .svg or .pdf", message(out="x.gif"))
         (self.folder / "series.csv").unlink()

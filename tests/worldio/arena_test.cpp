@@ -388,6 +388,49 @@ TEST_F(IncludeTest, AKeyThatATypeDoesNotInheritIsNoErrorIfTheBaseIsWrong) {
   EXPECT_THAT(load(types).found, ElementsAre(testing::HasSubstr("unknown type \"bass\"")));
 }
 
+TEST_F(IncludeTest, AWrongBaseCausesNoErrorAboutWhatItWouldGive) {
+  for (const char* own : {R"("drive": {"speed_max_mps": 0.1})", R"("sensors": [{"name": "ir"}])",
+                          R"("disc": {"height_m": 0.1})", R"("controller": {"period_s": 1})",
+                          R"("controllers": [{"kind": "wander"}])", R"("bitmap": "a.png")",
+                          R"("boundary": true, "margins": "keep", "origin": {"x_m": 1}, "fit": true)",
+                          R"("device": {"name": "b"})", R"("device_order": ["ir"])",
+                          R"("parts": [{"name": "arm", "device": {"name": "b"}}])"})
+    EXPECT_THAT(
+        load(R"("types": {"a": {"extends": "bass", )" + std::string(own) +
+             R"(}}, "models": [{"name": "m", "type": "a", "fiducial_return": 2, "global_parts": ["arm"]}])")
+            .found,
+        ElementsAre("maze.json:2: error: /types/a/extends: unknown type \"bass\"; no type exists"))
+        << own;
+  EXPECT_THAT(
+      load(R"("types": {"base": 3, "a": {"extends": "base", "drive": {"speed_max_mps": 0.1}}})").found,
+      ElementsAre("maze.json:2: error: /types/base: expected an object, found the number 3"));
+}
+
+TEST_F(IncludeTest, AWrongValueOfABaseCausesNoErrorInAnHeir) {
+  const auto found = [&](const std::string& base, const std::string& own) {
+    return load("\"types\": {\"base\": {" + base + "},\n\"a\": {\"extends\": \"base\", " + own + "}}").found;
+  };
+  const auto one = [](const std::string& error) {
+    return ElementsAre(testing::StartsWith("maze.json:2: error: /types/base" + error));
+  };
+  const std::string box = R"("size_m": [1, 1, 1], )";
+  const std::string slow = R"("drive": {"speed_max_mps": 0.1})";
+  EXPECT_THAT(found(box + R"("drive": 3)", slow), one("/drive: expected an object, found the number 3"));
+  EXPECT_THAT(found(box + R"("drive": {})", slow), one("/drive: missing \"kind\""));
+  EXPECT_THAT(found(box + R"("controller": "wander")", R"("controller": {"period_s": 1})"),
+              one("/controller: expected an object, found the text \"wander\""));
+  EXPECT_THAT(found(box + R"("sensors": {"name": "ir"})", R"("sensors": [{"name": "ir"}])"),
+              one("/sensors: expected a list, found an object"));
+  EXPECT_THAT(found(box + R"("sensors": [{"name": "ir"}])", R"("sensors": [{"name": "ir", "period_s": 1}])"),
+              one("/sensors/0: missing \"kind\""));
+  EXPECT_THAT(found(R"("disc": 3)", R"("disc": {"height_m": 0.1})"),
+              one("/disc: expected an object, found the number 3"));
+  EXPECT_THAT(found(R"("color": "red")", R"("color": "blue")"), one(": the type has no shape"));
+  // A type that removes the shape of its base has an error of its own.
+  EXPECT_THAT(found(R"("size_m": [1, 1, 1])", R"("size_m": null)"),
+              ElementsAre(testing::StartsWith("maze.json:3: error: /types/a: the type has no shape")));
+}
+
 TEST_F(IncludeTest, AnErrorOfABaseIsReportedOnce) {
   const std::string base = R"("base": {"size_m": [1, 1, 1],
   "mass": 3,

@@ -176,6 +176,40 @@ TEST_F(BitmapFile, AnAsciiPnmOrABitmapOfBitsIsAnErrorThatNamesTheFormat) {
   }
 }
 
+/// A PNG with a palette. `header` is the end of the chunk IHDR from the width on, `rest` is the file after
+/// it, both in hexadecimal digits.
+std::string palette_png(const std::string& header, const std::string& rest) {
+  const std::string digits = "89504e470d0a1a0a0000000d49484452" + header + rest + "0000000049454e44ae426082";
+  std::string bytes;
+  for (std::size_t i = 0; i < digits.size(); i += 2)
+    bytes += static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16));
+  return bytes;
+}
+
+TEST(Bitmap, APaletteIndexBeyondThePaletteIsAnError) {
+  const std::string black_and_white = "00000006504c5445000000ffffffa5d99fdd";
+  const auto error = [](const std::string& bytes) {
+    Diagnostics diagnostics;
+    decode_bitmap(bytes, "plan.png", {}, diagnostics);
+    return diagnostics.has_errors() ? diagnostics.findings()[0].message : "";
+  };
+  const std::string square = "000000020000000208030000004568fd16" + black_and_white;
+  const std::string right = palette_png(square, "0000000e49444154789c6360606460640400000d00043c8fb58d");
+  EXPECT_EQ(error(right), "");
+  EXPECT_THAT(channels_of(right), ElementsAre(0, 0, 0, 255, 255, 255, 255, 255, 255, 255, 255, 255));
+  EXPECT_EQ(error(palette_png(square, "0000000e49444154789c6360606460640200000e00059f97d85f")),
+            "the image plan.png is damaged: a pixel has the palette index 2, but the palette has 2 colours");
+  // Interlaced.
+  EXPECT_EQ(error(palette_png("00000002000000020803000001326fcd80" + black_and_white,
+                              "0000000f49444154789c6360606064606407000014000a6a35e31f")),
+            "the image plan.png is damaged: a pixel has the palette index 7, but the palette has 2 colours");
+  // Two pixels in a byte.
+  EXPECT_EQ(
+      error(palette_png("00000003000000010403000000e9ce0987",
+                        "00000003504c5445ffffffa7c41bc80000000b49444154789c6360100000001300115554595c")),
+      "the image plan.png is damaged: a pixel has the palette index 1, but the palette has 1 colour");
+}
+
 TEST_F(BitmapFile, APngWithOneWrongByteIsAnError) {
   const fs::path file = folder_ / "d.png";
   Image image{.width = 64, .height = 64, .rgba = std::vector<std::uint8_t>(64 * 64 * 4, 255)};

@@ -72,6 +72,13 @@ TEST(ExperimentJson, ConditionsAreRead) {
   EXPECT_EQ(conditions[0].measure.where.line, 10u);
 }
 
+TEST(ExperimentJson, AnEmptyListOfMeasuresIsAnError) {
+  EXPECT_THAT(
+      Loaded(R"("measures": [])").found,
+      ElementsAre("maze.json:10: error: /measures: the list is empty: give at least one entry, or remove "
+                  "the key, for all measures that need no parameters"));
+}
+
 TEST(ExperimentJson, ConditionsMayNameMeasuresOfTheWorld) {
   const Loaded loaded(R"("measures": [{"kind": "coverage", "cell_m": 0.5, "name": "fine"},
     {"kind": "coverage", "cell_m": 0.25, "name": "stalls"}],

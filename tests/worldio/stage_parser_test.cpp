@@ -179,14 +179,17 @@ TEST_F(Conformance14, MissingController) {
 }
 
 TEST_F(Conformance14, PiecesInWrongPlaces) {
-  load("block( points 3 )\nsensor()\nmodel( sensor() )\nmodel( block( points 3 model() ) )");
+  load(
+      "block( points 3 )\nsensor()\nmodel( sensor() )\nmodel( block( points 3 model() ) )\n"
+      "block( points 3 )");
   const auto found = messages();
   EXPECT_THAT(found,
               testing::IsSupersetOf(
                   {"w.world:1: error: a block must be inside a model, not at the top level",
                    "w.world:2: error: a sensor must be inside a ranger, not at the top level",
                    "w.world:3: error: a sensor must be inside a ranger, not inside a model of type model",
-                   "w.world:4: error: a block can contain only properties, not \"model\""}));
+                   "w.world:4: error: a block can contain only properties, not \"model\"",
+                   "w.world:5: error: a block must be inside a model, not at the top level"}));
 }
 
 TEST_F(Conformance14, FirstDefineWins) {

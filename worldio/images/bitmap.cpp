@@ -1,6 +1,7 @@
 #include "worldio/images/bitmap.hpp"
 
 #include "worldio/files.hpp"
+#include "worldio/images/png.hpp"
 
 #define STBI_NO_STDIO
 #include <stb/stb_image.h>
@@ -380,6 +381,11 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
     diagnostics.error(
         where, fmt::format("the image {} is too large: {} x {} pixels; at most {:.0f} million are allowed",
                            name, bitmap.width, bitmap.height, most_pixels / 1e6));
+    return {};
+  }
+  // stb_image would read uninitialized memory for an index beyond the palette.
+  if (const std::string error = palette_error(bytes); !error.empty()) {
+    diagnostics.error(where, fmt::format("the image {} is damaged: {}", name, error));
     return {};
   }
   const std::string scaled = scaled_pnm(bytes);

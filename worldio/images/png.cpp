@@ -9,6 +9,7 @@
 #include <array>
 #include <csetjmp>
 #include <cstdio>
+#include <cstring>
 #include <new>
 #include <span>
 #include <stdexcept>
@@ -90,6 +91,43 @@ std::string encode(const Rows& image, const std::vector<std::pair<std::string, s
   return bytes;
 }
 
+void read_bytes(png_structp png, png_bytep data, std::size_t size) {
+  auto& rest = *static_cast<std::string_view*>(png_get_io_ptr(png));
+  if (size > rest.size()) png_error(png, "the file is cut off");
+  std::memcpy(data, rest.data(), size);
+  rest.remove_prefix(size);
+}
+
+/// The palette indices of an image.
+struct Indices {
+  std::vector<std::uint8_t> row;  // one byte per pixel, of the row that was read last
+  int largest = 0;
+  int colors = 0;  // number of colours in the palette
+};
+
+/// Reads all palette indices. Returns false if libpng reports an error, see encode_rows().
+bool read_indices(png_structp png, png_infop info, Indices& indices) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  // The caller has limited the size of the image and of the file.
+  png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+  png_set_chunk_malloc_max(png, 0);
+  png_read_info(png, info);
+  png_set_packing(png);
+  const int passes = png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+  png_colorp palette = nullptr;
+  png_get_PLTE(png, info, &palette, &indices.colors);
+  const png_uint_32 rows = png_get_image_height(png, info);
+  for (int pass = 0; pass < passes; ++pass)
+    for (png_uint_32 row = 0; row < rows; ++row) {
+      indices.row.assign(png_get_rowbytes(png, info),
+                         0);  // a pass of an interlaced image sets some pixels only
+      png_read_row(png, indices.row.data(), nullptr);
+      indices.largest = std::max(indices.largest, int{*std::ranges::max_element(indices.row)});
+    }
+  return true;
+}
+
 Rows rows_of(const Image& image) {
   return {image.width, image.height, image.rgba, PNG_COLOR_TYPE_RGB_ALPHA, 8, 4};
 }
@@ -126,6 +164,24 @@ void write_png(const std::filesystem::path& file, const DepthImage& image,
 
 std::string encode_png(const Image& image, const std::vector<std::pair<std::string, std::string>>& text) {
   return encode(rows_of(image), text);
+}
+
+std::string palette_error(std::string_view bytes) {
+  constexpr std::size_t k_color_type = 25;  // offset in the file
+  if (!bytes.starts_with("\x89PNG\r\n\x1a\n") || bytes.size() <= k_color_type ||
+      bytes[k_color_type] != PNG_COLOR_TYPE_PALETTE)
+    return {};
+  Message message{};
+  Indices indices;
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &message, on_error, on_warning);
+  png_infop info = png ? png_create_info_struct(png) : nullptr;
+  if (info) png_set_read_fn(png, &bytes, read_bytes);
+  const bool whole = info && read_indices(png, info, indices);
+  png_destroy_read_struct(&png, &info, nullptr);
+  if (!whole) return fmt::format("libpng: {}", message.data());
+  if (indices.largest < indices.colors) return {};
+  return fmt::format("a pixel has the palette index {}, but the palette has {} colour{}", indices.largest,
+                     indices.colors, indices.colors == 1 ? "" : "s");
 }
 
 }  // namespace troupe::worldio

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -41,5 +42,10 @@ void write_png(const std::filesystem::path& file, const DepthImage& image,
 /// Returns the bytes of the PNG that write_png() writes. Throws as write_png() does, but the message has only
 /// the reason.
 std::string encode_png(const Image& image, const std::vector<std::pair<std::string, std::string>>& text = {});
+
+/// Returns what is wrong with the pixels of a PNG that has a palette: `a pixel has the palette index 5, but
+/// the palette has 2 colours`, or the error of libpng. Empty if nothing is wrong, or if `bytes`, the content
+/// of a file, is no PNG with a palette. Decodes all pixels, so check the size of the image before.
+std::string palette_error(std::string_view bytes);
 
 }  // namespace troupe::worldio

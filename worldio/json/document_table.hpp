@@ -89,7 +89,9 @@ struct DocumentKey {
   /// Text for the documentation and the schema that says what an absent key means, such as "the bounds of the
   /// world". Empty: the default value of the member is shown.
   std::string_view by_default = {};
-  std::size_t least = 0;  ///< minimum number of entries of Form::names, or of points of an outline
+  /// Minimum number of entries of Form::names, or of points of an outline. 1 for Form::list: an empty list is
+  /// an error, because it would mean the same as no list (`by_default`).
+  std::size_t least = 0;
   std::size_t most = std::numeric_limits<std::size_t>::max();  ///< maximum number of points of an outline
   bool always = false;  ///< true: the writer also writes default values, except a z of 0 in a pose
   /// True: the value is a number of bodies, and must also be at most LoadOptions::most_bodies.

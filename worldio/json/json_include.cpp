@@ -184,8 +184,9 @@ const std::string* text_of(const JsonNode& object, std::string_view key) {
 void merge(JsonNode& own, const JsonNode& base);
 
 /// Merges two lists of devices or parts and stores the result in `own`: first the entries of `base`, each
-/// merged with the entry of `own` that has the same name, then the other entries of `own`.
-void merge_lists(JsonNode& own, const JsonNode& base) {
+/// merged with the entry of `own` that has the same name, then the other entries of `own`. If both of these
+/// entries lack the key `kind`, which the entries of the list `key` need, only the error of the base is kept.
+void merge_lists(std::string_view key, JsonNode& own, const JsonNode& base) {
   auto& list = std::get<JsonNode::List>(own.value);
   std::multimap<std::string_view, std::size_t> named;  // entries to merge; equal names in the order of `list`
   for (std::size_t i = 0; i < list.size(); ++i)
@@ -202,12 +203,23 @@ void merge_lists(JsonNode& own, const JsonNode& base) {
     const std::size_t i = same->second;
     named.erase(same);
     is_merged[i] = true;
-    merge(list[i], inherited);
-    merged.push_back(std::move(list[i]));
+    const bool lacks_kind = key != "parts" && !list[i].find("kind") && !inherited.find("kind");
+    if (!lacks_kind) merge(list[i], inherited);
+    merged.push_back(lacks_kind ? inherited : std::move(list[i]));
   }
   for (std::size_t i = 0; i < list.size(); ++i)
     if (!is_merged[i]) merged.push_back(std::move(list[i]));
   own.value = std::move(merged);
+}
+
+/// Whether the value that a base type has for `key` is wrong, so that an object in an heir that relies on it
+/// would lack keys. The base then has an error of its own.
+bool is_wrong_base(std::string_view key, const JsonNode& own, const JsonNode& base) {
+  constexpr std::array<std::string_view, 3> k_with_kind{"controller", "device", "drive"};
+  if (is_named_list(key)) return own.list() && !base.list();
+  const bool has_kind = std::ranges::find(k_with_kind, key) != k_with_kind.end();
+  if (!own.object() || (!has_kind && key != "disc")) return false;
+  return !base.object() || (has_kind && !own.find("kind") && !base.find("kind"));
 }
 
 bool have_other_kinds(const JsonNode& a, const JsonNode& b) {
@@ -241,8 +253,10 @@ void merge(JsonNode& own, const JsonNode& base) {
     if (same != places.end()) {
       JsonNode& node = *same->second;
       const bool are_lists = node.list() && inherited.node.list() && is_named_list(inherited.key);
-      if (are_lists)
-        merge_lists(node, inherited.node);
+      if (is_wrong_base(inherited.key, node, inherited.node))
+        node = inherited.node;  // which has an error that is reported once, for the base
+      else if (are_lists)
+        merge_lists(inherited.key, node, inherited.node);
       else
         merge(node, inherited.node);
     } else if (std::ranges::none_of(quantities(inherited.key),
@@ -286,8 +300,10 @@ class TypeMerger {
     for (std::size_t t = 0; t < types.size(); ++t) indices_.emplace(types[t].key, t);
   }
 
-  void merge_all() {
+  /// Returns false if a base type is unknown or no object, or if types extend each other in a circle.
+  bool merge_all() {
     for (std::size_t t = 0; t < types_.size(); ++t) resolve(t);
+    return has_right_bases_;
   }
 
  private:
@@ -315,21 +331,36 @@ class TypeMerger {
   std::vector<bool> is_visited_;                               // per type: resolved, or being resolved
   std::vector<std::size_t> depths_;  // per type: number of types that it inherits from
   std::size_t inherited_values_ = 0;
+  bool has_right_bases_ = true;
 };
 
-/// Removes the key "extends" of a type whose base is wrong, and gives the type a shape if it has none.
-/// Otherwise the reader would also report the lack of a shape, although the type would have inherited one.
-/// For the same reason, keys with the value null, which remove inherited values, are removed.
-void replace_wrong_base(JsonNode& type) {
+bool has_any_shape(const JsonNode& type) {
   constexpr std::array<std::string_view, 7> k_shapes{"size_m", "size_cm", "size_mm", "disc",
                                                      "blocks", "bitmap",  "device"};
+  return std::ranges::any_of(k_shapes, [&](std::string_view key) { return type.find(key) != nullptr; });
+}
+
+/// Gives a type the size 1 m x 1 m x 1 m if it has no shape, which is an error of its base.
+void add_missing_shape(JsonNode& type, const Where& where) {
+  if (has_any_shape(type)) return;
+  const JsonNode one{1.0, where};
+  members_of(&type)->push_back({"size_m", where, {JsonNode::List{one, one, one}, where}});
+}
+
+/// Removes the key "extends" of a type whose base is wrong, and everything in the type that would be merged
+/// with what it inherits, or that is valid only with other keys. Otherwise the reader would also report the
+/// lack of keys that the type would have inherited. For the same reason, keys with the value null, which
+/// remove inherited values, are removed.
+void replace_wrong_base(JsonNode& type) {
+  constexpr std::array<std::string_view, 16> k_incomplete{
+      "bitmap",    "boundary", "device",    "devices", "disc",   "drive", "controller", "fit",
+      "height_cm", "height_m", "height_mm", "margins", "origin", "parts", "sensors",    "unknown"};
   Members& members = *members_of(&type);
   const Where where = type.find("extends")->where;
   remove_key(members, "extends");
+  for (const std::string_view key : k_incomplete) remove_key(members, key);
   remove_all_nulls(type);
-  if (std::ranges::any_of(k_shapes, [&](std::string_view key) { return type.find(key) != nullptr; })) return;
-  const JsonNode one{1.0, where};
-  members.push_back({"size_m", where, {JsonNode::List{one, one, one}, where}});
+  add_missing_shape(type, where);
 }
 
 /// Resolves `extends` of a type, after that of all types from which it inherits. Not recursive, because the
@@ -345,12 +376,14 @@ void TypeMerger::resolve(std::size_t type) {
       error(each, fmt::format("the types extend each other in a circle: {}{}; remove one \"extends\"", circle,
                               each.key));
       replace_wrong_base(each.node);
+      has_right_bases_ = false;
       break;
     }
     is_visited_[*next] = true;
     chain.push_back(*next);
     next = find_base(each);
     if (!next) replace_wrong_base(each.node);
+    has_right_bases_ = has_right_bases_ && next.has_value();
   }
   for (; !chain.empty(); chain.pop_back())
     if (const JsonNode* extends = types_[chain.back()].node.find("extends"))
@@ -379,6 +412,10 @@ std::optional<std::size_t> TypeMerger::find_base(const JsonMember& type) {
 void TypeMerger::inherit(std::size_t type, std::size_t base) {
   JsonMember& heir = types_[type];
   JsonNode inherited = types_[base].node;
+  if (!inherited.object()) {  // the reader reports it
+    has_right_bases_ = false;
+    return replace_wrong_base(heir.node);
+  }
   depths_[type] = depths_[base] + 1;
   if (depths_[type] > k_most_bases)
     limit_error(heir,
@@ -392,12 +429,13 @@ void TypeMerger::inherit(std::size_t type, std::size_t base) {
                             "limit: extend smaller types, or use fewer types with \"extends\"",
                             k_most_inherited_values));
   diagnostics_.inherits(inheritable(heir), inheritable(types_[base]));
+  const Where where = heir.node.find("extends")->where;
   remove_key(*members_of(&heir.node), "extends");
-  if (Members* members = members_of(&inherited)) {
-    remove_key(*members, "name");
-    if (heir.node.find("kind")) remove_key(*members, "kind");
-  }
+  Members& members = *members_of(&inherited);
+  remove_key(members, "name");
+  if (heir.node.find("kind")) remove_key(members, "kind");
   merge(heir.node, inherited);
+  if (!has_any_shape(inherited)) add_missing_shape(heir.node, where);
 }
 
 }  // namespace
@@ -418,8 +456,9 @@ void resolve_includes(JsonNode& world, const fs::path& file, Diagnostics& diagno
   *own = includer.take_types();
 }
 
-void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases) {
-  if (Members* types = members_of(world.find("types"))) TypeMerger(*types, diagnostics, bases).merge_all();
+bool resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases) {
+  Members* types = members_of(world.find("types"));
+  return types == nullptr || TypeMerger(*types, diagnostics, bases).merge_all();
 }
 
 }  // namespace troupe::worldio

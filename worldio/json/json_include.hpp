@@ -51,8 +51,11 @@ inline constexpr std::size_t k_most_inherited_values = 5000000;
 /// - The key `name` of a type is not inherited.
 ///
 /// Every node keeps its file and line. Reports an error for an unknown base type, and for types that extend
-/// each other in a circle. The key `extends` of such a type is removed. If the type then has no shape, it
-/// gets the size 1 m x 1 m x 1 m, to avoid a second error about the lack of a shape.
+/// each other in a circle. To avoid a second error about keys that such a type would have inherited, the key
+/// `extends` and all keys that may be incomplete, such as `drive`, are removed from it. If the type then has
+/// no shape, it gets the size 1 m x 1 m x 1 m. Types that extend a base that is no object are treated in the
+/// same way. Returns whether there were no such types. If it returns false, errors about the meaning of the
+/// world, such as an unknown device, may be untrue.
 ///
 /// A type may inherit from at most k_most_bases types, and all types together may inherit at most
 /// k_most_inherited_values values. If they inherit more, reports an error at the first type that exceeds the
@@ -60,6 +63,6 @@ inline constexpr std::size_t k_most_inherited_values = 5000000;
 ///
 /// bases: if not null, the list to which the names of all base types are added, once for each type that
 /// extends the base type.
-void resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
+bool resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
 
 }  // namespace troupe::worldio

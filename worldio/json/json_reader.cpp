@@ -54,6 +54,11 @@ const JsonNode::List* read_list(const JsonCursor& at) {
   return list;
 }
 
+void refuse_empty(const JsonCursor& at, std::string_view otherwise) {
+  if (at.node().list() && at.node().list()->empty())
+    at.error(fmt::format("the list is empty: give at least one entry, or remove the key, for {}", otherwise));
+}
+
 const std::string* read_text(const JsonCursor& at, std::string_view what) {
   const std::string* text = at.node().text();
   if (text && !text->empty()) return text;

@@ -99,6 +99,9 @@ class JsonObject {
 
 /// Returns the list at a cursor. If the value is not a list, reports an error and returns null.
 const JsonNode::List* read_list(const JsonCursor& at);
+/// Reports an error for the list at a cursor if it is empty, where an empty list would mean the same as no
+/// list. otherwise: what is used without the list
+void refuse_empty(const JsonCursor& at, std::string_view otherwise);
 /// Returns the text at a cursor. If the value is not a text or is empty, returns null and reports the error
 /// `expected WHAT, found ...`, where WHAT is `what`, such as "the name of a type".
 const std::string* read_text(const JsonCursor& at, std::string_view what);

@@ -87,15 +87,21 @@ void report_nul(const JsonCursor& at) {
     }
 }
 
+WorldSpec empty_world(const Diagnostics& diagnostics) {
+  WorldSpec nothing;
+  nothing.files = diagnostics.files();
+  return nothing;
+}
+
 }  // namespace
 
-void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
+bool change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics) {
   resolve_includes(document, file, diagnostics);
   for (const auto& [pointer, value] : options.set) set_json_value(document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(document, name, count, diagnostics);
   report_nul({document, diagnostics});
-  resolve_extends(document, diagnostics, options.base_types);
+  return resolve_extends(document, diagnostics, options.base_types);
 }
 
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
@@ -125,8 +131,9 @@ WorldSpec load_json_node(JsonNode document, const std::filesystem::path& file,
                          const engine::Registry& registry, const LoadOptions& options,
                          Diagnostics& diagnostics) {
   report_repeated_keys(document, diagnostics);
-  change_json_world(document, file, options, diagnostics);
-  return read_json_world(file, document, registry, options, diagnostics);
+  const bool has_right_bases = change_json_world(document, file, options, diagnostics);
+  const WorldDocument read = read_json_document(document, registry, options, diagnostics);
+  return has_right_bases ? expand(read, file, registry, options, diagnostics) : empty_world(diagnostics);
 }
 
 std::optional<WorldDocument> load_json_document(const std::filesystem::path& file, const std::string& text,
@@ -139,8 +146,10 @@ std::optional<WorldDocument> load_json_document(const std::filesystem::path& fil
     diagnostics.error(study->where, "this is a study, not a world: `troupe sweep` makes its runs");
     return std::nullopt;
   }
-  change_json_world(*document, file, options, diagnostics);
-  return read_json_document(*document, registry, options, diagnostics);
+  const bool has_right_bases = change_json_world(*document, file, options, diagnostics);
+  WorldDocument read = read_json_document(*document, registry, options, diagnostics);
+  if (!has_right_bases) return std::nullopt;
+  return read;
 }
 
 WorldSpec load_json_world(const std::filesystem::path& file, const std::string& text,
@@ -148,9 +157,7 @@ WorldSpec load_json_world(const std::filesystem::path& file, const std::string& 
                           Diagnostics& diagnostics) {
   if (const auto document = load_json_document(file, text, registry, options, diagnostics))
     return expand(*document, file, registry, options, diagnostics);
-  WorldSpec nothing;
-  nothing.files = diagnostics.files();
-  return nothing;
+  return empty_world(diagnostics);
 }
 
 }  // namespace troupe::worldio

@@ -30,8 +30,9 @@ namespace troupe::worldio {
 /// If LoadOptions::base_types is not null, adds the names of the types that other types extend to this list.
 /// Reports an error for each step that fails, for example if an included file cannot be read, a population is
 /// unknown, or types extend each other in a circle. resolve_includes() and resolve_extends()
-/// (worldio/json/json_include.hpp) describe the first and the third step.
-void change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
+/// (worldio/json/json_include.hpp) describe the first and the third step. Returns the result of
+/// resolve_extends().
+bool change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics);
 
 /// Converts the JSON nodes of a world to a document. Reports all errors, each at its line. A wrong value is
@@ -42,8 +43,8 @@ WorldDocument read_json_document(const JsonNode& document, const engine::Registr
                                  const LoadOptions& options, Diagnostics& diagnostics);
 
 /// Parses `text`, and calls change_json_world() and read_json_document(). `file` is the path of the world:
-/// errors name it, and the paths of included files are relative to its folder. If the text is not JSON,
-/// reports errors and returns nothing.
+/// errors name it, and the paths of included files are relative to its folder. If the text is not JSON, or if
+/// change_json_world() returns false, reports errors and returns nothing.
 std::optional<WorldDocument> load_json_document(const std::filesystem::path& file, const std::string& text,
                                                 const engine::Registry& registry, const LoadOptions& options,
                                                 Diagnostics& diagnostics);

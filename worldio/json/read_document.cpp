@@ -325,6 +325,7 @@ void ObjectReader::read_contours(const DocumentKey& key, const JsonCursor& at) {
 void ObjectReader::read_list(const DocumentKey& key, const JsonCursor& at) {
   const JsonNode::List* nodes = worldio::read_list(at);
   if (!nodes) return;
+  if (key.least > 0) refuse_empty(at, key.by_default);
   void* list = key.make(object_);
   const DocumentKey* ring = key.table().find("ring");
   for (std::size_t i = 0; i < nodes->size(); ++i) {

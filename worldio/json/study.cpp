@@ -195,7 +195,6 @@ class StudyReader {
   Choice read_steps(JsonObject& object) const;
   static Choice read_interval(const JsonCursor& at, ChoiceKind kind);
   void read_seeds(JsonObject& object);
-  static void refuse_empty(JsonObject& object, std::string_view key, std::string_view otherwise);
   void read_measures(JsonObject& object);
   void check_effects(const JsonCursor& at) const;
   void check_runs(const JsonCursor& at);
@@ -361,19 +360,12 @@ bool lists_measure(const std::filesystem::path& world, std::string_view name) {
          });
 }
 
-/// Reports an error for an empty list, which would mean the same as no list. otherwise: what a study without
-/// the list uses.
-void StudyReader::refuse_empty(JsonObject& object, std::string_view key, std::string_view otherwise) {
-  const JsonNode* node = object.find(key);
-  if (node && node->list() && node->list()->empty())
-    JsonCursor(object.at(), key, *node)
-        .error(
-            fmt::format("the list is empty: give at least one entry, or remove the key, for {}", otherwise));
-}
-
 void StudyReader::read_measures(JsonObject& object) {
-  refuse_empty(object, "measures", "the measures of the world");
-  refuse_empty(object, "statistics", "the last values");
+  const auto not_empty = [&](std::string_view key, std::string_view otherwise) {
+    if (const JsonNode* node = object.find(key)) refuse_empty(JsonCursor(object.at(), key, *node), otherwise);
+  };
+  not_empty("measures", "the measures of the world");
+  not_empty("statistics", "the last values");
   each(object, "measures", [&](const JsonCursor& at) {
     const std::string* text = at.node().text();
     const bool is_of_world = text && !registry_.find_measure(text->substr(0, text->find(':'))) &&

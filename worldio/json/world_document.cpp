@@ -1123,8 +1123,10 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
   d.list<&WorldDocument::models>("models", "single bodies").write_always();
   d.list<&WorldDocument::populations>("populations", "groups of many bodies of one type, placed by a rule");
   d.list<&WorldDocument::measures>(
-      "measures",
-      "the measures that `troupe run --measures` computes (docs/measures.md); `--measure` overrides them");
+       "measures",
+       "the measures that `troupe run --measures` computes (docs/measures.md); `--measure` overrides them")
+      .entries(1)
+      .or_default("all measures that need no parameters");
   describe_experiment<WorldDocument, &WorldDocument::experiment>(d);
 }
 

@@ -381,7 +381,7 @@ class DocumentSchema {
       }
       case Form::block: return table_schema(*key.block);
       case Form::object: return reference_to(key.table());
-      case Form::list: return array_of(reference_to(key.table()));
+      case Form::list: return counted(array_of(reference_to(key.table())), key);
       case Form::map: {
         JsonNode entry = reference_to(key.table());
         // A type with the key "extends" inherits keys, so it may lack required keys: any object with

@@ -294,9 +294,13 @@ void StageWorld::add_body(const StageEntity& entity) {
   std::string key;
   write_key(entity, true, key);
   auto entry = prototypes_.find(key);
-  if (entry == prototypes_.end()) entry = prototypes_.emplace(std::move(key), make_prototype(entity)).first;
+  const bool is_new = entry == prototypes_.end();
+  if (is_new) entry = prototypes_.emplace(std::move(key), make_prototype(entity)).first;
   const Prototype& prototype = entry->second;
-  if (!prototype.kind) return;
+  if (!prototype.kind) {
+    if (!is_new) make_prototype(entity);  // a window, or an error that has a place of its own
+    return;
+  }
 
   OwnProperties own = prototype.inherited;
   for (const StageProperty& property : document_.properties(entity))
