@@ -842,6 +842,22 @@ TEST_F(RanksOfAProgram, AreOneIfALauncherStartedSeveralProcesses) {
   unsetenv("OMPI_COMM_WORLD_SIZE");
 }
 
+// mpirun of MPICH may run in a step of one process of a Slurm job: `srun --mpi=pmix -n 1 script`.
+TEST_F(RanksOfAProgram, AreOneIfALauncherInASlurmStepStartedSeveralProcesses) {
+  const std::array<std::pair<const char*, const char*>, 4> variables{
+      {{"PMIX_RANK", "0"}, {"SLURM_STEP_NUM_TASKS", "1"}, {"PMI_RANK", "1"}, {"PMI_SIZE", "3"}}};
+  for (const auto& [name, value] : variables) setenv(name, value, 1);
+  try {
+    load(2);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("mpirun of MPICH started 3 processes"));
+  }
+  unsetenv("PMI_SIZE");
+  EXPECT_EQ(load(2).ranks(), 2u) << "srun started one process";
+  for (const auto& [name, value] : variables) unsetenv(name);
+}
+
 /// A controller that throws for one robot.
 struct Fails {
   static constexpr bool needs_drive = true;
