@@ -6,10 +6,12 @@
 #include "engine/ranks/sharing.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
+#include "partition/mailboxes.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/golden_hashes.hpp"
+#include "troupe/rank_processes.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -21,12 +23,14 @@
 #include <any>
 #include <array>
 #include <atomic>
+#include <cfenv>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -549,6 +553,29 @@ TEST_F(RanksOfAProgram, KeepTheirRobotsIfAClockRunsBackwards) {
   Simulation simulation(write("room.json", k_wanderers), options);
   for (int tick = 0; tick < 40; ++tick) simulation.step();
   EXPECT_EQ(simulation.rank_statistics().rebalanced, 0u);
+}
+
+// A library may have changed the arithmetic of a process, for example that of MPI.
+TEST_F(RanksOfAProgram, RestoreTheArithmeticOfTheirProcesses) {
+  std::string text(k_wanderers);
+  text.insert(text.find("\"localization\""), "\"velocity_max_x_mps\": 0.3, ");
+  const fs::path file = write("room.json", text);
+  const auto line_after = [&file](std::shared_ptr<RankProcesses> processes) {
+    SimulationOptions options;
+    options.threads = 1;
+    options.processes = std::move(processes);
+    Simulation simulation(file, options);
+    for (std::uint64_t tick = 0; tick < k_ticks; ++tick) simulation.step();
+    return simulation.hash_log_line();
+  };
+  const std::string expected = line_after(nullptr);
+  partition::Mailboxes mailboxes(2);
+  std::thread other([&mailboxes] {  // stands for the process of rank 1
+    std::fesetround(FE_UPWARD);
+    RankProcesses(mailboxes.of(1), 1, 1).follow({}, {});
+  });
+  EXPECT_EQ(line_after(std::make_shared<RankProcesses>(mailboxes.of(0), 1, 1)), expected);
+  other.join();
 }
 
 std::string step_error(Simulation& simulation) {
