@@ -17,6 +17,9 @@ std::optional<unsigned> number_in(const char* variable) {
   return text == nullptr ? std::nullopt : number_of<unsigned>(text);
 }
 
+/// Number of processes of the step of a Slurm job to which this process belongs.
+constexpr const char* k_step_tasks = "SLURM_STEP_NUM_TASKS";
+
 /// A launcher, and the names of the environment variables that it sets in each process. `rank` names the
 /// variable with the index of the process, from 0; `ranks` names the one with the number of processes. name,
 /// mpi: as in Launcher.
@@ -30,9 +33,9 @@ struct Variables {
 // no launcher started. Slurm's variables for a job step (SLURM_STEP_NUM_TASKS) are not set there.
 constexpr std::array<Variables, 4> k_variables{{
     {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "mpirun of Open MPI", "openmpi"},
-    {"PMIX_RANK", "SLURM_STEP_NUM_TASKS", "srun --mpi=pmix", "openmpi"},
+    {"PMIX_RANK", k_step_tasks, "srun --mpi=pmix", "openmpi"},
     {"PMI_RANK", "PMI_SIZE", "mpirun of MPICH", "mpich"},
-    {"PMI_RANK", "SLURM_STEP_NUM_TASKS", "srun --mpi=pmi2", "mpich"},
+    {"PMI_RANK", k_step_tasks, "srun --mpi=pmi2", "mpich"},
 }};
 
 }  // namespace
@@ -42,10 +45,12 @@ std::optional<Launcher> find_launcher() {
     const std::optional<unsigned> rank = number_in(variables.rank);
     const std::optional<unsigned> ranks = number_in(variables.ranks);
     if (!rank || !ranks || *rank >= *ranks) continue;
+    // mpirun of MPICH may run in a step of one process, and passes the variables of the step on.
+    if (*ranks == 1 && std::string_view(variables.ranks) == k_step_tasks) continue;
     if (*ranks == 1) return {};
     return Launcher{variables.name, *rank, *ranks, variables.mpi};
   }
-  if (const auto tasks = number_in("SLURM_STEP_NUM_TASKS"); tasks && *tasks > 1)
+  if (const auto tasks = number_in(k_step_tasks); tasks && *tasks > 1)
     throw InputError(
         fmt::format("troupe: error: srun started {} processes, but not for MPI: give srun the option "
                     "--mpi=pmix (srun --mpi=list shows the available values), or -n 1",

@@ -1,6 +1,7 @@
 #include "troupe/rank_processes.hpp"
 
 #include "base/diagnostics.hpp"
+#include "base/fp_environment.hpp"
 #include "base/hash.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/world/world.hpp"
@@ -170,6 +171,7 @@ void RankProcesses::follow(const std::vector<std::filesystem::path>& plugin_path
     const auto [order, number] = std::pair(received.order, received.world);
     if (order == Order::end) return;
     if (order == Order::make) {
+      restore_fp_environment();  // a library, for example that of MPI, may have changed it
       MessageWriter answer = begin_message(Order::make, number);
       try {
         followers[number] =

@@ -330,6 +330,7 @@ std::vector<engine::BodySpec> Simulation::bodies_placed_by(std::uint64_t seed, s
         fmt::format("{} needs the rules by which bodies are placed, but this run was resumed from a "
                     "checkpoint, which does not store these rules: start from the world file instead",
                     call));
+  restore_fp_environment();  // a library may have changed it: see World::step()
   std::vector<engine::BodySpec> bodies = impl_->world->spec().bodies;
   if (impl_->place_again) impl_->place_again(bodies, seed);
   return bodies;

@@ -234,11 +234,11 @@ inline partition::StaticScene scene_of(const TestCrowd& crowd, double cell_m) {
 
 /// Returns the outcome that the engine computes for each motion of the crowd. free: data that the engine
 /// keeps from tick to tick, one entry per body; pass the same vector in each tick. pushables: which bodies
-/// can be pushed; by default none.
+/// can be pushed; by default none. border: the connection to other ranks, if there are any
 inline std::vector<engine::Conflicts::Outcome> resolve(
     const TestCrowd& crowd, const partition::StaticScene& scene, const partition::GridGeometry& grid,
     partition::Parallel& parallel, engine::Conflicts& conflicts, std::vector<engine::FreeCircle>& free,
-    const engine::Pushables& pushables = {}) {
+    const engine::Pushables& pushables = {}, engine::Conflicts::Border* border = nullptr) {
   std::vector<Pose> poses;
   std::vector<Transform> transforms;
   std::vector<engine::Motion> motions;
@@ -255,7 +255,7 @@ inline std::vector<engine::Conflicts::Outcome> resolve(
   free.resize(crowd.size());
   conflicts.resolve({poses, transforms, motions, crowd.shapes, crowd.ids, free, crowd.seed, crowd.tick,
                      crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9)), pushables},
-                    scene, index, parallel);
+                    scene, index, parallel, border);
   std::vector<engine::Conflicts::Outcome> outcomes;
   for (std::size_t i = 0; i < crowd.size(); ++i) outcomes.push_back(conflicts.outcome(i));
   return outcomes;

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::oracle {
@@ -296,6 +300,50 @@ TEST(ConflictTicks, FastBodiesDoNotPassThroughEachOther) {
     }
     EXPECT_GT(moved, 50u);
   }
+}
+
+/// A rank without ghosts, whose connection to the other ranks fails at the end of the resolution.
+class FailingBorder final : public Conflicts::Border {
+ public:
+  std::span<const std::uint32_t> begin(std::span<const engine::Motion>,
+                                       std::span<const std::uint32_t> order) override {
+    return order;
+  }
+  bool exchange(Conflicts&) override { return false; }
+  void exchange_places(Conflicts&) override { throw std::runtime_error("failed"); }
+};
+
+// An exception ends a resolution whose outcomes are already stored: the next one must not take them for its
+// own.
+TEST(ConflictTicks, AResolutionThatThrowsIsForgotten) {
+  TestCrowd crowd;  // a column of bodies, each of which moves into the place of the next
+  crowd.kinds.push_back(make_kind({{{rectangle(-0.1, -0.1, 0.1, 0.1)}, {0, 1}}}));
+  for (int i = 0; i < 40; ++i) crowd.add(crowd.kinds.front(), {0.22 * i, 0, 0, 0});
+  const std::vector<Motion> at_rest = crowd.motions;
+  for (Motion& m : crowd.motions) {
+    m.to.x += 0.2;
+    m.moves = true;
+  }
+  const partition::StaticScene scene = scene_of(crowd, 1);
+  const partition::GridGeometry grid(1, 3);
+  partition::Parallel parallel(1);
+  Conflicts conflicts;
+  std::vector<engine::FreeCircle> free;
+  const auto outcomes = [&](Conflicts::Border* border = nullptr) {
+    return resolve(crowd, scene, grid, parallel, conflicts, free, {}, border);
+  };
+  FailingBorder border;
+  EXPECT_THROW(outcomes(&border), std::runtime_error);
+  const std::vector<Motion> moving = std::exchange(crowd.motions, at_rest);
+  for (const Outcome outcome : outcomes()) EXPECT_EQ(outcome, Outcome::stands);
+
+  crowd.motions = moving;
+  EXPECT_THROW(outcomes(&border), std::runtime_error);
+  ++crowd.tick;
+  const std::vector<Outcome> next = outcomes();
+  EXPECT_GT(conflicts.rounds(), 1u);
+  Conflicts others;
+  EXPECT_EQ(next, resolve(crowd, scene, grid, parallel, others));
 }
 
 TEST(ConflictTicks, BodiesAreHeldAtTheBounds) {

@@ -8,7 +8,7 @@ namespace troupe::partition {
 namespace {
 
 TEST(MpiTransport, AMessageThatComesTooLateIsWrittenToMemoryOfItsOwn) {
-  MpiTransport transport(TROUPE_STUCK_MPI);
+  MpiTransport transport(TROUPE_SLOW_MPI);
   transport.set_limit(2);
   EXPECT_THROW(transport.receive(1), RankError);
   const double then = transport.seconds();  // the module writes the rest of the message
@@ -18,7 +18,7 @@ TEST(MpiTransport, AMessageThatComesTooLateIsWrittenToMemoryOfItsOwn) {
 
 // A job that was suspended goes on, although the clock has moved on by far more than the limit.
 TEST(MpiTransport, TimeInWhichTheProcessIsSuspendedDoesNotCount) {
-  MpiTransport transport(TROUPE_SUSPENDED_MPI);
+  MpiTransport transport(TROUPE_SLOW_MPI);
   transport.set_limit(10);
   transport.send(1, std::make_shared<const Message>());
   transport.complete_sending();

@@ -6,10 +6,12 @@
 #include "engine/ranks/sharing.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
+#include "partition/mailboxes.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/golden_hashes.hpp"
+#include "troupe/rank_processes.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -21,12 +23,14 @@
 #include <any>
 #include <array>
 #include <atomic>
+#include <cfenv>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -551,6 +555,29 @@ TEST_F(RanksOfAProgram, KeepTheirRobotsIfAClockRunsBackwards) {
   EXPECT_EQ(simulation.rank_statistics().rebalanced, 0u);
 }
 
+// A library may have changed the arithmetic of a process, for example that of MPI.
+TEST_F(RanksOfAProgram, RestoreTheArithmeticOfTheirProcesses) {
+  std::string text(k_wanderers);
+  text.insert(text.find("\"localization\""), "\"velocity_max_x_mps\": 0.3, ");
+  const fs::path file = write("room.json", text);
+  const auto line_after = [&file](std::shared_ptr<RankProcesses> processes) {
+    SimulationOptions options;
+    options.threads = 1;
+    options.processes = std::move(processes);
+    Simulation simulation(file, options);
+    for (std::uint64_t tick = 0; tick < k_ticks; ++tick) simulation.step();
+    return simulation.hash_log_line();
+  };
+  const std::string expected = line_after(nullptr);
+  partition::Mailboxes mailboxes(2);
+  std::thread other([&mailboxes] {  // stands for the process of rank 1
+    std::fesetround(FE_UPWARD);
+    RankProcesses(mailboxes.of(1), 1, 1).follow({}, {});
+  });
+  EXPECT_EQ(line_after(std::make_shared<RankProcesses>(mailboxes.of(0), 1, 1)), expected);
+  other.join();
+}
+
 std::string step_error(Simulation& simulation) {
   try {
     simulation.step();
@@ -840,6 +867,22 @@ TEST_F(RanksOfAProgram, AreOneIfALauncherStartedSeveralProcesses) {
   EXPECT_EQ(load(2).ranks(), 2u);
   unsetenv("OMPI_COMM_WORLD_RANK");
   unsetenv("OMPI_COMM_WORLD_SIZE");
+}
+
+// mpirun of MPICH may run in a step of one process of a Slurm job: `srun --mpi=pmix -n 1 script`.
+TEST_F(RanksOfAProgram, AreOneIfALauncherInASlurmStepStartedSeveralProcesses) {
+  const std::array<std::pair<const char*, const char*>, 4> variables{
+      {{"PMIX_RANK", "0"}, {"SLURM_STEP_NUM_TASKS", "1"}, {"PMI_RANK", "1"}, {"PMI_SIZE", "3"}}};
+  for (const auto& [name, value] : variables) setenv(name, value, 1);
+  try {
+    load(2);
+    ADD_FAILURE();
+  } catch (const std::invalid_argument& error) {
+    EXPECT_THAT(error.what(), HasSubstr("mpirun of MPICH started 3 processes"));
+  }
+  unsetenv("PMI_SIZE");
+  EXPECT_EQ(load(2).ranks(), 2u) << "srun started one process";
+  for (const auto& [name, value] : variables) unsetenv(name);
 }
 
 /// A controller that throws for one robot.

@@ -8,9 +8,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cfenv>
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -47,6 +50,16 @@ class StudyFile : public test::ScratchTest {
   std::filesystem::path file_ = folder_ / "study.json";
   Diagnostics diagnostics_;
 };
+
+// A library may have changed the arithmetic of the process.
+TEST_F(StudyFile, IsReadWithTheDefaultRounding) {
+  const std::string members = R"("parameters": [{"set": "/speed", "values": [0.3, 0.7]}])";
+  const std::vector<std::vector<std::string>> expected = values(members);
+  std::fesetround(FE_UPWARD);
+  const std::vector<std::vector<std::string>> got = values(members);
+  std::fesetround(FE_TONEAREST);
+  EXPECT_EQ(got, expected);
+}
 
 TEST_F(StudyFile, WithoutParametersIsOneRunOfTheWorldBesideIt) {
   const Study one = study("");

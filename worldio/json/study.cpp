@@ -1,5 +1,6 @@
 #include "worldio/json/study.hpp"
 
+#include "base/fp_environment.hpp"
 #include "base/math.hpp"
 #include "base/number_text.hpp"
 #include "base/random.hpp"
@@ -557,6 +558,7 @@ Study load_study(const std::filesystem::path& file, const engine::Registry& regi
 
 Study load_study_text(const std::filesystem::path& file, std::string_view text,
                       const engine::Registry& registry, Diagnostics& diagnostics) {
+  restore_fp_environment();  // before anything is computed from the file
   const Where start{diagnostics.files()->add(file.string()), 0};
   const std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
   return document ? StudyReader(file, registry).read(*document, diagnostics) : Study{};
