@@ -54,6 +54,7 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
         "the simulation already has a view, or another callback of Simulation::before_tick(): close the "
         "first view (Python: View.close(); C++: destroy the object), or remove the callback with "
         "before_tick(nullptr)");
+  simulation_.on_tick([this](Simulation&) { after_tick(); }, alive_);
   const engine::World& world = simulation.world();
   worldio::LivePage page = worldio::live_page(world, simulation.registry());
   order_ = std::move(page.order);
@@ -68,10 +69,6 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   // The session file is created after the server, so that no file is left if the address or the port is not
   // available.
   session_ = std::make_unique<SessionLog>(files_.folder(), simulation_);
-  self_ = std::make_shared<Impl*>(this);
-  simulation_.on_tick([self = std::weak_ptr<Impl*>(self_)](Simulation&) {
-    if (const auto found = self.lock()) (*found)->after_tick();
-  });
   connections_->start();
   // Last: if the constructor threw after this, the callbacks would refer to an object that does not exist.
   simulation_.before_step([this](Simulation&) { before_step(); });
