@@ -92,7 +92,11 @@ View::Impl::~Impl() {
 std::string View::Impl::make_greeting(const std::string& header) const {
   const engine::World& world = simulation_.world();
   Json populations = Json::array();  // populations to which bodies can be added
-  for (const engine::ReserveSpec& reserve : world.spec().reserves) populations.push_back(reserve.population);
+  Json heights = Json::array();      // of the bodies of these populations, m
+  for (const engine::ReserveSpec& reserve : world.spec().reserves) {
+    populations.push_back(reserve.population);
+    heights.push_back(world.spec().bodies[reserve.first.index()].pose_world_body.z);
+  }
   const Json json{{"wire", k_wire},
                   {"version", version_line()},
                   {"tick_s", simulation_.tick_s()},
@@ -100,7 +104,8 @@ std::string View::Impl::make_greeting(const std::string& header) const {
                   {"measures", plain_measures(simulation_)},
                   {"values", color_values(world)},
                   {"layers", layers_of(world)},
-                  {"populations", populations}};
+                  {"populations", populations},
+                  {"heights_m", heights}};
   return fmt::format(R"({},"header":{})", members_of(json), header);
 }
 

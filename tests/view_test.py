@@ -469,6 +469,7 @@ class Steered(unittest.TestCase):
             names = {(value["component"], value["field"]) for value in viewer.hello["values"]}
             self.assertIn(("velocity", "x"), names)
             self.assertEqual(viewer.hello["layers"], ["radio"])
+            self.assertEqual((viewer.hello["populations"], viewer.hello["heights_m"]), (["b"], [0]))
             self.assertEqual(viewer.ask(do="color", component="pose", field="x", column=0)["type"], "done")
             self.assertEqual(viewer.ask(do="layers", layers=["radio"])["type"], "done")
             self.assertIn("no field", viewer.ask(do="color", component="pose", field="w")["reason"])
@@ -1238,6 +1239,21 @@ class InABrowser(unittest.TestCase):
             page.run("troupe.act({do: 'disable', robot: 'blue'})")  # its answer comes after those of all earlier acts
             self.assertEqual(page.run("troupe.inspected().pose.slice(0, 2)"), place)
             self.assertGreater(page.run("troupe.inspected().pose[3]"), 1.2)
+            self.assertEqual(page.problems, [])
+
+    def test_an_added_body_has_the_height_of_its_population(self):
+        world = json.loads(json.dumps(YARD))
+        del world["types"]["bot"]["controller"]
+        region = [[-4, -4], [4, 4]]
+        world["populations"][0] |= {"count": 4, "reserve": 1, "place": {"rule": "grid", "region_m": region, "pitch_m": 4, "z_m": 0.7}}
+        with self.opened(world=world) as (_, page):
+            self.pause(page)
+            page.run("(add => { add.selectedIndex = 1; add.onchange({target: add}); })(document.getElementById('add'))")
+            x, y, z = page.run("troupe.pose('b0')")[:3]
+            page.click(*page.run(f"troupe.screenPlace('b0', [{-x}, {-y}, {-z}])"))
+            page.wait("troupe.state().robots === 5 && troupe.pose('b4')[3] === 0")
+            for found, expected in zip(page.run("troupe.pose('b4')"), (0, 0, 0.7)):
+                self.assertAlmostEqual(found, expected, delta=0.05)
             self.assertEqual(page.problems, [])
 
     def test_a_key_drives_only_while_it_is_pressed(self):

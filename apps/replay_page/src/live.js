@@ -181,7 +181,8 @@ class LivePage extends Page {
   click(clientX, clientY) {
     const place = this.adding && this.view.floorAt(clientX, clientY);
     if (!place) return super.click(clientX, clientY);
-    this.act({ do: "add", population: this.adding, pose: [...place, 0, 0] });
+    const { population, height } = this.adding;
+    this.act({ do: "add", population, pose: [...place, height, 0] });
     this.adding = null;
     document.getElementById("add").selectedIndex = 0;
   }
