@@ -1256,6 +1256,13 @@ class InABrowser(unittest.TestCase):
                 self.assertAlmostEqual(found, expected, delta=0.05)
             self.assertEqual(page.problems, [])
 
+    def test_a_world_without_robots_is_shown(self):
+        with self.opened(world={"troupe": 1}) as (_, page):
+            page.run("troupe.trails(10)")
+            frame = page.run("troupe.state().frame")
+            page.wait(f"troupe.state().frame > {frame + 5}")
+            self.assertEqual(page.problems, [])
+
     def test_a_key_drives_only_while_it_is_pressed(self):
         turn = "troupe.inspected()?.components.find(c => c.name === 'velocity').fields.at(-1).values[0]"
         with self.opened("--rate", 5) as (view, page):
