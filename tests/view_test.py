@@ -32,6 +32,7 @@ TROUPE = None
 PICTURES = None
 PROGRAM = find()
 SIZE = (1280, 720)
+HAS_IPV6 = os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in Path("/proc/net/if_inet6").read_text()
 
 WORLD = {
     "troupe": 1, "title": "Two rooms", "seed": 3, "bounds_m": [[-6, -4], [6, 4]],
@@ -123,7 +124,7 @@ class View:
                 name, value = line.strip().rsplit(None, 1)
                 lines[name.strip()] = value
         self.address, self.looking, self.session = lines["view"], lines["read-only"], Path(lines["session"])
-        self.port = int(self.address.split(":")[2].split("/")[0])
+        self.port = int(self.address.rsplit(":", 1)[1].split("/")[0])
         self.token, self.look_token = (text.split("#")[1] for text in (self.address, self.looking))
 
     def __enter__(self):
@@ -757,10 +758,12 @@ class Attacked(unittest.TestCase):
             refused = subprocess.run([TROUPE, "view", "x.json", "--allow-host", host], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2, host)
             self.assertIn("a host name, as in --allow-host example.org", refused.stderr)
-        if os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in Path("/proc/net/if_inet6").read_text():
+        if HAS_IPV6:
             with socket.create_connection(("::1", self.view.port), timeout=WAIT_S) as connection:
                 connection.sendall(f"GET / HTTP/1.1\r\nHost: [::1]:{self.view.port}\r\n\r\n".encode())
-                self.assertIn(b" 200 ", connection.recv(4096))
+                answer = connection.recv(4096)
+                self.assertIn(b" 200 ", answer)
+                self.assertIn(b"connect-src 'self';", answer)
 
     def test_foreign_origin(self):
         own = f"127.0.0.1:{self.view.port}"
@@ -1366,6 +1369,12 @@ class InABrowser(unittest.TestCase):
                 page.press(key, "Space" if key == " " else key)
                 self.assertEqual(page.run("document.querySelectorAll('#plots .plot').length"), count)
             self.assertFalse(page.run("troupe.state().playing"))
+            self.assertEqual(page.problems, [])
+
+    @unittest.skipUnless(HAS_IPV6, "the machine has no IPv6")
+    def test_the_page_works_at_an_ipv6_address(self):
+        with self.opened("--bind", "::1") as (view, page):
+            self.assertTrue(view.address.startswith("http://[::1]:"))
             self.assertEqual(page.problems, [])
 
     def test_a_page_that_is_refused_says_why_and_tries_again(self):
