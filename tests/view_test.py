@@ -1385,6 +1385,16 @@ class InABrowser(unittest.TestCase):
                       "'The program refuses the connection: at most 16 viewers can be connected. The page tries again every 2 s.'")
             page.wait("window.troupe && troupe.state().tick > 2 && document.getElementById('problem').hidden")
 
+    def test_the_address_of_the_next_run_can_be_opened_in_the_same_page(self):
+        with Page(PROGRAM, SIZE) as page:
+            with View() as view:
+                page.open_address(view.address)
+                page.wait("window.troupe && troupe.state().tick > 2")
+            with View("--port", view.port) as view:
+                page.wait("document.getElementById('problem').textContent.startsWith('This address has no valid token')")
+                page.open_address(view.address)
+                page.wait("window.troupe && troupe.state().tick > 2 && document.getElementById('problem').hidden")
+
     def test_a_page_that_loses_its_connection_is_reloaded_once(self):
         with self.opened(script=KEPT_SOCKETS) as (_, page):
             page.run("window.isOld = true, performance.now = () => 1e6, sockets.at(-1).close()")

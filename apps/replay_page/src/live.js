@@ -358,6 +358,8 @@ function liveRemote(page) {
 
 async function begin() {
   checkBrowser();
+  // The address of another run at the same port differs only after the #, so the browser does not load the page again.
+  window.addEventListener("hashchange", () => window.location.reload());
   new Link((source, link) => {
     const page = new LivePage(source, link);
     window.troupe = liveRemote(page);
