@@ -67,10 +67,14 @@ void close_on_exec(Socket& socket) {
 /// server, or to the proxy in front of it. host: the Host header of the request, which must satisfy
 /// Impl::is_allowed().
 std::string policy(std::string_view host, bool is_proxy) {
+  // The header has no syntax for IPv6 addresses. 'self' includes WebSockets, but not in browsers before 2022.
+  const std::string server = host.starts_with('[') ? "'self'"
+                             : is_proxy            ? fmt::format("ws://{0} wss://{0}", host)
+                                                   : fmt::format("ws://{}", host);
   return fmt::format(
       "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
-      "connect-src ws://{}{}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-      host, is_proxy ? fmt::format(" wss://{}", host) : "");
+      "connect-src {}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+      server);
 }
 
 /// Returns an IP address as it is written in a URL.

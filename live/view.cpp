@@ -54,6 +54,7 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
         "the simulation already has a view, or another callback of Simulation::before_tick(): close the "
         "first view (Python: View.close(); C++: destroy the object), or remove the callback with "
         "before_tick(nullptr)");
+  simulation_.on_tick([this](Simulation&) { after_tick(); }, alive_);
   const engine::World& world = simulation.world();
   worldio::LivePage page = worldio::live_page(world, simulation.registry());
   order_ = std::move(page.order);
@@ -68,10 +69,6 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   // The session file is created after the server, so that no file is left if the address or the port is not
   // available.
   session_ = std::make_unique<SessionLog>(files_.folder(), simulation_);
-  self_ = std::make_shared<Impl*>(this);
-  simulation_.on_tick([self = std::weak_ptr<Impl*>(self_)](Simulation&) {
-    if (const auto found = self.lock()) (*found)->after_tick();
-  });
   connections_->start();
   // Last: if the constructor threw after this, the callbacks would refer to an object that does not exist.
   simulation_.before_step([this](Simulation&) { before_step(); });
@@ -95,7 +92,11 @@ View::Impl::~Impl() {
 std::string View::Impl::make_greeting(const std::string& header) const {
   const engine::World& world = simulation_.world();
   Json populations = Json::array();  // populations to which bodies can be added
-  for (const engine::ReserveSpec& reserve : world.spec().reserves) populations.push_back(reserve.population);
+  Json heights = Json::array();      // of the bodies of these populations, m
+  for (const engine::ReserveSpec& reserve : world.spec().reserves) {
+    populations.push_back(reserve.population);
+    heights.push_back(world.spec().bodies[reserve.first.index()].pose_world_body.z);
+  }
   const Json json{{"wire", k_wire},
                   {"version", version_line()},
                   {"tick_s", simulation_.tick_s()},
@@ -103,7 +104,8 @@ std::string View::Impl::make_greeting(const std::string& header) const {
                   {"measures", plain_measures(simulation_)},
                   {"values", color_values(world)},
                   {"layers", layers_of(world)},
-                  {"populations", populations}};
+                  {"populations", populations},
+                  {"heights_m", heights}};
   return fmt::format(R"({},"header":{})", members_of(json), header);
 }
 

@@ -99,10 +99,11 @@ class View::Impl {
   bool is_changed_ = true;
   Clock::time_point published_;  // when the last picture was published
   std::uint64_t pictures_ = 0;
-  std::uint64_t seed_ = 0;       // of this run
-  std::uint64_t runs_ = 1;       // 1, and 1 more after each restart
-  std::vector<Job> jobs_;        // work to do when the current tick has ended
-  std::shared_ptr<Impl*> self_;  // expires with this object, for the callback of on_tick()
+  std::uint64_t seed_ = 0;  // of this run
+  std::uint64_t runs_ = 1;  // 1, and 1 more after each restart
+  std::vector<Job> jobs_;   // work to do when the current tick has ended
+  // Owns the callback of on_tick(), which therefore ends with this object.
+  std::shared_ptr<const void> alive_ = std::make_shared<bool>();
   std::unique_ptr<Connections> connections_;
 };
 

@@ -40,9 +40,11 @@ class HeldView {
     options.report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); };
     state_->view.emplace(held_->use(), options);
     held_->keep_while_stepping(state_);
-    held_->use().on_tick([state = std::weak_ptr<State>(state_)](Simulation&) {
-      if (const auto found = state.lock(); found && found->after_tick) found->after_tick();
-    });
+    held_->use().on_tick(
+        [state = state_.get()](Simulation&) {
+          if (state->after_tick) state->after_tick();
+        },
+        state_);
   }
   HeldView(const HeldView&) = delete;
   HeldView& operator=(const HeldView&) = delete;

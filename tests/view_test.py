@@ -32,6 +32,7 @@ TROUPE = None
 PICTURES = None
 PROGRAM = find()
 SIZE = (1280, 720)
+HAS_IPV6 = os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in Path("/proc/net/if_inet6").read_text()
 
 WORLD = {
     "troupe": 1, "title": "Two rooms", "seed": 3, "bounds_m": [[-6, -4], [6, 4]],
@@ -123,7 +124,7 @@ class View:
                 name, value = line.strip().rsplit(None, 1)
                 lines[name.strip()] = value
         self.address, self.looking, self.session = lines["view"], lines["read-only"], Path(lines["session"])
-        self.port = int(self.address.split(":")[2].split("/")[0])
+        self.port = int(self.address.rsplit(":", 1)[1].split("/")[0])
         self.token, self.look_token = (text.split("#")[1] for text in (self.address, self.looking))
 
     def __enter__(self):
@@ -469,6 +470,7 @@ class Steered(unittest.TestCase):
             names = {(value["component"], value["field"]) for value in viewer.hello["values"]}
             self.assertIn(("velocity", "x"), names)
             self.assertEqual(viewer.hello["layers"], ["radio"])
+            self.assertEqual((viewer.hello["populations"], viewer.hello["heights_m"]), (["b"], [0]))
             self.assertEqual(viewer.ask(do="color", component="pose", field="x", column=0)["type"], "done")
             self.assertEqual(viewer.ask(do="layers", layers=["radio"])["type"], "done")
             self.assertIn("no field", viewer.ask(do="color", component="pose", field="w")["reason"])
@@ -756,10 +758,12 @@ class Attacked(unittest.TestCase):
             refused = subprocess.run([TROUPE, "view", "x.json", "--allow-host", host], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2, host)
             self.assertIn("a host name, as in --allow-host example.org", refused.stderr)
-        if os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in Path("/proc/net/if_inet6").read_text():
+        if HAS_IPV6:
             with socket.create_connection(("::1", self.view.port), timeout=WAIT_S) as connection:
                 connection.sendall(f"GET / HTTP/1.1\r\nHost: [::1]:{self.view.port}\r\n\r\n".encode())
-                self.assertIn(b" 200 ", connection.recv(4096))
+                answer = connection.recv(4096)
+                self.assertIn(b" 200 ", answer)
+                self.assertIn(b"connect-src 'self';", answer)
 
     def test_foreign_origin(self):
         own = f"127.0.0.1:{self.view.port}"
@@ -1240,6 +1244,28 @@ class InABrowser(unittest.TestCase):
             self.assertGreater(page.run("troupe.inspected().pose[3]"), 1.2)
             self.assertEqual(page.problems, [])
 
+    def test_an_added_body_has_the_height_of_its_population(self):
+        world = json.loads(json.dumps(YARD))
+        del world["types"]["bot"]["controller"]
+        region = [[-4, -4], [4, 4]]
+        world["populations"][0] |= {"count": 4, "reserve": 1, "place": {"rule": "grid", "region_m": region, "pitch_m": 4, "z_m": 0.7}}
+        with self.opened(world=world) as (_, page):
+            self.pause(page)
+            page.run("(add => { add.selectedIndex = 1; add.onchange({target: add}); })(document.getElementById('add'))")
+            x, y, z = page.run("troupe.pose('b0')")[:3]
+            page.click(*page.run(f"troupe.screenPlace('b0', [{-x}, {-y}, {-z}])"))
+            page.wait("troupe.state().robots === 5 && troupe.pose('b4')[3] === 0")
+            for found, expected in zip(page.run("troupe.pose('b4')"), (0, 0, 0.7)):
+                self.assertAlmostEqual(found, expected, delta=0.05)
+            self.assertEqual(page.problems, [])
+
+    def test_a_world_without_robots_is_shown(self):
+        with self.opened(world={"troupe": 1}) as (_, page):
+            page.run("troupe.trails(10)")
+            frame = page.run("troupe.state().frame")
+            page.wait(f"troupe.state().frame > {frame + 5}")
+            self.assertEqual(page.problems, [])
+
     def test_a_key_drives_only_while_it_is_pressed(self):
         turn = "troupe.inspected()?.components.find(c => c.name === 'velocity').fields.at(-1).values[0]"
         with self.opened("--rate", 5) as (view, page):
@@ -1345,6 +1371,12 @@ class InABrowser(unittest.TestCase):
             self.assertFalse(page.run("troupe.state().playing"))
             self.assertEqual(page.problems, [])
 
+    @unittest.skipUnless(HAS_IPV6, "the machine has no IPv6")
+    def test_the_page_works_at_an_ipv6_address(self):
+        with self.opened("--bind", "::1") as (view, page):
+            self.assertTrue(view.address.startswith("http://[::1]:"))
+            self.assertEqual(page.problems, [])
+
     def test_a_page_that_is_refused_says_why_and_tries_again(self):
         with View() as view, Page(PROGRAM, SIZE) as page:
             page.call("Page.addScriptToEvaluateOnNewDocument", source=f"{{{REFUSED_ONCE}}}")
@@ -1352,6 +1384,16 @@ class InABrowser(unittest.TestCase):
             page.wait("document.getElementById('problem')?.textContent === "
                       "'The program refuses the connection: at most 16 viewers can be connected. The page tries again every 2 s.'")
             page.wait("window.troupe && troupe.state().tick > 2 && document.getElementById('problem').hidden")
+
+    def test_the_address_of_the_next_run_can_be_opened_in_the_same_page(self):
+        with Page(PROGRAM, SIZE) as page:
+            with View() as view:
+                page.open_address(view.address)
+                page.wait("window.troupe && troupe.state().tick > 2")
+            with View("--port", view.port) as view:
+                page.wait("document.getElementById('problem').textContent.startsWith('This address has no valid token')")
+                page.open_address(view.address)
+                page.wait("window.troupe && troupe.state().tick > 2 && document.getElementById('problem').hidden")
 
     def test_a_page_that_loses_its_connection_is_reloaded_once(self):
         with self.opened(script=KEPT_SOCKETS) as (_, page):

@@ -101,18 +101,28 @@ void Simulation::step() {
   impl_->world->step();
   if (impl_->stop) impl_->stop->see();
   if (impl_->recording) impl_->recording->observe(*this);
+  std::erase_if(impl_->on_tick, [](const Impl::OnTick& callback) { return callback.has_expired(); });
   if (impl_->on_tick.empty()) return;
   const Raised calling(impl_->in_on_tick);
-  for (const auto& callback : impl_->on_tick) callback(*this);
+  for (const Impl::OnTick& callback : impl_->on_tick)
+    if (!callback.has_expired()) callback.call(*this);
 }
 
 void Simulation::on_tick(std::function<void(Simulation&)> callback) {
   impl_->refuse_in_callbacks("on_tick()");
   Model::refuse_in_for_each(*impl_->world, "on_tick()");
   if (callback)
-    impl_->on_tick.push_back(std::move(callback));
+    impl_->on_tick.push_back({std::move(callback), {}});
   else
     impl_->on_tick.clear();
+}
+
+void Simulation::on_tick(std::function<void(Simulation&)> callback, std::weak_ptr<const void> owner) {
+  if (!callback)
+    throw std::invalid_argument(
+        "on_tick(): found a null function with an owner: give a function to call after each step");
+  on_tick(std::move(callback));
+  impl_->on_tick.back().owner = std::move(owner);
 }
 
 void Simulation::before_tick(std::function<void(Simulation&)> callback) {

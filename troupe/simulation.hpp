@@ -579,6 +579,10 @@ class Simulation {
   /// std::logic_error. If a callback throws, step() passes the exception on and calls no further callbacks;
   /// the state is that after a complete tick.
   void on_tick(std::function<void(Simulation&)> callback);
+  /// Adds a callback as the other on_tick() does, for as long as the object `owner` exists: when `owner` has
+  /// expired, the callback is not called again, and the next step removes it. Throws std::invalid_argument
+  /// for a null callback.
+  void on_tick(std::function<void(Simulation&)> callback, std::weak_ptr<const void> owner);
   /// Sets the callback that is called in every step at the end of the phase intervene, after the
   /// interventions and faults of the world file. tick() is then still the number of the previous tick. The
   /// callback may do everything that a program may do between two steps, except save(), and may call act().

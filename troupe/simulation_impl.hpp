@@ -59,8 +59,14 @@ struct Simulation::Impl {
   std::unique_ptr<engine::StopConditions> stop;
   /// The recording that record() started; null if none is running.
   std::unique_ptr<Recording> recording;
-  std::deque<std::function<void(Simulation&)>> on_tick;  ///< callbacks of Simulation::on_tick()
-  bool in_on_tick = false;                               ///< whether a callback of `on_tick` is running
+  /// A callback of Simulation::on_tick(). If it has an owner, it is called only while the owner exists.
+  struct OnTick {
+    std::function<void(Simulation&)> call;
+    std::optional<std::weak_ptr<const void>> owner;
+    bool has_expired() const { return owner && owner->expired(); }
+  };
+  std::deque<OnTick> on_tick;
+  bool in_on_tick = false;  ///< whether a callback of `on_tick` is running
   /// Renderer and options of the last call of snapshot() or picture(); null before the first call.
   std::unique_ptr<Pictures> pictures;
   PictureOptions picture_options;

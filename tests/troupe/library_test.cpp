@@ -222,6 +222,25 @@ TEST(OnTick, IsCalledInOrderBehindTheStep) {
   EXPECT_EQ(calls.size(), 6u);
 }
 
+TEST(OnTick, IsRemovedWithItsOwner) {
+  Simulation simulation(yard());
+  int calls = 0;
+  auto first = std::make_shared<int>();
+  auto second = std::make_shared<int>();
+  const auto held = std::make_shared<int>();
+  simulation.on_tick([&first](Simulation&) { first.reset(); }, first);  // also in its own callback
+  simulation.on_tick([&, held](Simulation&) { ++calls, second.reset(); }, second);
+  simulation.on_tick([&, held](Simulation&) { ++calls; }, second);
+  simulation.step();
+  EXPECT_EQ(calls, 1) << "the owner of the third callback has expired";
+  EXPECT_EQ(held.use_count(), 3);
+  simulation.step();
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(held.use_count(), 1) << "the callbacks are destroyed";
+  EXPECT_THROW(simulation.on_tick(nullptr, held), std::invalid_argument);
+  simulation.step();
+}
+
 TEST(OnTick, MayDriveAndPut) {
   Simulation called(yard());
   Simulation looped(yard());

@@ -181,7 +181,8 @@ class LivePage extends Page {
   click(clientX, clientY) {
     const place = this.adding && this.view.floorAt(clientX, clientY);
     if (!place) return super.click(clientX, clientY);
-    this.act({ do: "add", population: this.adding, pose: [...place, 0, 0] });
+    const { population, height } = this.adding;
+    this.act({ do: "add", population, pose: [...place, height, 0] });
     this.adding = null;
     document.getElementById("add").selectedIndex = 0;
   }
@@ -357,6 +358,8 @@ function liveRemote(page) {
 
 async function begin() {
   checkBrowser();
+  // The address of another run at the same port differs only after the #, so the browser does not load the page again.
+  window.addEventListener("hashchange", () => window.location.reload());
   new Link((source, link) => {
     const page = new LivePage(source, link);
     window.troupe = liveRemote(page);

@@ -43,10 +43,13 @@ export class LiveBar extends Bar {
       document.body.classList.add("looking");
       return;
     }
-    const { populations } = recording.hello;
+    const { populations, heights_m: heights } = recording.hello;
     byId("adds").hidden = populations.length === 0;
     fill(byId("add"), ["–", ...populations]);
-    byId("add").onchange = (event) => (page.adding = populations[event.target.value - 1] ?? null);
+    byId("add").onchange = (event) => {
+      const at = event.target.value - 1;
+      page.adding = at < 0 ? null : { population: populations[at], height: heights[at] };
+    };
     byId("step").onclick = () => player.step(Math.max(1, Math.round(Number(byId("ticks").value)) || 1));
     byId("rate").onchange = (event) => page.act({ do: "rate", rate: RATES[event.target.value] });
     byId("drive").onchange = (event) => this.drive(event.target.checked);

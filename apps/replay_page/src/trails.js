@@ -24,8 +24,9 @@ export class Trails {
   constructor(renderer, recording, poses, tints) {
     this.renderer = renderer;
     this.recording = recording;
-    this.columns = Math.min(recording.robots, COLUMNS);
-    this.rowsEach = Math.ceil(recording.robots / this.columns);
+    const places = Math.max(recording.robots, 1); // a texture must not be empty
+    this.columns = Math.min(places, COLUMNS);
+    this.rowsEach = Math.ceil(places / this.columns);
     this.ring = Math.max(1, Math.min(MOST_MARKS, Math.floor(renderer.capabilities.maxTextureSize / this.rowsEach)));
     this.texture = this.makeTexture(this.rowsEach * this.ring);
     this.piece = this.makeTexture(this.rowsEach);
