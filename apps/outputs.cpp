@@ -207,9 +207,12 @@ void check_replaced(const fs::path& file, const ReplacedType& type) {
   start.resize(static_cast<std::size_t>(stream.gcount()));
   const bool is_other = !type.other.empty() && start.starts_with(type.other);
   if (!is_other && (start.starts_with(type.mark) || type.mark.starts_with(start))) return;
-  refuse_output(
-      file,
-      fmt::format("the file exists and is not {}: choose another file name, or remove the file", type.name));
+  refuse_other_type(file, type);
+}
+
+void refuse_other_type(const fs::path& file, const ReplacedType& type) {
+  refuse_output(file, fmt::format("the file exists and is not {}: choose another {}, or remove the file",
+                                  type.name, type.choose));
 }
 
 void add_inputs(const Simulation& simulation, std::vector<Input>& inputs) {

@@ -47,11 +47,14 @@ struct ReplacedType {
   std::string_view name;        ///< with its option, for messages: "a hash log (--hash-log)"
   std::string_view mark;        ///< the beginning of each file of this type
   std::string_view other = {};  ///< the longer beginning of files of another type that begin with `mark` too
+  std::string_view choose = "file name";  ///< for messages: of what the user chooses another one
 };
 /// Checks that replacing `file` by a new file of this type loses no file of another type. Throws OutputError
 /// if `file` is a regular file that does not begin with the mark of the type. Accepts an empty file and a
 /// file that ends within the mark, because a run that was killed may leave such a file. Changes nothing.
 void check_replaced(const std::filesystem::path& file, const ReplacedType& type);
+/// Throws the OutputError of check_replaced().
+[[noreturn]] void refuse_other_type(const std::filesystem::path& file, const ReplacedType& type);
 /// Appends the files of the world to `inputs`: all files that were read to load the simulation. Appends
 /// nothing for a simulation that was resumed from a checkpoint (saved state of a run).
 void add_inputs(const Simulation& simulation, std::vector<Input>& inputs);

@@ -1,6 +1,7 @@
 // Summaries of recordings, of tables of results in HDF5, and of checkpoints.
 
 #include "apps/info/info_kinds.hpp"
+#include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "worldio/results/checkpoint.hpp"
@@ -79,7 +80,7 @@ Summary summary_of_hdf5(const fs::path& file) {
     const auto head = worldio::read_superblock(file);
     if (!head || !head->writing()) {  // a table is never seen while it is written
       const worldio::Hdf5File hdf5 = worldio::Hdf5File::open(file);
-      if (hdf5.has_group("table") && hdf5.has("columns")) return summary_of_table(hdf5);
+      if (is_hdf5_table(hdf5)) return summary_of_table(hdf5);
     }
     return summary_of(worldio::RecordingReader(file));
   } catch (const worldio::Hdf5Error& error) {

@@ -1,6 +1,7 @@
 #include "apps/observers/filming.hpp"
 
 #include "apps/numbers.hpp"
+#include "apps/outputs.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/spec/ticks.hpp"
 #include "troupe/simulation_source.hpp"
@@ -8,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 namespace troupe::apps {
@@ -136,6 +138,18 @@ std::string Filming::result() const {
 
 namespace {
 
+/// Throws OutputError if a resumed run would replace a film, which may be that of the earlier part of the
+/// run.
+void check_new_film(const std::filesystem::path& film) {
+  const std::filesystem::path file = is_frames(film) ? frame_file(film, 0) : film;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return;
+  throw OutputError(
+      fmt::format("{}: error: a film cannot be continued after the checkpoint, and {} exists: choose another "
+                  "file name, or remove the file",
+                  film.string(), is_frames(film) ? file.string() : "this file"));
+}
+
 class PicturesOutput : public ClonedOutput<PicturesOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override { add_picture_options(app, pictures_); }
@@ -149,6 +163,7 @@ class PicturesOutput : public ClonedOutput<PicturesOutput> {
     return files;
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t end_tick) const override {
+    if (simulation.resumed_at_tick()) check_new_film(pictures_.film);
     struct Prepared {
       std::unique_ptr<Snapshots> snapshots;
       std::unique_ptr<Filming> film;

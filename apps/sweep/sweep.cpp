@@ -14,6 +14,7 @@
 #include "worldio/json/study.hpp"
 #include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
 
 #include <fmt/format.h>
 
@@ -155,11 +156,33 @@ Study checked_study(const SweepOptions& options, Diagnostics& diagnostics) {
   return study;
 }
 
+/// Checks that the tables replace no file that troupe sweep did not write. Throws OutputError.
+void check_replaced_tables(const fs::path& folder, bool has_series) {
+  constexpr std::string_view k_name = "a table of results (troupe sweep)";
+  constexpr std::string_view k_choose = "folder with -o";
+  check_replaced(csv_file(folder), {.name = k_name, .mark = k_results_mark, .choose = k_choose});
+  if (has_series)
+    check_replaced(folder / "series.csv", {.name = k_name, .mark = k_series_mark, .choose = k_choose});
+  const fs::path file = hdf5_file(folder);
+  const ReplacedType type{.name = k_name, .mark = worldio::k_hdf5_signature, .choose = k_choose};
+  std::error_code ignored;
+  if (!worldio::has_hdf5() || !fs::is_regular_file(file, ignored)) return;
+  check_replaced(file, type);
+  if (fs::file_size(file, ignored) < type.mark.size()) return;
+  try {
+    if (is_hdf5_table(worldio::Hdf5File::open(file))) return;
+  } catch (const worldio::Hdf5Error&) {  // a file of another program, or a damaged one
+  }
+  refuse_other_type(file, type);
+}
+
 /// Creates the folder for the results. Throws OutputError if the results could not be written there.
 void prepare_folder(const SweepOptions& options, bool has_series) {
   check_folder(options.folder);
-  if (fs::exists(options.folder))
+  if (fs::exists(options.folder)) {
     check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
+    check_replaced_tables(options.folder, has_series);
+  }
   stop_on_signals();
   fs::create_directories(has_series ? options.folder / "series" : options.folder);
   worldio::sync_folder_of(options.folder);

@@ -161,7 +161,7 @@ void write_csv(const SweepTable& table, const fs::path& file) {
 
 bool is_start_of_results(std::string_view start) {
   const std::string_view columns = start.substr(0, start.find('\n'));
-  return columns.starts_with("run,") && columns.find(",seed,ticks,time_s,") != columns.npos;
+  return columns.starts_with(k_results_mark) && columns.find(",seed,ticks,time_s,") != columns.npos;
 }
 
 fs::path series_file(const fs::path& folder, std::size_t run) {
@@ -237,5 +237,7 @@ void write_hdf5(const SweepTable& table, const fs::path& file) {
   const std::vector<std::byte> image = hdf5.image();
   write_file(file, {reinterpret_cast<const char*>(image.data()), image.size()});
 }
+
+bool is_hdf5_table(const worldio::Hdf5File& file) { return file.has_group("table") && file.has("columns"); }
 
 }  // namespace troupe::apps

@@ -11,6 +11,10 @@
 #include <string_view>
 #include <vector>
 
+namespace troupe::worldio {
+class Hdf5File;
+}
+
 namespace troupe::apps {
 
 /// The results of all runs of a study, from which the tables are written. A study is a file that describes
@@ -31,6 +35,8 @@ std::string shown_value(const std::string& json);
 /// the other results are `nan` or empty. A whole number that has no equal double is written as in the study.
 /// Replaces the file only when the new table is complete. Throws OutputError if writing fails.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
+/// The text with which a table of write_csv() begins.
+inline constexpr std::string_view k_results_mark = "run,";
 /// Whether a file that begins with the text `start` is a table of write_csv(). The text must contain the
 /// first line of the file.
 bool is_start_of_results(std::string_view start);
@@ -67,5 +73,7 @@ void add_series_row(std::string& rows, std::size_t run, double time_s, const std
 /// the length of the longest; therefore an error of more than 200 bytes is cut there, and ends in "...".
 /// Throws OutputError if writing fails.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
+/// Whether an HDF5 file is a table of write_hdf5().
+bool is_hdf5_table(const worldio::Hdf5File& file);
 
 }  // namespace troupe::apps

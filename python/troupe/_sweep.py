@@ -154,7 +154,8 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
              and name, which the study or this function determines
     returns  one row per run with the columns run, the parameters, seed, ticks, time_s, the measures, stopped_by,
              state_hash and error. With series: one row per sample, with the columns run, the parameters, seed, time_s
-             and the measures
+             and the measures. Without "measures" in the study, the first world that can be loaded determines the
+             columns; a measure that the world of another run does not have is NaN
     errors   InputError for an invalid study; if the world of no run can be loaded: the error of the first run; and if
              neither the study nor the first world that can be loaded has an end time. If runs fail later, the column
              `error` of their rows states the reason. In a series, a failed run has no rows: a RuntimeWarning lists the
@@ -212,12 +213,17 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
                     failed[index] = error
                     texts, seed = read["runs"][index]
                     values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}
-                    rows.append({"run": index, **values, "seed": seed, "error": str(error)})
+                    rows.append({"run": index, **values, "seed": seed, "ticks": 0, "stopped_by": "", "state_hash": "",
+                                 "error": str(error)})
         except BaseException:
             has_ended.set()  # else Ctrl-C would wait for the end of the running runs
             for future in futures:
                 future.cancel()
             raise
+    # Without `columns`, the first row would determine the order, and other worlds could add measures.
+    head = ["run", *(parameter for parameter, _ in read["parameters"]), "seed"]
     if read["series"]:
         _check_failures(failed, len(read["runs"]))
-    return pandas.DataFrame(looks if read["series"] else rows)
+        return pandas.DataFrame(looks, columns=[*head, "time_s", *columns])
+    results = [_column(column, statistic) for column in columns for statistic in read["statistics"]]
+    return pandas.DataFrame(rows, columns=[*head, "ticks", "time_s", *results, "stopped_by", "state_hash", "error"])

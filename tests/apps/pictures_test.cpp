@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "worldio/results/hdf5_file.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -11,6 +12,7 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <tuple>
 #include <vector>
 
 namespace troupe::apps {
@@ -170,6 +172,28 @@ TEST_F(RunPictures, AFilmHasThirtyPicturesASecond) {
   EXPECT_THAT(film.substr(0, head), AllOf(HasSubstr("-video_size 64x48"), HasSubstr("-framerate 30 ")));
   EXPECT_EQ((film.size() - head) % (64 * 48 * 4), 0u);
   EXPECT_EQ((film.size() - head) / (64 * 48 * 4), 16u);  // 0 to 0.5 s
+}
+
+TEST_F(RunPictures, AResumedRunReplacesNoFilm) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
+  add_ffmpeg();
+  std::filesystem::create_directory(path("f"));
+  const auto resume = [&](const std::string& film) {
+    return troupe({"resume", "c.h5", "--for", "1", "--quiet", "--size", "64x48", "--film", film});
+  };
+  const std::string error = ": error: a film cannot be continued after the checkpoint, and ";
+  const std::string advice = " exists: choose another file name, or remove the file\n";
+  EXPECT_EQ(run({"--film", "f/%06d.png", "--checkpoint", "c.h5"}).code, 0);
+  write("f.mp4", "a film");
+  for (const auto& [film, first, what] : {std::tuple("f/%06d.png", "f/000000.png", "f/000000.png"),
+                                          std::tuple("f.mp4", "f.mp4", "this file")}) {
+    const std::string before = read(first);
+    const Outcome outcome = resume(film);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_EQ(outcome.err, film + error + what + advice);
+    EXPECT_EQ(read(first), before);
+  }
+  EXPECT_EQ(resume("second.mp4").code, 0);
 }
 
 TEST_F(RunPictures, TheSummaryNamesTheFilm) {

@@ -234,6 +234,32 @@ TEST_F(Sweep, DoesNotMixStudies) {
   EXPECT_EQ(table("out"), before);
 }
 
+TEST_F(Sweep, ReplacesOnlyItsOwnTables) {
+  write("series.json", with_series());
+  std::filesystem::create_directories(path("out"));
+  const auto refused = [&](const std::string& name, const std::string& text) {
+    write(name, text);
+    const Outcome outcome = troupe({"sweep", "series.json", "-o", "out"});
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_EQ(outcome.err,
+              name +
+                  ": error: cannot be written: the file exists and is not a table of results (troupe "
+                  "sweep): choose another folder with -o, or remove the file\n");
+    EXPECT_EQ(read(name), text);
+    EXPECT_FALSE(std::filesystem::exists(path("out/runs-1-of-1.jsonl")));
+    std::filesystem::remove(path(name));
+  };
+  refused("out/table.csv", "robots,coverage\n2,0.5\n");
+  refused("out/series.csv", "time,coverage\n0,0.5\n");
+  if (worldio::has_hdf5()) {
+    refused("out/table.h5", "my data, in another format\n");
+    worldio::Hdf5File::create(path("other.h5")).create_group("table");  // as pandas writes it
+    refused("out/table.h5", read("other.h5"));
+  }
+  ASSERT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+  EXPECT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);  // replaces the tables
+}
+
 // Run 0 does not read the file that has changed.
 TEST_F(Sweep, DoesNotMixStudiesOfWhichAChosenFileHasChanged) {
   write("a.pgm", "P5 4 1 255\n" + std::string("\0\xff\xff\0", 4));

@@ -177,9 +177,21 @@ except KeyboardInterrupt:
             {"set": "/populations/0/count", "name": "robots", "values": [100000, 2, 4]}]}
         table = troupe.sweep(study)
         self.assertEqual([error == "" for error in table["error"]], [False, True, True])
+        self.assertEqual(list(table.columns), list(troupe.sweep(STUDY).columns))
+        self.assertEqual(list(table["ticks"]), [0, 2, 2])
         study["parameters"] = [{"set": "/populations/0/count", "name": "robots", "values": [100000, 100001]}]
         with self.assertRaisesRegex(troupe.InputError, "placed [0-9]+ of 100000 bodies"):
             troupe.sweep(study)
+
+    def test_the_first_world_determines_the_measures(self):
+        study = {**STUDY, "for_s": 0.2, "seeds": [1], "statistics": ["last"], "parameters": [
+            {"set": "/measures", "name": "which", "values": [["alive"], ["alive", "stalls"], ["order"]]}]}
+        del study["measures"]
+        table = troupe.sweep(study)
+        self.assertEqual(list(table.columns),
+                         ["run", "which", "seed", "ticks", "time_s", "alive", "stopped_by", "state_hash", "error"])
+        self.assertEqual(list(table["alive"].fillna(-1)), [3, 3, -1])
+        self.assertEqual(list(troupe.sweep(study, series=True).columns), ["run", "which", "seed", "time_s", "alive"])
 
     def test_parameters_may_append_to_the_same_list(self):
         def robot(name, x):

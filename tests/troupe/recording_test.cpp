@@ -19,6 +19,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -316,6 +317,24 @@ TEST_F(RecordingTest, ReadingsOfSensorsThatDoNotRunAreNoNumbers) {
     EXPECT_EQ(resting[2 * frame + 1], frame > 0 ? 2 : 0) << frame;
     EXPECT_EQ(running[2 * frame], frame > 0 ? 2 : 0) << frame;
   }
+}
+
+TEST_F(RecordingTest, ReadingsInTheWorldFrameSaySo) {
+  write("frames.json", R"({"troupe": 1,
+    "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
+      {"name": "needle", "kind": "compass", "active": true},
+      {"name": "finder", "kind": "fiducial", "active": true, "range_max_m": 4}]}},
+    "models": [{"name": "a", "type": "bot"}]})");
+  const Simulation simulation(folder_ / "frames.json");
+  Recording(folder_ / "run.h5", simulation, {.fields = {"pose", "needle", "finder"}}).close();
+  const RecordingReader recording(folder_ / "run.h5");
+  std::map<std::string, std::string> frames;
+  for (const RecordingReader::Array& array : recording.arrays())
+    frames[array.component + "." + array.field.name] = array.frame;
+  EXPECT_EQ(frames.at("pose.heading"), "world");
+  EXPECT_EQ(frames.at("sensors/bot/needle.heading"), "world");
+  EXPECT_EQ(frames.at("sensors/bot/finder.pose"), "world");
+  EXPECT_EQ(frames.at("sensors/bot/finder.heading"), "sensor");
 }
 
 TEST_F(RecordingTest, NamesWithCommasAreReadBack) {

@@ -40,7 +40,7 @@ bool chooses_field(std::string_view name, const StateTable& table, std::string_v
 }
 
 /// Returns the frame of the values of a table: RecordedComponent::frame.
-std::string frame_of(const StateTable& table) {
+std::string frame_of_table(const StateTable& table) {
   if (table.component().starts_with("joint/")) return "joint";
   if (table.component() == "carrier") return "carrier";
   switch (table.group()) {
@@ -82,7 +82,7 @@ RecordedComponent component_of(const StateTable& table, std::vector<std::string>
                                std::vector<std::size_t> columns, std::size_t rows) {
   RecordedComponent component{.path = std::move(path),
                               .name = table.component(),
-                              .frame = frame_of(table),
+                              .frame = frame_of_table(table),
                               .rows = rows,
                               .columns = std::move(columns)};
   for (const std::size_t column : component.columns) component.fields.push_back(table.fields()[column]);
@@ -266,6 +266,10 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
   }
   add_sensors(world, bodies, names, components);
   return components;
+}
+
+std::string_view frame_of(const RecordedComponent& component, const engine::StateField& field) {
+  return field.text.find("world frame") == field.text.npos ? std::string_view(component.frame) : "world";
 }
 
 void check_recording_file(const engine::RecordSpec& record, Diagnostics& diagnostics) {

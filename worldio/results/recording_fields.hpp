@@ -30,9 +30,9 @@ namespace troupe::worldio {
 struct RecordedComponent {
   std::vector<std::string> path;  ///< names of the groups from the root of the file: {"state", "pose"}
   std::string name;               ///< name of the component in the state: "pose", "ranger/eye"
-  /// Reference frame of the values: "world", "body", "sensor", "joint" (the frame of the joint at rest) or
-  /// "carrier" (the frame of the body that carries the row's body). Empty if the values need no reference
-  /// frame.
+  /// Reference frame of the fields, except those for which frame_of() returns another: "world", "body",
+  /// "sensor", "joint" (the frame of the joint at rest) or "carrier" (the frame of the body that carries the
+  /// row's body). Empty if the values need no reference frame.
   std::string frame;
   std::size_t rows = 0;  ///< number of rows of each field at one recorded time
   /// For each row, 1 if its body has the component, else 0. An empty list means that all bodies have it.
@@ -103,6 +103,10 @@ std::string wrong_spelling(std::string_view what, std::string_view name, std::st
 /// name instead (name_for_path()).
 std::vector<RecordedComponent> recorded_components(const engine::World& world,
                                                    std::span<const std::string> names);
+
+/// Returns the reference frame of the values of a field of a component. It is the world frame if the text of
+/// the field says so, as for the poses that a fiducial finder reads, and otherwise RecordedComponent::frame.
+std::string_view frame_of(const RecordedComponent& component, const engine::StateField& field);
 
 /// Reports an error if a world file names a recording outside the working folder, also through a symbolic
 /// link, or with the ending of another format (has_ending_of_other_format()). A world file from an unknown

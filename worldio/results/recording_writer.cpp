@@ -220,7 +220,7 @@ void RecordingWriter::create_outputs(std::uint64_t first_tick) {
       Hdf5Dataset dataset =
           group.create_extendible(hdf5_name(field.name), field.element, row,
                                   chunks(batch_frames_, row, engine::element_size(field.element)));
-      describe(dataset, field.unit, component.frame, field.text);
+      describe(dataset, field.unit, frame_of(component, field), field.text);
       add_output(std::move(dataset), component.bytes(f), absent(field));
     }
     if (component.has.empty()) continue;
