@@ -7,8 +7,7 @@
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
-#include "models/controllers/expand.hpp"
-#include "models/controllers/wander.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "sensors/radio.hpp"
 #include "sensors/ranger.hpp"
 #include "sensors/ranger_beams.hpp"
@@ -217,8 +216,8 @@ void Lint::check_controllers() {
     for (std::size_t c = 0; c < type.controllers.size(); ++c) {
       const engine::ControllerSpec& given = spec_.types[t].controllers[c];
       const engine::BodyType::Controller& controller = type.controllers[c];
-      for (const auto why : {models::why_wander_only_turns, models::why_expand_only_turns})
-        if (const std::string text = why(controller.data); !text.empty() && !levels_[t].empty())
+      for (const auto always_turns : models::k_always_turns)
+        if (const std::string text = always_turns(controller.data); !text.empty() && !levels_[t].empty())
           diagnostics_.warning(
               given.where, fmt::format("the controller \"{}\" of \"{}\" {}", given.kind, type.name, text));
       if (!(given.period_s > 0) || engine::period_ticks(given.period_s, spec_.tick_s) == controller.period)

@@ -4,6 +4,7 @@
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/world_spec.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -305,5 +306,7 @@ engine::ControllerKind chain_controller() {
   return engine::make_controller_kind<Chain>(
       "chain", "find the path from a nest to a prey by forming chains of standing robots");
 }
+
+std::string chain_always_turns(const std::any& prepared) { return always_turns<Chain>(prepared); }
 
 }  // namespace troupe::models

@@ -1,6 +1,7 @@
 #include "models/controllers/gradient.hpp"
 
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -179,5 +180,7 @@ engine::ControllerKind gradient_controller() {
       "gradient",
       "settle (stand still) within radio range of settled robots, and count the radio hops to a beacon");
 }
+
+std::string gradient_always_turns(const std::any& prepared) { return always_turns<Gradient>(prepared); }
 
 }  // namespace troupe::models
