@@ -104,7 +104,7 @@ struct Chain {
     const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
       return device.kind == "radio" && payload_of(device.prepared) >= 2;
     });
-    if (!has_radio) return Error{"needs a radio with a payload of 2 bytes or more"};
+    if (!has_radio) return choice.missing("radio", "needs a radio with a payload of 2 bytes or more");
     radio_heading = devices[choice.chosen().front()].pose.heading;
     if (params.role == Role::robot) {
       const Result<Scanner> taken = choice.take_scanner(4);

@@ -78,7 +78,8 @@ struct Gradient {
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
-    if (!choice.take_kind("radio")) return Error{"needs a radio (a device of kind \"radio\")"};
+    if (!choice.take_kind("radio"))
+      return choice.missing("radio", "needs a radio (a device of kind \"radio\")");
     if (!params.beacon) {
       const Result<Scanner> taken = choice.take_scanner(3);
       // A robot without a ranger is meant to stand still. A ranger that cannot be used is an error: otherwise
