@@ -39,7 +39,8 @@ std::string informed_aggregation_always_turns(const std::any& prepared);
 std::string wander_always_turns(const std::any& prepared);
 ///@}
 
-/// All functions of the list above. `troupe lint` calls each of them for each controller of a world.
+/// All functions of the list above. `troupe lint` calls each of them for each controller of a world. They are
+/// no hook of ControllerKind, because a new hook would change the interface of plug-ins.
 inline constexpr std::array k_always_turns{beeclust_always_turns,
                                            chain_always_turns,
                                            clustering_always_turns,
