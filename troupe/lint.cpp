@@ -164,29 +164,37 @@ void Lint::check_types() {
                            fmt::format("type \"{}\" is never used", spec_.types[t].name));
 }
 
-/// Warns of drives whose limits exclude 0, so that the robot moves although its command is 0.
+/// Warns of drives whose limits exclude 0, so that the robot moves although its command is 0, and of drives
+/// that drive backwards but never forwards.
 void Lint::check_drives() {
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
     const engine::BodyType& type = world_.types()[t];
     if (!type.drive || levels_[t].empty()) continue;
-    const engine::Command rest;
-    engine::Velocity velocity;
-    type.drive->kind->drive(
-        type.drive->data, {.commands = {&rest, 1}, .velocities = {&velocity, 1}, .elapsed_s = spec_.tick_s});
+    const auto velocity_of = [&](const engine::Command& command) {
+      engine::Velocity velocity;
+      type.drive->kind->drive(
+          type.drive->data,
+          {.commands = {&command, 1}, .velocities = {&velocity, 1}, .elapsed_s = spec_.tick_s});
+      return velocity;
+    };
+    const auto warn = [&](const std::string& what) {
+      diagnostics_.warning(spec_.types[t].drive->where, fmt::format("the drive \"{}\" of \"{}\" {}",
+                                                                    type.drive->kind->name, type.name, what));
+    };
+    const engine::Velocity rest = velocity_of({});
     std::string moves;
     const auto add = [&](std::string_view what, double speed, std::string_view unit) {
       if (speed != 0)
         moves += fmt::format("{}a {} of {:.10g} {}", moves.empty() ? "" : " and ", what, speed, unit);
     };
-    add("forward speed", velocity.x, "m/s");
-    add("speed to the left", velocity.y, "m/s");
-    add("turn rate", velocity.turn, "rad/s");
-    if (moves.empty()) continue;
-    diagnostics_.warning(
-        spec_.types[t].drive->where,
-        fmt::format("the drive \"{}\" of \"{}\" cannot stand still: if the command is 0, its "
-                    "limits give {}",
-                    type.drive->kind->name, type.name, moves));
+    add("forward speed", rest.x, "m/s");
+    add("speed to the left", rest.y, "m/s");
+    add("turn rate", rest.turn, "rad/s");
+    constexpr double k_fast = 1e9;  // m/s
+    if (!moves.empty())
+      warn(fmt::format("cannot stand still: if the command is 0, its limits give {}", moves));
+    else if (velocity_of({k_fast}).x == 0 && velocity_of({-k_fast}).x < 0)
+      warn("can only drive backwards: its limits exclude forward speeds");
   }
 }
 

@@ -557,6 +557,11 @@ TEST_F(LintTest, ReportsDrivesThatCannotStandStill) {
   };
   expect_nothing("one_way.json",
                  world(R"("kind": "diff", "velocity_min_x_mps": 0, "velocity_max_x_mps": 0.2)"));
+  expect_nothing("turret.json", world(R"("kind": "diff", "velocity_min_x_mps": 0, "velocity_max_x_mps": 0)"));
+  EXPECT_THAT(findings("zero.json", world(R"("kind": "diff", "velocity_max_x_mps": 0)")),
+              ElementsAre("zero.json:2: warning: the drive \"diff\" of \"bot\" can only drive backwards: its "
+                          "limits exclude forward speeds",
+                          "zero.json: 1 finding"));
   EXPECT_THAT(findings("back.json", world(R"("kind": "diff", "velocity_max_x_mps": -0.5)")),
               ElementsAre("back.json:2: warning: the drive \"diff\" of \"bot\" cannot stand still: if the "
                           "command is 0, its limits give a forward speed of -0.5 m/s",
