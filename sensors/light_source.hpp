@@ -13,7 +13,8 @@ namespace troupe::sensors {
 /// Name of the first field of the state of a light, LightState::lit.
 inline constexpr std::string_view k_lit = "lit";
 
-/// The state of a light. LightSource explains which devices are lights.
+/// The state of a light. LightSource explains which devices are lights. A light that does not run, for
+/// example because its power supply is empty, keeps its state: it stays lit or dark.
 struct LightState {
   std::uint8_t lit = 0;  ///< 1 if the light is lit in this tick (time step), else 0
 

@@ -7,8 +7,7 @@
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
-#include "models/controllers/expand.hpp"
-#include "models/controllers/wander.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "sensors/radio.hpp"
 #include "sensors/ranger.hpp"
 #include "sensors/ranger_beams.hpp"
@@ -165,29 +164,37 @@ void Lint::check_types() {
                            fmt::format("type \"{}\" is never used", spec_.types[t].name));
 }
 
-/// Warns of drives whose limits exclude 0, so that the robot moves although its command is 0.
+/// Warns of drives whose limits exclude 0, so that the robot moves although its command is 0, and of drives
+/// that drive backwards but never forwards.
 void Lint::check_drives() {
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
     const engine::BodyType& type = world_.types()[t];
     if (!type.drive || levels_[t].empty()) continue;
-    const engine::Command rest;
-    engine::Velocity velocity;
-    type.drive->kind->drive(
-        type.drive->data, {.commands = {&rest, 1}, .velocities = {&velocity, 1}, .elapsed_s = spec_.tick_s});
+    const auto velocity_of = [&](const engine::Command& command) {
+      engine::Velocity velocity;
+      type.drive->kind->drive(
+          type.drive->data,
+          {.commands = {&command, 1}, .velocities = {&velocity, 1}, .elapsed_s = spec_.tick_s});
+      return velocity;
+    };
+    const auto warn = [&](const std::string& what) {
+      diagnostics_.warning(spec_.types[t].drive->where, fmt::format("the drive \"{}\" of \"{}\" {}",
+                                                                    type.drive->kind->name, type.name, what));
+    };
+    const engine::Velocity rest = velocity_of({});
     std::string moves;
     const auto add = [&](std::string_view what, double speed, std::string_view unit) {
       if (speed != 0)
         moves += fmt::format("{}a {} of {:.10g} {}", moves.empty() ? "" : " and ", what, speed, unit);
     };
-    add("forward speed", velocity.x, "m/s");
-    add("speed to the left", velocity.y, "m/s");
-    add("turn rate", velocity.turn, "rad/s");
-    if (moves.empty()) continue;
-    diagnostics_.warning(
-        spec_.types[t].drive->where,
-        fmt::format("the drive \"{}\" of \"{}\" cannot stand still: if the command is 0, its "
-                    "limits give {}",
-                    type.drive->kind->name, type.name, moves));
+    add("forward speed", rest.x, "m/s");
+    add("speed to the left", rest.y, "m/s");
+    add("turn rate", rest.turn, "rad/s");
+    constexpr double k_fast = 1e9;  // m/s
+    if (!moves.empty())
+      warn(fmt::format("cannot stand still: if the command is 0, its limits give {}", moves));
+    else if (velocity_of({k_fast}).x == 0 && velocity_of({-k_fast}).x < 0)
+      warn("can only drive backwards: its limits exclude forward speeds");
   }
 }
 
@@ -217,8 +224,8 @@ void Lint::check_controllers() {
     for (std::size_t c = 0; c < type.controllers.size(); ++c) {
       const engine::ControllerSpec& given = spec_.types[t].controllers[c];
       const engine::BodyType::Controller& controller = type.controllers[c];
-      for (const auto why : {models::why_wander_only_turns, models::why_expand_only_turns})
-        if (const std::string text = why(controller.data); !text.empty() && !levels_[t].empty())
+      for (const auto always_turns : models::k_always_turns)
+        if (const std::string text = always_turns(controller.data); !text.empty() && !levels_[t].empty())
           diagnostics_.warning(
               given.where, fmt::format("the controller \"{}\" of \"{}\" {}", given.kind, type.name, text));
       if (!(given.period_s > 0) || engine::period_ticks(given.period_s, spec_.tick_s) == controller.period)

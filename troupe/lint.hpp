@@ -18,7 +18,9 @@ namespace troupe {
 /// - bodies that overlap at the start, and robots that start inside walls;
 /// - sensors that can never detect anything;
 /// - floor plans (walls from an image, a ROS map or a list of points) that block no robot;
-/// - unused definitions, and properties without effect.
+/// - drives that cannot stand still, power packs that can hold no energy, and controllers that react to
+///   obstacles beyond the range of their ranger;
+/// - unused definitions, and properties, interventions and faults without effect.
 ///
 /// At most 100 overlaps of bodies are listed, and at most 100 robots that start inside walls of a floor plan
 /// that is no obstacle. If there are more, a further line states how many more.

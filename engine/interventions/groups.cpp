@@ -21,6 +21,17 @@ Groups::Bodies Groups::find(const GroupSpec& group, Where where, Diagnostics& di
   return bodies;
 }
 
+/// Whether a body, which may be static, belongs to a group.
+bool Groups::is_in(const GroupSpec& group, BodyId body) const {
+  const WorldSpec& spec = world_.spec();
+  switch (group.by) {
+    case By::population: return is_of_population(spec.names, spec.bodies[body.index()].name, group.name);
+    case By::type: return world_.type(body).name == group.name;
+    case By::model: break;
+  }
+  return world_.find(group.name) == body;
+}
+
 std::vector<BodyId> Groups::bodies_of(const GroupSpec& group) const {
   const auto has_row = [&](BodyId body) { return world_.location(body) != RowLocation::none; };
   std::vector<BodyId> bodies;
@@ -30,10 +41,7 @@ std::vector<BodyId> Groups::bodies_of(const GroupSpec& group) const {
   }
   const WorldSpec& spec = world_.spec();
   for (std::size_t b = 1; b < spec.bodies.size(); ++b)  // body 0 is the ground
-    if (has_row(BodyId(b)) &&
-        (group.by == By::type ? world_.type(BodyId(b)).name == group.name
-                              : is_of_population(spec.names, spec.bodies[b].name, group.name)))
-      bodies.push_back(BodyId(b));
+    if (has_row(BodyId(b)) && is_in(group, BodyId(b))) bodies.push_back(BodyId(b));
   return bodies;
 }
 
@@ -48,12 +56,17 @@ bool Groups::may_be_empty(const GroupSpec& group) const {
 }
 
 std::string Groups::text_of_unknown(const GroupSpec& group) const {
-  if (group.by == By::model && world_.find(group.name).valid())
-    return fmt::format(
-        "\"{}\" is a static body: interventions and faults can only act on bodies that can move, sense, "
-        "decide, be gripped or be pushed",
-        group.name);
   const WorldSpec& spec = world_.spec();
+  constexpr std::array<std::string_view, 3> k_what{"population", "type", "model"};
+  const std::string_view what = k_what[static_cast<std::size_t>(group.by)];
+  std::size_t first = 1;
+  while (first < spec.bodies.size() && !is_in(group, BodyId(first))) ++first;
+  if (first < spec.bodies.size())
+    return fmt::format(
+        "{}: interventions and faults can only act on bodies that can move, sense, decide, be gripped or be "
+        "pushed",
+        group.by == By::model ? fmt::format("\"{}\" is a static body", group.name)
+                              : fmt::format("the bodies of the {} \"{}\" are static", what, group.name));
   std::set<std::string, std::less<>> known;
   if (group.by == By::population)
     for (const EmptyPopulation& population : spec.empty_populations) known.insert(population.name);
@@ -66,9 +79,7 @@ std::string Groups::text_of_unknown(const GroupSpec& group) const {
     if (group.by == By::population && !population.empty() && population.size() < name.size())
       known.emplace(population);
   }
-  constexpr std::array<std::string_view, 3> k_what{"population", "type", "model"};
-  return unknown_name(k_what[static_cast<std::size_t>(group.by)], group.name,
-                      std::vector<std::string_view>(known.begin(), known.end()));
+  return unknown_name(what, group.name, std::vector<std::string_view>(known.begin(), known.end()));
 }
 
 }  // namespace troupe::engine

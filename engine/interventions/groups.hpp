@@ -32,6 +32,7 @@ class Groups {
   Bodies find(const GroupSpec& group, Where where, Diagnostics& diagnostics);
 
  private:
+  bool is_in(const GroupSpec& group, BodyId body) const;
   std::vector<BodyId> bodies_of(const GroupSpec& group) const;
   bool may_be_empty(const GroupSpec& group) const;
   std::string text_of_unknown(const GroupSpec& group) const;

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/random_turn.hpp"
@@ -123,5 +124,7 @@ engine::ControllerKind beeclust_controller() {
       "aggregate where the ground is bright: wait when another robot is met, and wait longer on brighter "
       "ground");
 }
+
+std::string beeclust_always_turns(const std::any& prepared) { return always_turns<Beeclust>(prepared); }
 
 }  // namespace troupe::models

@@ -75,14 +75,14 @@ struct BrazilNut {
       count = device.prepared.percepts[k_light_brightness].columns;
       return count >= k_least_directions;
     });
-    if (!has_eye) return Error{"needs a light sensor with three directions or more"};
+    if (!has_eye) return choice.missing("light_sensor", "needs a light sensor with three directions or more");
     const double heading = devices[choice.chosen().front()].pose.heading;
     for (std::size_t k = 0; k < count; ++k)
       directions.push_back(sincos(heading + 2 * k_pi * static_cast<double>(k) / static_cast<double>(count)));
     const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
       return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
     });
-    if (!has_radio) return Error{"needs a radio with a payload of 4 bytes or more"};
+    if (!has_radio) return choice.missing("radio", "needs a radio with a payload of 4 bytes or more");
     radio_heading = devices[choice.chosen().back()].pose.heading;
     return choice.chosen();
   }

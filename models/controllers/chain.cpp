@@ -4,6 +4,7 @@
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/world_spec.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -103,7 +104,7 @@ struct Chain {
     const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
       return device.kind == "radio" && payload_of(device.prepared) >= 2;
     });
-    if (!has_radio) return Error{"needs a radio with a payload of 2 bytes or more"};
+    if (!has_radio) return choice.missing("radio", "needs a radio with a payload of 2 bytes or more");
     radio_heading = devices[choice.chosen().front()].pose.heading;
     if (params.role == Role::robot) {
       const Result<Scanner> taken = choice.take_scanner(4);
@@ -305,5 +306,7 @@ engine::ControllerKind chain_controller() {
   return engine::make_controller_kind<Chain>(
       "chain", "find the path from a nest to a prey by forming chains of standing robots");
 }
+
+std::string chain_always_turns(const std::any& prepared) { return always_turns<Chain>(prepared); }
 
 }  // namespace troupe::models

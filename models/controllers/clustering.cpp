@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -100,5 +101,7 @@ engine::ControllerKind clustering_controller() {
       "clustering",
       "push pucks together: drive until the pucks ahead are too many to push, then back off and turn");
 }
+
+std::string clustering_always_turns(const std::any& prepared) { return always_turns<Clustering>(prepared); }
 
 }  // namespace troupe::models

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -189,6 +190,10 @@ struct CollectivePerception {
 engine::ControllerKind collective_perception_controller() {
   return engine::make_controller_kind<CollectivePerception>(
       "collective_perception", "decide collectively whether more of the floor is black or white");
+}
+
+std::string collective_perception_always_turns(const std::any& prepared) {
+  return always_turns<CollectivePerception>(prepared);
 }
 
 }  // namespace troupe::models

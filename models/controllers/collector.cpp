@@ -129,8 +129,10 @@ Result<std::vector<std::size_t>> Collector::choose(std::span<const DeviceInfo> d
   const Result<Scanner> taken = choice.take_scanner(k_evasion.window_share);
   if (!taken) return taken.error();
   scanner = *taken;
-  if (!choice.take_kind("fiducial")) return Error{"needs a fiducial finder (a device of kind \"fiducial\")"};
-  if (!choice.take_kind("gripper")) return Error{"needs a gripper (a device of kind \"gripper\")"};
+  if (!choice.take_kind("fiducial"))
+    return choice.missing("fiducial", "needs a fiducial finder (a device of kind \"fiducial\")");
+  if (!choice.take_kind("gripper"))
+    return choice.missing("gripper", "needs a gripper (a device of kind \"gripper\")");
   sights = FiducialReadings(devices[choice.chosen()[k_finder]]);
   has_pack = choice.take_kind("power_pack");
   return choice.chosen();

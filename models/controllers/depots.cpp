@@ -1,6 +1,7 @@
 #include "models/controllers/depots.hpp"
 
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/device_choice.hpp"
 #include "models/devices/flags.hpp"
 
 #include <array>
@@ -12,12 +13,9 @@ using engine::DeviceInfo;
 
 Result<std::vector<std::size_t>> choose_flags(std::span<const DeviceInfo> devices,
                                               std::vector<bool>& claimed) {
-  for (std::size_t d = 0; d < devices.size(); ++d)
-    if (devices[d].kind == "flags" && !claimed[d]) {
-      claimed[d] = true;
-      return std::vector{d};
-    }
-  return Error{"needs a device of kind \"flags\""};
+  DeviceChoice choice(devices, claimed);
+  if (!choice.take_kind("flags")) return choice.missing("flags", "needs a device of kind \"flags\"");
+  return choice.chosen();
 }
 
 struct Source {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace troupe::models {
 
@@ -21,9 +22,16 @@ Result<Scanner> DeviceChoice::take_scanner(std::size_t share) {
 }
 
 Result<Scanner> DeviceChoice::take_ground_radio_scanner(std::size_t share) {
-  if (!take_kind("ground")) return Error{"needs a ground sensor (a device of kind \"ground\")"};
-  if (!take_kind("radio")) return Error{"needs a radio (a device of kind \"radio\")"};
+  if (!take_kind("ground")) return missing("ground", "needs a ground sensor (a device of kind \"ground\")");
+  if (!take_kind("radio")) return missing("radio", "needs a radio (a device of kind \"radio\")");
   return take_scanner(share);
+}
+
+Error DeviceChoice::missing(std::string_view kind, std::string text) const {
+  for (std::size_t d = 0; d < devices_.size(); ++d)
+    if (devices_[d].kind == kind && claimed_[d] && std::ranges::count(chosen_, d) == 0)
+      text += fmt::format("; \"{}\" is used by another controller", devices_[d].name);
+  return {std::move(text)};
 }
 
 bool DeviceChoice::has_fan(const engine::DeviceInfo& device) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -53,6 +54,9 @@ class DeviceChoice {
   /// Returns the scanner. Returns an error if one of the three devices is missing; the devices that were
   /// claimed before stay claimed. share: as for take_scanner().
   Result<Scanner> take_ground_radio_scanner(std::size_t share);
+  /// Returns the error for a device of this kind that could not be claimed: `text`, such as `needs a radio`.
+  /// If another controller has claimed devices of the kind, the error names them.
+  Error missing(std::string_view kind, std::string text) const;
   /// The devices that this object has claimed, in the order in which it has claimed them: indices into the
   /// argument `devices` of the constructor.
   const std::vector<std::size_t>& chosen() const { return chosen_; }

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/beams.hpp"
 #include "models/controllers/device_choice.hpp"
 
@@ -164,7 +165,7 @@ engine::ControllerKind expand_controller() {
       "expand", "disperse: turn towards the vector sum of the ranges, and drive while the way is clear");
 }
 
-std::string why_expand_only_turns(const std::any& prepared) {
+std::string expand_always_turns(const std::any& prepared) {
   const auto* expand = std::any_cast<Expand>(&prepared);
   if (expand == nullptr || !expand->too_short) return {};
   return fmt::format(

@@ -2,9 +2,6 @@
 
 #include "engine/kinds/kinds.hpp"
 
-#include <any>
-#include <string>
-
 namespace troupe::models {
 
 /// Returns the definition of the controller `expand`: robots disperse by means of their range readings.
@@ -30,11 +27,6 @@ namespace troupe::models {
 /// source   Vaughan, Massively multi-robot simulation in Stage, section 6.1; `invert` is the clustering
 ///          variant in the paper
 engine::ControllerKind expand_controller();
-
-/// Returns why a robot with this controller can never drive, as a text that continues the words `controller
-/// "NAME"`. The result is empty if the robot can, or if the controller is not `expand`. prepared: the data of
-/// a controller (ControllerKind::Prepared::data).
-std::string why_expand_only_turns(const std::any& prepared);
 
 /// Return two presets of `expand`. A preset is a controller with a name and default parameters of its own.
 /// Their parameters are those of two examples of Stage:

@@ -71,7 +71,7 @@ struct Flocking {
       return Error{
           "needs a ranger with beams to the left, to the right and within 30 degrees of straight ahead"};
     if (!choice.take_kind("fiducial"))
-      return Error{"needs a fiducial finder (a device of kind \"fiducial\")"};
+      return choice.missing("fiducial", "needs a fiducial finder (a device of kind \"fiducial\")");
     finder = FiducialReadings(devices[choice.chosen()[1]]);
     sonars = front_of(devices[choice.chosen()[0]]);
     return choice.chosen();

@@ -135,7 +135,7 @@ Result<std::vector<std::size_t>> Forager::choose(std::span<const DeviceInfo> dev
   const Result<Scanner> taken = choice.take_scanner(k_evasion.window_share);
   if (!taken) return taken.error();
   scanner = *taken;
-  if (!choice.take_kind("flags")) return Error{"needs a device of kind \"flags\""};
+  if (!choice.take_kind("flags")) return choice.missing("flags", "needs a device of kind \"flags\"");
   const auto last = [&] { return choice.chosen().size() - 1; };
   if (choice.take_kind("power_pack")) pack = last();
   if (choice.take_kind("fiducial")) {

@@ -1,6 +1,7 @@
 #include "models/controllers/gradient.hpp"
 
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -77,7 +78,8 @@ struct Gradient {
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
-    if (!choice.take_kind("radio")) return Error{"needs a radio (a device of kind \"radio\")"};
+    if (!choice.take_kind("radio"))
+      return choice.missing("radio", "needs a radio (a device of kind \"radio\")");
     if (!params.beacon) {
       const Result<Scanner> taken = choice.take_scanner(3);
       // A robot without a ranger is meant to stand still. A ranger that cannot be used is an error: otherwise
@@ -179,5 +181,7 @@ engine::ControllerKind gradient_controller() {
       "gradient",
       "settle (stand still) within radio range of settled robots, and count the radio hops to a beacon");
 }
+
+std::string gradient_always_turns(const std::any& prepared) { return always_turns<Gradient>(prepared); }
 
 }  // namespace troupe::models

@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/evasion.hpp"
@@ -161,6 +162,10 @@ struct InformedAggregation {
 engine::ControllerKind informed_aggregation_controller() {
   return engine::make_controller_kind<InformedAggregation>(
       "informed_aggregation", "gather on black or white sites, staying longer the more robots stand there");
+}
+
+std::string informed_aggregation_always_turns(const std::any& prepared) {
+  return always_turns<InformedAggregation>(prepared);
 }
 
 }  // namespace troupe::models

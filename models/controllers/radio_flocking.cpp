@@ -60,7 +60,7 @@ struct RadioFlocking {
     const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
       return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
     });
-    if (!has_radio) return Error{"needs a radio with a payload of 4 bytes or more"};
+    if (!has_radio) return choice.missing("radio", "needs a radio with a payload of 4 bytes or more");
     radio_heading = devices[choice.chosen().front()].pose.heading;
     if (choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
       beams = beams_of(devices[choice.chosen().back()]);

@@ -1,6 +1,9 @@
 #include "models/controllers/scan_ahead.hpp"
 
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/beams.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +70,15 @@ float Scanner::straight_ahead(std::span<const float> ranges) const {
   for (const Beam& beam : beams_)
     if (beam.is_middle) least = std::min(least, ranges[beam.reading]);
   return least;
+}
+
+std::string always_turns_text(const Scanner& scanner, double distance, std::string_view parameter) {
+  if (distance <= scanner.reach_ahead()) return {};
+  return fmt::format(
+      "always sees an obstacle ahead: it turns away while a reading ahead is below its \"{}\" of {:.9g} m, "
+      "but "
+      "its ranger reads at most {:.9g} m there",
+      parameter, distance, scanner.reach_ahead());
 }
 
 }  // namespace troupe::models

@@ -1,12 +1,9 @@
 #include "models/controllers/wander.hpp"
 
 #include "engine/kinds/controller.hpp"
+#include "models/controllers/always_turns.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
-
-#include <fmt/format.h>
-
-#include <algorithm>
 
 namespace troupe::models {
 namespace {
@@ -77,17 +74,11 @@ engine::ControllerKind wander_controller() {
       "wander", "drive about, and turn away from obstacles that the ranger sees ahead");
 }
 
-std::string why_wander_only_turns(const std::any& prepared) {
+std::string wander_always_turns(const std::any& prepared) {
   const auto* wander = std::any_cast<Wander>(&prepared);
   if (wander == nullptr) return {};
-  const Wander::Params& params = wander->params;
-  const float reach = wander->scanner.reach_ahead();
-  if (std::max(params.min_front, params.stop) <= reach) return {};
-  return fmt::format(
-      "never drives straight on: it turns away while a reading ahead is below its \"{}\" of {:.9g} m, but "
-      "the ranger reads at most {:.9g} m there",
-      params.min_front > reach ? "min_front" : "stop",
-      params.min_front > reach ? params.min_front : params.stop, reach);
+  const std::string text = always_turns_text(wander->scanner, wander->params.min_front, "min_front");
+  return text.empty() ? always_turns_text(wander->scanner, wander->params.stop, "stop") : text;
 }
 
 }  // namespace troupe::models

@@ -3,6 +3,8 @@
 #include "engine/kinds/device_kind.hpp"
 #include "engine/world/world.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace troupe::models {
@@ -101,9 +103,17 @@ struct Flags {
         .most_effects = 1};
   }
 
+  Result<> bind_part(const engine::TypeSpec&, std::uint32_t) const {
+    if (params.yellow <= params.most) return {};
+    return Error{
+        fmt::format("has {} flags at the start (\"yellow\"), but its list holds at most {}: give a larger "
+                    "\"most\"",
+                    params.yellow, params.most)};
+  }
+
   void start(StateTable& state, std::size_t slot) const {
     FlagList flags(state, slot);
-    for (std::int64_t i = 0; i < std::min(params.most, params.yellow); ++i) flags.push(k_yellow_flag);
+    for (std::int64_t i = 0; i < params.yellow; ++i) flags.push(k_yellow_flag);
   }
 
   void act(const DeviceBatch& batch) const {

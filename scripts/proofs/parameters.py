@@ -248,7 +248,8 @@ class Parameters:
     def _device_remover(self, chosen, _):
         chosen["radius_m"] = rounded(self.draws.uniform(0.1, 0.6))
         if self.chance(0.3):
-            chosen["of"] = self.draws.choice(list(self.world["types"]) or [""])
+            mortal = [name for name in self.world["types"] if name != "wall"]  # walls are static
+            chosen["of"] = self.draws.choice(mortal or [""])
 
     def _controller_script(self, chosen, _):
         chosen["law"] = self.draws.choice(("timed", "timed", "timed", "wave", "line"))

@@ -524,33 +524,39 @@ TEST_F(LintTest, ReportsControllersThatReactBeyondTheRangeOfTheirRanger) {
   const auto world = [](const std::string& controller) {
     return R"({ "troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
   "sensors": [{"name": "eye", "kind": "ranger", "pose": {"z_m": 0.1},
-    "transducers": [{"range_max_m": 0.5, "fov_deg": 180, "samples": 11}]}],
-  "controller": {)" +
+    "transducers": [{"range_max_m": 0.5, "fov_deg": 180, "samples": 11}]},
+    {"name": "radio", "kind": "radio", "range_m": 5}, {"name": "floor", "kind": "ground"}],
+  "controller": {"kind": )" +
            controller + R"(} }},
   "models": [{"name": "r0", "type": "bot"}, {"name": "r1", "type": "bot", "pose": {"x_m": 3}}] })";
   };
-  expect_nothing("wander.json", world(R"("kind": "wander", "min_front_m": 0.5, "stop_m": 0.5)"));
+  for (const std::string kind : {"beeclust", "chain", "clustering", "collective_perception", "gradient",
+                                 "informed_aggregation", "wander"}) {
+    SCOPED_TRACE(kind);
+    const std::string named = "\"" + kind + "\", \"min_front_m\": ";
+    expect_nothing("near.json", world(named + "0.5"));
+    EXPECT_THAT(
+        findings("far.json", world(named + "0.6")),
+        ElementsAre(fmt::format("far.json:5: warning: the controller \"{}\" of \"bot\" always sees an "
+                                "obstacle ahead: it turns away while a reading ahead is below its "
+                                "\"min_front\" of 0.6 m, but its ranger reads at most 0.5 m there",
+                                kind),
+                    "far.json: 1 finding"));
+  }
   EXPECT_THAT(
-      findings("far.json", world(R"("kind": "wander")")),
-      ElementsAre(
-          "far.json:4: warning: the controller \"wander\" of \"bot\" never drives straight on: it turns "
-          "away while a reading ahead is below its \"min_front\" of 1 m, but the ranger reads at most "
-          "0.5 m there",
-          "far.json: 1 finding"));
-  EXPECT_THAT(
-      findings("stop.json", world(R"("kind": "wander", "min_front_m": 0.4, "stop_m": 0.6)")),
-      Contains(HasSubstr("is below its \"stop\" of 0.6 m, but the ranger reads at most 0.5 m there")));
+      findings("stop.json", world(R"("wander", "min_front_m": 0.4, "stop_m": 0.6)")),
+      Contains(HasSubstr("is below its \"stop\" of 0.6 m, but its ranger reads at most 0.5 m there")));
 
   // A reading must exceed the clearance.
-  expect_nothing("expand.json", world(R"("kind": "expand", "clearance_m": 0.49)"));
+  expect_nothing("expand.json", world(R"("expand", "clearance_m": 0.49)"));
   EXPECT_THAT(
-      findings("wide.json", world(R"("kind": "expand", "clearance_m": 0.5)")),
+      findings("wide.json", world(R"("expand", "clearance_m": 0.5)")),
       ElementsAre(
-          "wide.json:4: warning: the controller \"expand\" of \"bot\" never drives: it drives only while "
+          "wide.json:5: warning: the controller \"expand\" of \"bot\" never drives: it drives only while "
           "the reading of each beam exceeds the clearance of the beam, but a beam with a clearance of "
           "0.5 m reads at most 0.5 m",
           "wide.json: 1 finding"));
-  EXPECT_THAT(findings("list.json", world(R"("kind": "expand", "clearances_m": [0.8])")),
+  EXPECT_THAT(findings("list.json", world(R"("expand", "clearances_m": [0.8])")),
               Contains(HasSubstr("a beam with a clearance of 0.8 m reads at most 0.5 m")));
 }
 
@@ -563,6 +569,11 @@ TEST_F(LintTest, ReportsDrivesThatCannotStandStill) {
   };
   expect_nothing("one_way.json",
                  world(R"("kind": "diff", "velocity_min_x_mps": 0, "velocity_max_x_mps": 0.2)"));
+  expect_nothing("turret.json", world(R"("kind": "diff", "velocity_min_x_mps": 0, "velocity_max_x_mps": 0)"));
+  EXPECT_THAT(findings("zero.json", world(R"("kind": "diff", "velocity_max_x_mps": 0)")),
+              ElementsAre("zero.json:2: warning: the drive \"diff\" of \"bot\" can only drive backwards: its "
+                          "limits exclude forward speeds",
+                          "zero.json: 1 finding"));
   EXPECT_THAT(findings("back.json", world(R"("kind": "diff", "velocity_max_x_mps": -0.5)")),
               ElementsAre("back.json:2: warning: the drive \"diff\" of \"bot\" cannot stand still: if the "
                           "command is 0, its limits give a forward speed of -0.5 m/s",

@@ -524,6 +524,14 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
   EXPECT_THAT(doing(at(1, Action::remove, model("wall4"))),
               HasSubstr("\"wall4\" is a static body: interventions and faults can only act on bodies that"));
   EXPECT_THAT(
+      doing(at(1, Action::remove, population("wall"))),
+      HasSubstr("/at/0: the bodies of the population \"wall\" are static: interventions and faults can"));
+  EXPECT_THAT(errors([&](Squad& row) {
+                row.scene.body("post", row.scene.type("pole", {box(0.1, 0.1)}), {3, 3, 0, 0});
+                row.scene.spec.experiment.at = {at(1, Action::remove, {By::type, "pole", {}, {}})};
+              }),
+              HasSubstr("/at/0: the bodies of the type \"pole\" are static: interventions and faults can"));
+  EXPECT_THAT(
       doing(at(1.5, Action::add, population("r"))),
       HasSubstr("w.json:7: error: /at/0: at 1.5 s: no body can be added to \"r\": no population has a "
                 "\"reserve\"; give this population a \"reserve\""));

@@ -476,23 +476,40 @@ TEST(Controllers, TurnAwayForSecondsInShortTicksToo) {
   }
 }
 
+std::string error_of(const test::SceneBuilder& scene) {
+  try {
+    scene.world();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 TEST(Chain, NeedsADriveInTheRoleOfARobotAlone) {
-  const auto error_of = [](const std::string& role) -> std::string {
+  const auto error_in = [](const std::string& role) {
     BeforeAWall robot("chain", 0.15, 0.13, 0.1);
     engine::TypeSpec& type = robot.scene.spec.types.back();
     type.drive.reset();
     type.controllers = {test::controller("chain", {{"role", role}})};
-    try {
-      robot.scene.world();
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+    return error_of(robot.scene);
   };
-  EXPECT_THAT(error_of("robot"),
+  EXPECT_THAT(error_in("robot"),
               testing::HasSubstr("controller \"chain\" needs a drive for the role \"robot\""));
-  EXPECT_EQ(error_of("nest"), "");
-  EXPECT_EQ(error_of("prey"), "");
+  EXPECT_EQ(error_in("nest"), "");
+  EXPECT_EQ(error_in("prey"), "");
+}
+
+TEST(Controllers, ADeviceOfAnotherControllerIsNamedWhereItIsMissed) {
+  BeforeAWall robot("gradient", 1, 0.4, 0.1);
+  std::vector<engine::ControllerSpec>& controllers = robot.scene.spec.types.back().controllers;
+  controllers.push_back(test::controller("radio_flocking", {}));
+  EXPECT_THAT(
+      error_of(robot.scene),
+      testing::HasSubstr("controller \"radio_flocking\" needs a radio with a payload of 4 bytes or more; "
+                         "\"radio\" is used by another controller"));
+  controllers.back() = test::controller("sink", {});
+  EXPECT_THAT(error_of(robot.scene),
+              testing::EndsWith("controller \"sink\" needs a device of kind \"flags\""));
 }
 
 TEST(Wander, TakesOverARobotThatWasSentSomewhere) {

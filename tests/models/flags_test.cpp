@@ -138,6 +138,19 @@ TEST(Flags, ChangeHandsAndNoneIsLost) {
     EXPECT_EQ((Holder{world, unserved}.count()), 1);
 }
 
+TEST(Flags, MoreAtTheStartThanTheListHoldsIsAnError) {
+  Crowd crowd;
+  crowd.add(2, 3);
+  try {
+    crowd.world();
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                testing::HasSubstr("has 3 flags at the start (\"yellow\"), but its list holds at "
+                                   "most 2: give a larger \"most\""));
+  }
+}
+
 TEST(Depots, ASourceFillsUpAndASinkCountsAndEmpties) {
   SceneBuilder scene;
   const TypeId source_type = scene.type("source", {box(1, 1)});
