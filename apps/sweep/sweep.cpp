@@ -171,7 +171,8 @@ void check_replaced_tables(const fs::path& folder, bool has_series) {
   if (fs::file_size(file, ignored) < type.mark.size()) return;
   try {
     if (is_hdf5_table(worldio::Hdf5File::open(file))) return;
-  } catch (const worldio::Hdf5Error&) {  // a file of another program, or a damaged one
+  } catch (const worldio::Hdf5Error& error) {  // for example, another program has opened the file for writing
+    throw OutputError(error.what());
   }
   refuse_other_type(file, type);
 }

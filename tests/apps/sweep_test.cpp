@@ -255,6 +255,11 @@ TEST_F(Sweep, ReplacesOnlyItsOwnTables) {
     refused("out/table.h5", "my data, in another format\n");
     worldio::Hdf5File::create(path("other.h5")).create_group("table");  // as pandas writes it
     refused("out/table.h5", read("other.h5"));
+    write("out/table.h5", read("other.h5").substr(0, 100));
+    const Outcome damaged = troupe({"sweep", "series.json", "-o", "out"});
+    EXPECT_EQ(damaged.code, 2);
+    EXPECT_THAT(damaged.err, StartsWith("out/table.h5: error: "));
+    std::filesystem::remove(path("out/table.h5"));
   }
   ASSERT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
   EXPECT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);  // replaces the tables
