@@ -324,6 +324,7 @@ bool Simulation::enable(const Model& model) { return set_disabled(model, false);
 void Simulation::set(std::string_view type, std::string_view setting) {
   Model::refuse_in_for_each(*impl_->world, "set()");
   impl_->world->require_whole();
+  restore_fp_environment();  // a library may have changed it: see step()
   Diagnostics diagnostics;
   const auto read = worldio::read_setting(type, setting, *impl_->registry, impl_->world->spec(), diagnostics);
   try {

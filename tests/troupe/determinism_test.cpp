@@ -285,6 +285,20 @@ TEST_F(Environment, IsPutRightBeforeAStep) {
   }
 }
 
+TEST_F(Environment, IsPutRightBeforeASetting) {
+  const auto run = [this](void (*spoil)()) {
+    std::string lines;
+    in_thread([&] {
+      Simulation simulation(world(), threads(1));
+      spoil();
+      simulation.set("wanderer", R"({"controller": {"kind": "wander", "cruise_speed_mps": 0.3}})");
+      lines = log(simulation);
+    });
+    return lines;
+  };
+  EXPECT_EQ(run(spoil_rounding), run([] {}));
+}
+
 TEST_F(Environment, TheWorkingFolderIsNotState) {
   const std::string clean = expected();
   world();
