@@ -19,7 +19,8 @@ namespace troupe::apps {
 ///
 /// - If run() throws InputError, rank 0 prints it and returns k_bad_input. The other ranks return k_finished.
 /// - If the connection fails, the ranks run different programs, or --ranks is given, rank 0 prints the error.
-///   All ranks return k_bad_input.
+///   All ranks return k_bad_input. The connection may fail on some computers only: the first rank of each
+///   other computer prints that error two seconds later, unless the launcher has ended this rank.
 /// - After any other exception, the process prints the error and ends without returning, because other
 ///   processes may wait for it.
 ///
