@@ -343,6 +343,15 @@ void print_common_error(unsigned rank, std::string_view text) {
     std::this_thread::sleep_for(std::chrono::seconds(2));
 }
 
+/// Like print_common_error(), for an error that may occur on some computers only, so that rank 0 may not have
+/// it. After the two seconds, the first rank of each other computer prints it too. If rank 0 has the error,
+/// most launchers have ended these ranks by then.
+void print_error_of_host(const Launcher& launcher, std::string_view text) {
+  print_common_error(launcher.rank, text);
+  if (launcher.rank > 0 && launcher.is_first_here)
+    fmt::print(stderr, "rank {} on {}: {}", launcher.rank, host(), text);
+}
+
 /// Throws InputError if the launcher started more processes than Transport allows.
 void check_number(const Launcher& launcher) {
   if (launcher.ranks > partition::k_most_ranks)
@@ -359,10 +368,7 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
     check_number(launcher);
     return work();
   } catch (const ConnectionError& error) {
-    print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
-    // Rank 0 may not have the error: otherwise it has ended, and most launchers have ended this process too.
-    if (launcher.rank > 0 && launcher.is_first_here)
-      fmt::print(stderr, "rank {} on {}: {}\n", launcher.rank, host(), error.what());
+    print_error_of_host(launcher, fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const InputError& error) {  // the same error on all ranks
     print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
@@ -430,9 +436,11 @@ bool is_refused_on_ranks(std::string_view command) {
   return true;
 }
 
-void print_common_error(std::string_view text) {
-  const std::optional<Launcher> launcher = find_launcher();
-  print_common_error(launcher ? launcher->rank : 0, text);
+void print_usage_error(std::string_view text) {
+  if (const std::optional<Launcher> launcher = find_launcher())
+    print_error_of_host(*launcher, text);
+  else
+    fmt::print(stderr, "{}", text);
 }
 
 }  // namespace troupe::apps
