@@ -166,7 +166,7 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
       app.parse(std::move(arguments));
     } catch (const CLI::ParseError& error) {
       if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return told(app.exit(error));
-      print_common_error(usage_text(app, error));
+      print_usage_error(usage_text(app, error));
       return k_bad_input;
     }
     if (python_is_wanted()) run_in_python(argc, argv);

@@ -412,6 +412,16 @@ class OnProcesses:
         self.refused(self.run_on(3, "run", "room.json", "--hash-log", "log", TROUPE_MPI="none"),
                      "there is no module libtroupe_mpi_none.so")
 
+    def test_an_error_of_one_computer_is_reported(self):
+        first_there = {"openmpi": "OMPI_COMM_WORLD_LOCAL_RANK=0", "mpich": "MPI_LOCALRANKID=0"}[self.mpi]
+        arguments = [PROGRAM, "run", "room.json", "--rank-limit", "10"]
+        for environment, more, error in (("TROUPE_MPI=none", [], "troupe: error: .* there is no module libtroupe_mpi_none\\.so"),
+                                         ("TROUPE_MPI=", ["--simd", "none"], "troupe run: error: --simd: .*none")):
+            done = self.call([self.launcher, *self.launcher_options, "-n", "1", *arguments, ":",
+                              "-n", "1", "env", environment, first_there, *arguments, *more])
+            self.assertNotEqual(done.returncode, 0, done.stderr)
+            self.assertRegex(done.stderr, f"(?m)^rank 1 on .*: {error}")
+
     def test_a_world_of_one_under_a_launcher_of_three_is_an_error(self):
         other = {"openmpi": "mpich", "mpich": "openmpi"}[self.mpi]
         if not (pathlib.Path(PROGRAM).parent / f"libtroupe_mpi_{other}.so").exists():

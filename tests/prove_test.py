@@ -165,7 +165,8 @@ class Ranks(unittest.TestCase):
             self.assertEqual(told.getvalue().count("NOT PROVED: processes of openmpi"), 2)
             self.assertEqual(told.getvalue().count("NOT PROVED: processes of mpich"), 1)
             self.assertEqual([variant.label for variant in proof.variants],
-                             ["1 processes of mpich", "4 processes of mpich", "3 processes of mpich, two of them scalar"])
+                             ["1 processes of mpich", "4 processes of mpich",
+                              "3 processes of mpich, two of them scalar, in hostile surroundings"])
             self.assertEqual(proof.variants[1].emulator, (f"{name}/mpirun.mpich", "-n", 4))
 
 

@@ -21,10 +21,11 @@ std::optional<unsigned> number_in(const char* variable) {
 constexpr const char* k_step_tasks = "SLURM_STEP_NUM_TASKS";
 
 /// A launcher, and the names of the environment variables that it sets in each process. `rank` names the
-/// variable with the index of the process, from 0; `ranks` names the one with the number of processes. name,
-/// mpi: as in Launcher.
+/// variable with the index of the process, from 0; `local` names the one with the index among the processes
+/// on the same computer; `ranks` names the one with the number of processes. name, mpi: as in Launcher.
 struct Variables {
   const char* rank;
+  const char* local;
   const char* ranks;
   const char* name;
   const char* mpi;
@@ -32,10 +33,11 @@ struct Variables {
 // Slurm's variables for a job (SLURM_NTASKS) are not used, because they are also set in a batch script, which
 // no launcher started. Slurm's variables for a job step (SLURM_STEP_NUM_TASKS) are not set there.
 constexpr std::array<Variables, 4> k_variables{{
-    {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", "mpirun of Open MPI", "openmpi"},
-    {"PMIX_RANK", k_step_tasks, "srun --mpi=pmix", "openmpi"},
-    {"PMI_RANK", "PMI_SIZE", "mpirun of MPICH", "mpich"},
-    {"PMI_RANK", k_step_tasks, "srun --mpi=pmi2", "mpich"},
+    {"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_LOCAL_RANK", "OMPI_COMM_WORLD_SIZE", "mpirun of Open MPI",
+     "openmpi"},
+    {"PMIX_RANK", "SLURM_LOCALID", k_step_tasks, "srun --mpi=pmix", "openmpi"},
+    {"PMI_RANK", "MPI_LOCALRANKID", "PMI_SIZE", "mpirun of MPICH", "mpich"},
+    {"PMI_RANK", "SLURM_LOCALID", k_step_tasks, "srun --mpi=pmi2", "mpich"},
 }};
 
 }  // namespace
@@ -48,7 +50,7 @@ std::optional<Launcher> find_launcher() {
     // mpirun of MPICH may run in a step of one process, and passes the variables of the step on.
     if (*ranks == 1 && std::string_view(variables.ranks) == k_step_tasks) continue;
     if (*ranks == 1) return {};
-    return Launcher{variables.name, *rank, *ranks, variables.mpi};
+    return Launcher{variables.name, *rank, *ranks, variables.mpi, number_in(variables.local) == 0u};
   }
   if (const auto tasks = number_in(k_step_tasks); tasks && *tasks > 1)
     throw InputError(

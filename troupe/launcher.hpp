@@ -11,6 +11,9 @@ struct Launcher {
   unsigned rank = 0;   ///< number of this process, from 0
   unsigned ranks = 2;  ///< number of processes, at least 2
   std::string mpi;     ///< the MPI implementation that the launcher belongs to: "openmpi" or "mpich"
+  /// Whether this is the first of the processes that the launcher started on this computer. False if the
+  /// launcher does not tell.
+  bool is_first_here = false;
 };
 
 /// Returns the launcher that started this process; std::nullopt if no launcher did, or if this process is the

@@ -40,12 +40,19 @@ using partition::MessageReader;
 using partition::MessageWriter;
 using partition::MpiTransport;
 
+/// An error of the connection to the other ranks. It may occur on some computers only, for example if a file
+/// is missing there.
+class ConnectionError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 std::string module_file(const std::string& mpi) { return "libtroupe_mpi_" + mpi + ".so"; }
 
 /// Returns the file of the module (a shared library) that connects Troupe with the MPI of the launcher. The
 /// environment variable TROUPE_MPI may contain the path of the module, or the name of an MPI (`openmpi`,
 /// `mpich`) that replaces Launcher::mpi. Without a path, the module is searched in the folder of the program
-/// and in the folder where modules are installed. Throws InputError if the module is not found there.
+/// and in the folder where modules are installed. Throws ConnectionError if the module is not found there.
 fs::path find_module(const Launcher& launcher) {
   const char* wanted = std::getenv("TROUPE_MPI");
   if (wanted != nullptr && std::string_view(wanted).find('/') != std::string_view::npos) return wanted;
@@ -55,26 +62,26 @@ fs::path find_module(const Launcher& launcher) {
   const std::array<fs::path, 2> folders{program, program.parent_path() / "lib" / "troupe"};
   for (const fs::path& folder : folders)
     if (fs::exists(folder / module_file(mpi), ignored)) return folder / module_file(mpi);
-  throw InputError(fmt::format(
+  throw ConnectionError(fmt::format(
       "troupe: error: {} started {} processes, but there is no module {} (Troupe's connection to MPI) in {} "
       "or {}: build the module with the MPI of the launcher and set TROUPE_MPI to its file (docs/cluster.md)",
       launcher.name, launcher.ranks, module_file(mpi), folders[0].string(), folders[1].string()));
 }
 
-/// Loads the module of find_module() and connects to MPI. Throws InputError if the connection fails, or if
-/// the module was built with another MPI than the MPI of the launcher.
+/// Loads the module of find_module() and connects to MPI. Throws ConnectionError if the connection fails, or
+/// if the module was built with another MPI than the MPI of the launcher.
 std::unique_ptr<MpiTransport> connect(const Launcher& launcher) {
   const fs::path module = find_module(launcher);
   std::unique_ptr<MpiTransport> transport;
   try {
     transport = std::make_unique<MpiTransport>(module);
   } catch (const std::runtime_error& error) {
-    throw InputError(
+    throw ConnectionError(
         fmt::format("troupe: error: {} started this program, but the connection to MPI failed: {}",
                     launcher.name, std::string_view(error.what())));
   }
   if (transport->ranks() != launcher.ranks)
-    throw InputError(fmt::format(
+    throw ConnectionError(fmt::format(
         "troupe: error: {} started {} processes, but the module {} ({}) finds {}: this module belongs to "
         "another MPI; set TROUPE_MPI to a module that was built with the MPI of the launcher",
         launcher.name, launcher.ranks, module.string(), transport->library(), transport->ranks()));
@@ -336,6 +343,15 @@ void print_common_error(unsigned rank, std::string_view text) {
     std::this_thread::sleep_for(std::chrono::seconds(2));
 }
 
+/// Like print_common_error(), for an error that may occur on some computers only, so that rank 0 may not have
+/// it. After the two seconds, the first rank of each other computer prints it too. If rank 0 has the error,
+/// most launchers have ended these ranks by then.
+void print_error_of_host(const Launcher& launcher, std::string_view text) {
+  print_common_error(launcher.rank, text);
+  if (launcher.rank > 0 && launcher.is_first_here)
+    fmt::print(stderr, "rank {} on {}: {}", launcher.rank, host(), text);
+}
+
 /// Throws InputError if the launcher started more processes than Transport allows.
 void check_number(const Launcher& launcher) {
   if (launcher.ranks > partition::k_most_ranks)
@@ -351,6 +367,9 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
   try {
     check_number(launcher);
     return work();
+  } catch (const ConnectionError& error) {
+    print_error_of_host(launcher, fmt::format("{}\n", error.what()));
+    return k_bad_input;
   } catch (const InputError& error) {  // the same error on all ranks
     print_common_error(launcher.rank, fmt::format("{}\n", error.what()));
     return k_bad_input;
@@ -417,9 +436,11 @@ bool is_refused_on_ranks(std::string_view command) {
   return true;
 }
 
-void print_common_error(std::string_view text) {
-  const std::optional<Launcher> launcher = find_launcher();
-  print_common_error(launcher ? launcher->rank : 0, text);
+void print_usage_error(std::string_view text) {
+  if (const std::optional<Launcher> launcher = find_launcher())
+    print_error_of_host(*launcher, text);
+  else
+    fmt::print(stderr, "{}", text);
 }
 
 }  // namespace troupe::apps

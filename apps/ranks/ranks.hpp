@@ -19,7 +19,8 @@ namespace troupe::apps {
 ///
 /// - If run() throws InputError, rank 0 prints it and returns k_bad_input. The other ranks return k_finished.
 /// - If the connection fails, the ranks run different programs, or --ranks is given, rank 0 prints the error.
-///   All ranks return k_bad_input.
+///   All ranks return k_bad_input. The connection may fail on some computers only: the first rank of each
+///   other computer prints that error two seconds later, unless the launcher has ended this rank.
 /// - After any other exception, the process prints the error and ends without returning, because other
 ///   processes may wait for it.
 ///
@@ -46,11 +47,11 @@ ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<Exit
 /// command: name of the command, for the error.
 bool is_refused_on_ranks(std::string_view command);
 
-/// Prints an error that occurs on all processes of a launcher, such as wrong usage. Only rank 0 prints it.
-/// The other ranks wait for two seconds instead, because a launcher ends all processes as soon as one has
-/// failed. An error that occurs on another rank alone is therefore not printed. The ranks do not know whether
-/// rank 0 has the same error, and some launchers (MPICH's) do not end the other processes, so that each of
-/// them would print it.
-void print_common_error(std::string_view text);
+/// Prints the text of an error of usage, which usually occurs on all processes of a launcher: rank 0 prints
+/// it. The other ranks wait for two seconds first, because a launcher ends all processes as soon as one has
+/// failed. Then the first rank of each other computer prints the text too: an error may occur on some
+/// computers only, for example because a processor lacks the instruction set of --simd. Without a launcher,
+/// prints the text.
+void print_usage_error(std::string_view text);
 
 }  // namespace troupe::apps

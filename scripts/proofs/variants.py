@@ -52,14 +52,14 @@ def distributed_ranks(base, teams):
 
 # The launcher of each MPI, and options that let ranks share the processors of a small computer.
 LAUNCHERS = {"openmpi": ("--oversubscribe", "--bind-to", "none"), "mpich": ()}
-# Runs a command with scalar kernels, except on rank 0.
-MIXED = 'if [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" != 0 ]; then export TROUPE_SIMD=scalar; fi; exec "$@"'
+# Runs a command with scalar kernels and the preloaded library $0, except on rank 0.
+MIXED = 'if [ "${OMPI_COMM_WORLD_RANK:-$PMI_RANK}" != 0 ]; then export TROUPE_SIMD=scalar LD_PRELOAD="$0"; fi; exec "$@"'
 
 
 def processes(base, numbers):
     """Several processes of the mpirun of each installed MPI: one variant for each number of processes in `numbers`, and three
-    processes with different instruction sets. Prints a line for each MPI that is not installed, and returns None if no MPI is
-    installed."""
+    processes, two of which have another instruction set and the preloaded library of surroundings(). Prints a line for each MPI
+    that is not installed, and returns None if no MPI is installed."""
     variants = []
     for mpi, options in LAUNCHERS.items():
         launcher, module = shutil.which(f"mpirun.{mpi}"), base.program.with_name(f"libtroupe_mpi_{mpi}.so")
@@ -68,8 +68,9 @@ def processes(base, numbers):
                   "MPI, the target troupe_mpi builds the module)")
             continue
         for n in (*numbers, "mixed"):
-            how = ("-n", 3, "sh", "-c", MIXED, "sh") if n == "mixed" else ("-n", n)
-            label = f"3 processes of {mpi}, two of them scalar" if n == "mixed" else f"{n} processes of {mpi}"
+            how = ("-n", 3, "sh", "-c", MIXED, hostile("surroundings")) if n == "mixed" else ("-n", n)
+            about = ", two of them scalar, in hostile surroundings" if n == "mixed" else ""
+            label = f"{3 if n == 'mixed' else n} processes of {mpi}{about}"
             variants.append(replace(base, label=label, emulator=(launcher, *options, *how), threads=1 if n == 3 else 2,
                                     environment={"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}))
     return Proof("T0 processes", f"mpirun -n {','.join(map(str, numbers)) or 3}; other instruction sets",
