@@ -40,7 +40,7 @@ constexpr double k_delivered = 0.8;   // pucks nearer than this to a sink count 
 constexpr double k_at_charger = 0.4;  // distance to a charger within which the robot stands still
 constexpr double k_low = 0.25;        // a pack below this fraction of its capacity must be charged
 constexpr double k_full = 0.95;       // charging ends above this fraction of the capacity
-constexpr double k_patience_s = 3;    // longest wait for the paddles to close on a puck, which takes them 2 s
+constexpr double k_patience_s = 3;  // longest wait for the paddles to close or to open, which takes them 2 s
 constexpr double k_back_off_s = 1.5;  // time of driving backwards from a sink or a charger
 constexpr double k_turn_s = 1;        // least time of turning away from a sink or a charger
 constexpr double k_more_turn_s = 2;   // the random time of turning away exceeds k_turn_s by at most this
@@ -186,7 +186,10 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
     case releasing:
       actions.command = {};
       order(actions) = GripperCommand::open;
-      if (gripper.held == 0 && gripper.paddles == GripperState::is_open) enter(memory, leaving);
+      // Robots at one sink may block one another's paddles. They back off, and the paddles open on the way.
+      if (gripper.held == 0 && (gripper.paddles == GripperState::is_open ||
+                                memory.updates > decisions_for(k_patience_s, percept.period_s)))
+        enter(memory, leaving);
       return;
     case leaving: return leave(memory, percept, random, actions);
     default:  // charging

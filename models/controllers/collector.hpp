@@ -24,7 +24,9 @@ namespace troupe::models {
 ///           a puck that is 0.8 m or more away from every sink. The robot drives up to this puck, slowly for
 ///           the last half metre. When the puck breaks the inner light beam of the gripper, the gripper
 ///           closes.
-/// carries   The robot carries the puck to within 0.5 m of the nearest sink and opens the gripper there.
+/// carries   The robot carries the puck to within 0.5 m of the nearest sink and opens the gripper there. If
+///           the paddles are not open after 3 s, for example because those of another robot block them, the
+///           robot backs off all the same.
 /// charges   If the power pack holds less than 25 % of its capacity while the robot searches, the robot goes
 ///           to the nearest charger and stands there until the pack holds 95 %. A robot without a pack, or in
 ///           a world without chargers, never charges.
