@@ -285,7 +285,7 @@ TEST_F(Environment, IsPutRightBeforeAStep) {
   }
 }
 
-TEST_F(Environment, IsPutRightBeforeANewSeedAndASetting) {
+TEST_F(Environment, IsPutRightBeforeAResetAndASetting) {
   const auto run = [this](void (*spoil)()) {
     std::string lines;
     in_thread([&] {
