@@ -401,6 +401,11 @@ TEST_F(IncludeTest, AWrongBaseCausesNoErrorAboutWhatItWouldGive) {
             .found,
         ElementsAre("maze.json:2: error: /types/a/extends: unknown type \"bass\"; no type exists"))
         << own;
+  // A base may itself have a wrong base.
+  EXPECT_THAT(load(R"("types": {"a": {"extends": "b", "drive": {"speed_max_mps": 0.1}},
+    "b": {"extends": "bass", "drive": {"kind": "diff"}}})")
+                  .found,
+              ElementsAre(testing::HasSubstr("/types/b/extends: unknown type \"bass\"")));
   EXPECT_THAT(
       load(R"("types": {"base": 3, "a": {"extends": "base", "drive": {"speed_max_mps": 0.1}}})").found,
       ElementsAre("maze.json:2: error: /types/base: expected an object, found the number 3"));
@@ -426,6 +431,10 @@ TEST_F(IncludeTest, AWrongValueOfABaseCausesNoErrorInAnHeir) {
   EXPECT_THAT(found(R"("disc": 3)", R"("disc": {"height_m": 0.1})"),
               one("/disc: expected an object, found the number 3"));
   EXPECT_THAT(found(R"("color": "red")", R"("color": "blue")"), one(": the type has no shape"));
+  // The kind of such a device follows from the model type, so that neither type needs to name it.
+  EXPECT_THAT(
+      found(box + R"("kind": "ranger", "device": {"transducers": []})", R"("device": {"activ": true})"),
+      ElementsAre(testing::StartsWith("maze.json:3: error: /types/a/device: unknown key \"activ\"")));
   // A type that removes the shape of its base has an error of its own.
   EXPECT_THAT(found(R"("size_m": [1, 1, 1])", R"("size_m": null)"),
               ElementsAre(testing::StartsWith("maze.json:3: error: /types/a: the type has no shape")));
