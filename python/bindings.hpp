@@ -263,5 +263,8 @@ void bind_study(py::module_& module);
 void bind_robot_batch(py::module_& module);
 void bind_program(py::module_& module);
 void bind_scripts(py::module_& module);
+/// Gives all functions and methods of the module clear messages for arguments that do not fit
+/// (python/troupe/_arguments.py), in place of pybind11's lists of C++ signatures. Call it last.
+void explain_arguments(py::module_& module);
 
 }  // namespace troupe::python

@@ -232,4 +232,5 @@ PYBIND11_MODULE(_core, module) {
   bind_live(module, simulation);
   bind_math(module);
   bind_study(module);
+  explain_arguments(module);
 }

@@ -1,6 +1,7 @@
 """Tests the environments of troupe.envs with the packages whose interfaces they implement (Gymnasium, PettingZoo): with the
 checkers of these packages, and by comparing their vector environment with that of troupe.envs, bit for bit."""
 
+import ast
 import contextlib
 import dataclasses
 import io
@@ -670,6 +671,42 @@ class Vector(unittest.TestCase):
             task = Short(2)
             task.teams[0].rewards = [{"array": "goal", "wieght": 1}]
             troupe.envs.Env(task)
+
+
+def per_robot():
+    """Returns the class PerRobot of the example train_navigation.py, without the libraries for training that the example
+    imports: it needs only Gymnasium and NumPy."""
+    file = ROOT / "python/examples/train_navigation.py"
+    classes = [each for each in ast.parse(file.read_text()).body if isinstance(each, ast.ClassDef) and each.name == "PerRobot"]
+    names = {"gymnasium": gymnasium, "np": np}
+    exec(compile(ast.Module(classes, []), str(file), "exec"), names)
+    return names["PerRobot"]
+
+
+class EpisodesPerRobot(unittest.TestCase):
+    def test_end_when_the_robot_is_finished_and_in_the_step_that_begins_the_next_one(self):
+        for robots in (1, 2):
+            with self.subTest(robots=robots):
+                task = Short(robots)
+                env = troupe.envs.VectorEnv(task, 4 * robots, threads=1)
+                wrapped = per_robot()(troupe.envs.VectorEnv(task, 4 * robots, threads=1))
+                observations, _ = env.reset(seed=1)
+                self.assertTrue(np.array_equal(wrapped.reset(seed=1)[0], observations))
+                begins = np.zeros(env.num_envs, np.bool_)
+                seen = set()
+                for _ in range(80):
+                    actions = task.baseline(observations)
+                    observations, rewards, terminations, truncations, infos = env.step(actions)
+                    of_robots = wrapped.step(actions)
+                    self.assertEqual("finished" in infos, robots > 1)
+                    ended = (infos["finished"] if robots > 1 else terminations) | begins
+                    for one, other in zip(of_robots, (observations, rewards, ended, truncations & ~ended)):
+                        self.assertTrue(np.array_equal(one, other))
+                    self.assertEqual(of_robots[4], {})
+                    begins = terminations | truncations
+                    seen |= {name for name, marks in (("begins", begins), ("terminated", terminations), ("truncated", truncations))
+                             if marks.any()}
+                self.assertEqual(seen, {"begins", "terminated", "truncated"})
 
 
 class RobotsThatAreBorn(unittest.TestCase):

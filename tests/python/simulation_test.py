@@ -14,6 +14,7 @@ import subprocess
 import sys
 import threading
 import time
+import traceback
 import unittest.mock
 import weakref
 
@@ -113,8 +114,6 @@ class Loading(InAFolder):
             troupe.Simulation("none.world")
         with self.assertRaisesRegex(ValueError, 'unknown ranging "gird"; known: exact, grid'):
             troupe.Simulation(ROOM, ranging="gird")
-        with self.assertRaises(TypeError):
-            troupe.Simulation(7)
         most = 2**64 - 1
         count = "give a whole number from 0 to 10000000, or a dict from names of populations to such numbers"
         for options, error, text in (
@@ -152,6 +151,41 @@ class Loading(InAFolder):
             troupe.Simulation(ROOM, set=[("/seed", 1), (1, 2)])
         with self.assertRaisesRegex(TypeError, "set: the list has the element '/seed': give tuples of a JSON pointer"):
             troupe.Simulation(ROOM, set=["/seed"])
+
+    def test_arguments_that_do_not_fit_are_one_clear_message(self):
+        world = troupe.Simulation(ROOM)
+        known = "file, width, height, camera, layers, center_m, angle_rad, across_m, color_by, color_range, background"
+        for call, text in (
+            (lambda: troupe.Simulation(7), "world: found 7: give a dict or a path"),
+            (lambda: troupe.Simulation(), 'Simulation() needs the argument "world": give a dict or a path'),
+            (lambda: troupe.Simulation(ROOM, tile_size_m="a"), "tile_size_m: found 'a': give a number"),
+            (lambda: troupe.Simulation(ROOM, world=ROOM),
+             'Simulation() has two values for the argument "world": one by position and one by name'),
+            (lambda: world.snapshot("a.png", camra="top"),
+             f'snapshot() has no keyword argument "camra"; known: {known} (did you mean "camera"?)'),
+            (lambda: world.picture(1.5), "width: found 1.5: give a whole number"),
+            (lambda: world.find(3), "name: found 3: give a text"),
+            (lambda: world.run_for(), 'run_for() needs the argument "seconds": give a number'),
+            (lambda: world.state_hash(3), "state_hash() takes at most 0 arguments without a name, found 1"),
+            (lambda: troupe.Measures(world, 3), "wanted: found 3: give a list"),
+            (lambda: world.spawn("r", (1, 2)), "pose: found (1, 2): give a troupe.Pose"),
+            (lambda: troupe.Simulation.from_text(3), "text: found 3: give a text"),
+            (lambda: troupe.Pose("a"),
+             "Pose() takes (x: a number, y: a number, heading: a number, z: a number) or (x_y_heading: a tuple); found ('a')"),
+        ):
+            with self.subTest(text), self.assertRaises(TypeError) as raised:
+                call()
+            self.assertEqual(str(raised.exception), text)
+        with self.assertRaisesRegex(TypeError, r"^Simulation\(\) takes at most 1 argument without a name, found 2: give robots, "):
+            troupe.Simulation(ROOM, 500)
+
+    def test_a_type_error_of_the_program_keeps_its_text(self):
+        def callback(_):
+            raise TypeError("mine(): incompatible with yours")
+
+        with self.assertRaisesRegex(TypeError, r"^mine\(\): incompatible with yours$") as raised:
+            troupe.Simulation(ROOM).run_for(1, callback)
+        self.assertIn("callback", [each.name for each in traceback.extract_tb(raised.exception.__traceback__)])
 
     def test_warnings_are_told(self):
         world = troupe.Simulation.from_text('position( name "a" colour "red" )', "a.world")

@@ -391,7 +391,7 @@ TEST_F(IncludeTest, AKeyThatATypeDoesNotInheritIsNoErrorIfTheBaseIsWrong) {
 TEST_F(IncludeTest, AWrongBaseCausesNoErrorAboutWhatItWouldGive) {
   for (const char* own : {R"("drive": {"speed_max_mps": 0.1})", R"("sensors": [{"name": "ir"}])",
                           R"("disc": {"height_m": 0.1})", R"("controller": {"period_s": 1})",
-                          R"("controllers": [{"kind": "wander"}])", R"("bitmap": "a.png")",
+                          R"("controllers": [{"kind": "expand"}])", R"("bitmap": "a.png")",
                           R"("boundary": true, "margins": "keep", "origin": {"x_m": 1}, "fit": true)",
                           R"("device": {"name": "b"})", R"("device_order": ["ir"])",
                           R"("parts": [{"name": "arm", "device": {"name": "b"}}])"})
@@ -401,6 +401,11 @@ TEST_F(IncludeTest, AWrongBaseCausesNoErrorAboutWhatItWouldGive) {
             .found,
         ElementsAre("maze.json:2: error: /types/a/extends: unknown type \"bass\"; no type exists"))
         << own;
+  // A base may itself have a wrong base.
+  EXPECT_THAT(load(R"("types": {"a": {"extends": "b", "drive": {"speed_max_mps": 0.1}},
+    "b": {"extends": "bass", "drive": {"kind": "diff"}}})")
+                  .found,
+              ElementsAre(testing::HasSubstr("/types/b/extends: unknown type \"bass\"")));
   EXPECT_THAT(
       load(R"("types": {"base": 3, "a": {"extends": "base", "drive": {"speed_max_mps": 0.1}}})").found,
       ElementsAre("maze.json:2: error: /types/base: expected an object, found the number 3"));

@@ -72,6 +72,57 @@ TEST(ExperimentJson, ConditionsAreRead) {
   EXPECT_EQ(conditions[0].measure.where.line, 10u);
 }
 
+TEST(ExperimentJson, AWrongValueCausesNoErrorInWhatDependsOnIt) {
+  const auto found = [](const std::string& types, const std::string& keys) {
+    Diagnostics diagnostics;
+    load_json_world("maze.json", "{\"troupe\": 1,\n\"types\": " + types + ",\n\"models\": [" + keys + "}",
+                    Loaded::registry(), {}, diagnostics);
+    return findings(diagnostics);
+  };
+  const auto only = [](const std::string& error) {
+    return ElementsAre(testing::StartsWith("maze.json:2: error: " + error));
+  };
+  const std::string model =
+      R"({"name": "m", "type": "bot", "global_parts": ["arm"], "fiducial_return": 2}],)";
+  // Each type has one error. What refers to the type, or to what it would have, causes no other.
+  const std::string uses = model + R"(
+  "at": [{"time_s": 1, "set": {"type": "bot", "drive": {"velocity_max_x_mps": 1}}},
+         {"time_s": 1, "set": {"type": "bot", "device": {"name": "lamp", "shows": [1, 1, 1]}}},
+         {"time_s": 1, "set": {"type": "bot", "controller": {"kind": "wander", "cruise_speed_mps": 1}}}])";
+  const std::string bot = R"({"bot": {"size_m": [1, 1, 1], )";
+  EXPECT_THAT(found("3", uses), only("/types: expected an object"));
+  EXPECT_THAT(found(R"({"bot": 3})", uses), only("/types/bot: expected an object, found the number 3"));
+  EXPECT_THAT(found(bot + R"("drive": {"kind": "dif"}, "controllers": 3}})", uses),
+              ElementsAre(testing::HasSubstr("/types/bot/drive/kind: unknown drive"),
+                          testing::HasSubstr("/types/bot/controllers: expected a list")));
+  // A device that could not be read may be the one that another device stands on or that a list names.
+  EXPECT_THAT(
+      found(
+          bot +
+              R"("devices": [{"name": "pan", "kind": "actuatr"}, {"name": "lamp", "kind": "led", "on": "pan"}],
+    "sensors": [{"name": "eye", "kind": "camera", "on": "pan"}], "device_order": ["eye", "pan", "lamp"]}})",
+          model + R"("same_names": "warn")"),
+      only("/types/bot/devices/0/kind: unknown device \"actuatr\""));
+  EXPECT_THAT(found(bot + R"("device_order": [3]}})", R"({"name": "m", "type": "bot"}])"),
+              only("/types/bot/device_order/0: expected the name of a device, found the number 3"));
+  // A model without a right type.
+  EXPECT_THAT(found(R"({"box": {"size_m": [1, 1, 1]}})", model + R"("same_names": "warn")"),
+              ElementsAre(testing::HasSubstr("/models/0/type: unknown type \"bot\"")));
+  // A condition on a measure that could not be read.
+  for (const char* measures : {"3", "[3]", R"([{"kind": "coverage", "name": 3}])"})
+    EXPECT_THAT(
+        found("{}", "],\n\"measures\": " + std::string(measures) + R"(, "stop_when": ["fine >= 0.9"])"),
+        ElementsAre(testing::HasSubstr("/measures")));
+  EXPECT_THAT(found("{}", R"(], "floorplans": [{"name": "f"}])"),
+              ElementsAre(testing::HasSubstr("/floorplans/0: a floor plan needs \"bitmap\"")));
+  // The kind of a device that is a part follows from the model type, so that an heir need not name it either.
+  EXPECT_THAT(
+      found(bot + R"("kind": "ranger", "device": {"transducers": []}},
+    "heir": {"extends": "bot", "device": {"activ": true}}})",
+            "]"),
+      ElementsAre(testing::StartsWith("maze.json:3: error: /types/heir/device: unknown key \"activ\"")));
+}
+
 TEST(ExperimentJson, AnEmptyListOfMeasuresIsAnError) {
   EXPECT_THAT(
       Loaded(R"("measures": [])").found,

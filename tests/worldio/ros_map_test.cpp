@@ -98,6 +98,31 @@ TEST_F(RosMapTest, WhatIsWrongIsToldAtItsLine) {
                           "most \"occupied_thresh\", which is 0.1"));
 }
 
+TEST_F(RosMapTest, AMissingValueIsToldAtTheLineOfItsKey) {
+  EXPECT_FALSE(parse("image: a.png\nresolution:\norigin:\nmode:\nnegate: 0\n"));
+  EXPECT_THAT(
+      messages_,
+      ElementsAre(
+          "maps/lab.yaml:2: error: \"resolution\" needs a length from 0.000001 to 200000 m, found nothing",
+          "maps/lab.yaml:3: error: \"origin\" needs a list of three numbers, [x, y, yaw], in m and rad, "
+          "found nothing",
+          "maps/lab.yaml:4: error: \"mode\" needs one of trinary, scale, raw, found nothing"));
+}
+
+TEST_F(RosMapTest, AWrongThresholdIsNotCompared) {
+  EXPECT_FALSE(parse(std::string(k_least) + "occupied_thresh: 95%\nfree_thresh: 0.9\n"));
+  EXPECT_THAT(messages_,
+              ElementsAre("maps/lab.yaml:4: error: \"occupied_thresh\" needs a probability from 0 to "
+                          "1, found \"95%\""));
+}
+
+TEST_F(RosMapTest, ASecondDocumentIsAnError) {
+  EXPECT_FALSE(parse(std::string(k_least) + "---\nnegate: 1\n"));
+  EXPECT_THAT(messages_,
+              ElementsAre("maps/lab.yaml:5: error: a ROS map is one YAML document, but here a second "
+                          "one begins: remove the line \"---\""));
+}
+
 TEST_F(RosMapTest, KeysThatMapsDoNotHaveAreWarnings) {
   EXPECT_TRUE(parse(std::string(k_least) + "occupied_tresh: 0.6\n"));
   EXPECT_THAT(messages_, ElementsAre("maps/lab.yaml:4: warning: a ROS map has no key \"occupied_tresh\"; the "

@@ -108,9 +108,10 @@ struct Indices {
 /// Reads all palette indices. Returns false if libpng reports an error, see encode_rows().
 bool read_indices(png_structp png, png_infop info, Indices& indices) {
   if (setjmp(png_jmpbuf(png))) return false;
-  // The caller has limited the size of the image and of the file.
+  // The caller has limited the size of the image and of the file. Only the chunks of the pixels are unpacked.
   png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
   png_set_chunk_malloc_max(png, 0);
+  png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
   png_read_info(png, info);
   png_set_packing(png);
   const int passes = png_set_interlace_handling(png);
@@ -120,8 +121,8 @@ bool read_indices(png_structp png, png_infop info, Indices& indices) {
   const png_uint_32 rows = png_get_image_height(png, info);
   for (int pass = 0; pass < passes; ++pass)
     for (png_uint_32 row = 0; row < rows; ++row) {
-      indices.row.assign(png_get_rowbytes(png, info),
-                         0);  // a pass of an interlaced image sets some pixels only
+      // A pass of an interlaced image sets only some of the pixels.
+      indices.row.assign(png_get_rowbytes(png, info), 0);
       png_read_row(png, indices.row.data(), nullptr);
       indices.largest = std::max(indices.largest, int{*std::ranges::max_element(indices.row)});
     }

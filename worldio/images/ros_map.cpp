@@ -10,8 +10,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -37,7 +39,13 @@ class MapReader {
 
   std::optional<RosMap> read(std::string_view text) {
     try {
-      return read(YAML::Load(std::string(text)));
+      const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
+      if (documents.size() > 1) {
+        error(documents[1],
+              "a ROS map is one YAML document, but here a second one begins: remove the line \"---\"");
+        return {};
+      }
+      return read(documents.empty() ? YAML::Node() : documents.front());
     } catch (const YAML::Exception& exception) {
       error(line_of(exception.mark), fmt::format("not valid YAML: {}", exception.msg));
       return {};
@@ -60,6 +68,13 @@ class MapReader {
     is_right_ = false;
   }
   void error(const YAML::Node& at, std::string message) { error(line_of(at.Mark()), std::move(message)); }
+  /// Reports an error about the value of a key. The place of a missing value is the line after it, so that of
+  /// the key is used instead.
+  void error(const YAML::Node& value, std::string_view key, std::string message) {
+    const auto line = key_lines_.find(key);
+    error(value.IsNull() && line != key_lines_.end() ? line->second : line_of(value.Mark()),
+          std::move(message));
+  }
   static std::string shown(const YAML::Node& value) {
     return value.IsScalar()     ? fmt::format("\"{}\"", value.Scalar())
            : value.IsSequence() ? std::string("a list")
@@ -71,6 +86,7 @@ class MapReader {
   std::uint32_t file_number_;
   Diagnostics& diagnostics_;
   bool is_right_ = true;
+  std::map<std::string, std::uint32_t, std::less<>> key_lines_;  // key -> its first line
 };
 
 std::optional<RosMap> MapReader::read(const YAML::Node& node) {
@@ -81,11 +97,13 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
                  shown(node)));
     return {};
   }
+  for (const auto& entry : node)
+    if (entry.first.IsScalar()) key_lines_.emplace(entry.first.Scalar(), line_of(entry.first.Mark()));
   RosMap map;
   if (const YAML::Node image = node["image"]; !image) {
     error(0, "a ROS map needs the key \"image\", the path of its image");
   } else if (!image.IsScalar() || image.Scalar().empty()) {
-    error(image, fmt::format("\"image\" needs the path of an image, found {}", shown(image)));
+    error(image, "image", fmt::format("\"image\" needs the path of an image, found {}", shown(image)));
   } else {
     map.image = file_.parent_path() / image.Scalar();
     map.where_image = {file_number_, line_of(image.Mark())};
@@ -107,13 +125,16 @@ std::optional<RosMap> MapReader::read(const YAML::Node& node) {
     const std::string text = negate.IsScalar() ? negate.Scalar() : "";
     map.negate = text == "1" || text == "true";
     if (!map.negate && text != "0" && text != "false")
-      error(negate, fmt::format("\"negate\" needs 0, 1, false or true, found {}", shown(negate)));
+      error(negate, "negate", fmt::format("\"negate\" needs 0, 1, false or true, found {}", shown(negate)));
   }
   if (const YAML::Node mode = node["mode"]) {
     const std::string name = mode.IsScalar() ? mode.Scalar() : "";
     const auto known = std::ranges::find(k_modes, name);
     if (known != k_modes.end())
       map.mode = static_cast<RosMap::Mode>(known - k_modes.begin());
+    else if (name.empty())
+      error(mode, "mode",
+            fmt::format("\"mode\" needs one of {}, found {}", comma_list(k_modes), shown(mode)));
     else
       error(mode, unknown_name("mode", name, {k_modes.begin(), k_modes.end()}));
   }
@@ -149,15 +170,16 @@ std::optional<double> MapReader::number(const YAML::Node& value, std::string_vie
                                         std::string_view what) {
   const std::optional<double> given = value.IsScalar() ? yaml_number(value.Scalar()) : std::nullopt;
   if (given && *given >= min && *given <= max) return given;
-  error(value, fmt::format("\"{}\" needs {}, found {}", key, what, shown(value)));
+  error(value, key, fmt::format("\"{}\" needs {}, found {}", key, what, shown(value)));
   return {};
 }
 
 void MapReader::read_origin(const YAML::Node& origin, RosMap& map) {
   if (!origin.IsSequence() || origin.size() != 3) {
-    error(origin, fmt::format("\"origin\" needs a list of three numbers, [x, y, yaw], in m and rad, found {}",
-                              origin.IsSequence() ? fmt::format("a list of length {}", origin.size())
-                                                  : shown(origin)));
+    error(
+        origin, "origin",
+        fmt::format("\"origin\" needs a list of three numbers, [x, y, yaw], in m and rad, found {}",
+                    origin.IsSequence() ? fmt::format("a list of length {}", origin.size()) : shown(origin)));
     return;
   }
   double parts[3] = {};
@@ -170,11 +192,17 @@ void MapReader::read_origin(const YAML::Node& origin, RosMap& map) {
 
 void MapReader::read_thresholds(const YAML::Node& node, RosMap& map) {
   constexpr std::string_view k_probability = "a probability from 0 to 1";
-  if (const YAML::Node given = node["occupied_thresh"])
-    map.occupied_thresh = number(given, "occupied_thresh", 0, 1, k_probability).value_or(map.occupied_thresh);
+  const auto read = [&](std::string_view key, double& threshold) {
+    const YAML::Node given = node[std::string(key)];
+    const std::optional<double> number_given =
+        given ? number(given, key, 0, 1, k_probability) : std::optional(threshold);
+    threshold = number_given.value_or(threshold);
+    return number_given.has_value();
+  };
+  const bool has_occupied = read("occupied_thresh", map.occupied_thresh);
+  const bool has_free = read("free_thresh", map.free_thresh);
   const YAML::Node free = node["free_thresh"];
-  if (free) map.free_thresh = number(free, "free_thresh", 0, 1, k_probability).value_or(map.free_thresh);
-  if (map.free_thresh > map.occupied_thresh)
+  if (has_occupied && has_free && map.free_thresh > map.occupied_thresh)
     error(free ? free : node["occupied_thresh"],
           fmt::format("\"free_thresh\" is {}{}, but must be at most \"occupied_thresh\", which is {}",
                       map.free_thresh, free ? "" : " by default", map.occupied_thresh));

@@ -36,8 +36,8 @@ struct Riding {
 /// Makes a type from its document.
 class TypeExpander {
  public:
-  TypeExpander(const engine::Registry& registry, ImageFolder& images, engine::TypeSpec& type)
-      : registry_(registry), images_(images), type_(type) {}
+  TypeExpander(const engine::Registry& registry, ImageFolder& images, engine::TypeSpec& type, bool is_whole)
+      : registry_(registry), images_(images), type_(type), is_whole_(is_whole) {}
 
   void expand_root(const TypeDocument& document, const DocumentPath& at);
 
@@ -66,6 +66,7 @@ class TypeExpander {
   const engine::Registry& registry_;
   ImageFolder& images_;
   engine::TypeSpec& type_;
+  const bool is_whole_;  // whether the document was read without errors
   std::vector<Riding> riding_;
   // The names and the kinds of the devices of the type, and those devices, by name, on which others can be
   // mounted. A search through the devices for each new device would take an hour for the many devices that
@@ -95,7 +96,7 @@ void TypeExpander::expand_root(const TypeDocument& document, const DocumentPath&
   for (const Riding& rider : riding_) {
     engine::DeviceSpec& device = type_.devices[rider.device];
     const Result<> stands = rider.names_joint ? find_joint(rider.on, device.joint) : put_on(device, rider.on);
-    if (!stands)
+    if (!stands && is_whole_)
       at.diagnostics().error(rider.where, fmt::format("{}: {}", rider.pointer, stands.error().text));
   }
   order_devices(document, at);
@@ -243,7 +244,7 @@ void TypeExpander::expand_device(const DeviceDocument& document, const DocumentP
     if (is_sensor) {
       riding_.push_back({type_.devices.size(), document.on, false, on.where(), on.pointer()});
     } else if (const Result<> put = put_on(device, document.on); !put) {
-      on.error(put.error().text);
+      if (is_whole_) on.error(put.error().text);
       return;
     }
   }
@@ -282,7 +283,7 @@ void TypeExpander::expand_joint(const std::optional<JointName>& name, Where wher
   if (!name) return;
   if (!name->name)
     joint = engine::k_rigid;
-  else if (const Result<> found = find_joint(*name->name, joint); !found)
+  else if (const Result<> found = find_joint(*name->name, joint); !found && is_whole_)
     DocumentPath(at, "joint", where).error(found.error().text);
 }
 
@@ -294,7 +295,7 @@ Result<> TypeExpander::find_joint(const std::string& name, std::int32_t& joint) 
 }
 
 void TypeExpander::order_devices(const TypeDocument& document, const DocumentPath& at) {
-  if (!document.device_order) return;
+  if (!document.device_order || !is_whole_) return;
   const auto error = [&](const std::string& what) {
     DocumentPath(at, "device_order", document.where_of("device_order"))
         .error(what + ": list every device of the type exactly once");
@@ -321,9 +322,9 @@ void TypeExpander::order_devices(const TypeDocument& document, const DocumentPat
 }  // namespace
 
 engine::TypeSpec expand_type(const TypeDocument& document, const std::string& key, const DocumentPath& at,
-                             const engine::Registry& registry, ImageFolder& images) {
+                             const engine::Registry& registry, ImageFolder& images, bool is_whole) {
   engine::TypeSpec type{.name = key};
-  TypeExpander(registry, images, type).expand_root(document, at);
+  TypeExpander(registry, images, type, is_whole).expand_root(document, at);
   return type;
 }
 

@@ -51,6 +51,7 @@ class WorldExpander {
         registry_(registry),
         options_(options),
         diagnostics_(diagnostics),
+        are_types_right_(!has_error_in(diagnostics, "/types")),
         images_(diagnostics),
         folder_{images_, file.parent_path()} {}
 
@@ -122,6 +123,7 @@ class WorldExpander {
   const engine::Registry& registry_;
   const LoadOptions& options_;
   Diagnostics& diagnostics_;
+  const bool are_types_right_;  // whether all types were read without errors
   WorldSpec spec_;
   std::vector<std::optional<Color>> type_colors_;          // parallel to spec_.types
   std::vector<Color> default_colors_;                      // parallel to spec_.types
@@ -235,7 +237,8 @@ void WorldExpander::expand_types(const DocumentPath& world) {
   const DocumentPath all(world, "types", document_.where_of("types"));
   for (const auto& [key, type] : document_.types) {
     type_ids_.emplace(key, TypeId(spec_.types.size()));
-    spec_.types.push_back(expand_type(type, key, DocumentPath(all, key, type.where), registry_, folder_));
+    spec_.types.push_back(
+        expand_type(type, key, DocumentPath(all, key, type.where), registry_, folder_, are_types_right_));
     type_colors_.push_back(type.color);
   }
   default_colors_ = default_colors(spec_.types);
@@ -251,9 +254,10 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
   model.body.pose_world_body.heading = wrap_angle(model.body.pose_world_body.heading);
   model.body.color = document.color.value_or(color_of(model.body.type));
   if (!document.alias.empty()) model.alias = spec_.names.add(document.alias);
+  const bool has_right_type = model.body.type != TypeId(0) && are_types_right_;
   const std::vector<engine::PartSpec>& parts = spec_.types[model.body.type.index()].parts;
   const DocumentPath global(at, "global_parts", document.where_of("global_parts"));
-  for (std::size_t i = 0; i < document.global_parts.size(); ++i) {
+  for (std::size_t i = 0; has_right_type && i < document.global_parts.size(); ++i) {
     const std::string& name = document.global_parts[i];
     if (std::ranges::find(parts, name, &engine::PartSpec::name) != parts.end()) continue;
     std::vector<std::string_view> known;
@@ -268,13 +272,13 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
   if (!document.reserve_of.empty()) model.reserve_of = document.reserve_of;
   if (document.fiducial_return) {
     model.body.fiducial = *document.fiducial_return;
-    if (model.body.fiducial != 0 && !parts.empty() && parts.front().returns.fiducial == 0)
+    if (has_right_type && model.body.fiducial != 0 && !parts.empty() && parts.front().returns.fiducial == 0)
       DocumentPath(at, "fiducial_return", document.where_of("fiducial_return"))
           .error(fmt::format("a model can have its own \"fiducial_return\" only if its type has one: give "
                              "the type \"{}\" a \"fiducial_return\" that is not 0",
                              spec_.types[model.body.type.index()].name));
   }
-  if (!model.reserve_of) check_population_of(model, at);
+  if (!model.reserve_of && has_right_type) check_population_of(model, at);
   models_.push_back(std::move(model));
 }
 
@@ -376,6 +380,7 @@ void WorldExpander::expand_region(const PlaceDocument& document, const DocumentP
 TypeId WorldExpander::type_of(const std::string& name, const Placed& object, const DocumentPath& at) {
   if (name.empty()) return TypeId(0);
   if (const auto found = type_ids_.find(name); found != type_ids_.end()) return found->second;
+  if (type_ids_.empty() && !are_types_right_) return TypeId(0);  // the value of "types" is no object
   std::vector<std::string_view> known;
   for (const auto& [known_name, id] : type_ids_) known.push_back(known_name);
   DocumentPath(at, "type", object.where_of("type")).error(unknown_name("type", name, std::move(known)));

@@ -103,7 +103,7 @@ class SettingExpander {
 
 std::optional<SettingSpec> SettingExpander::expand(const SettingDocument& document,
                                                    const DocumentPath& at) const {
-  if (document.type.empty()) return std::nullopt;
+  if (document.type.empty() || has_error_in(at.diagnostics(), "/types")) return std::nullopt;
   const auto found = std::ranges::find(type_keys_, document.type);
   if (found == type_keys_.end()) {
     std::vector<std::string_view> known(type_keys_.begin(), type_keys_.end());

@@ -215,11 +215,10 @@ void merge_lists(std::string_view key, JsonNode& own, const JsonNode& base) {
 /// Whether the value that a base type has for `key` is wrong, so that an object in an heir that relies on it
 /// would lack keys. The base then has an error of its own.
 bool is_wrong_base(std::string_view key, const JsonNode& own, const JsonNode& base) {
-  constexpr std::array<std::string_view, 3> k_with_kind{"controller", "device", "drive"};
   if (is_named_list(key)) return own.list() && !base.list();
-  const bool has_kind = std::ranges::find(k_with_kind, key) != k_with_kind.end();
-  if (!own.object() || (!has_kind && key != "disc")) return false;
-  return !base.object() || (has_kind && !own.find("kind") && !base.find("kind"));
+  const bool needs_kind = key == "controller" || key == "drive";
+  if (!own.object() || (!needs_kind && key != "device" && key != "disc")) return false;
+  return !base.object() || (needs_kind && !own.find("kind") && !base.find("kind"));
 }
 
 bool have_other_kinds(const JsonNode& a, const JsonNode& b) {
@@ -287,53 +286,6 @@ std::size_t count_values(const JsonNode& node) {
   return values;
 }
 
-/// Resolves `extends` of all types, each type after the one that it extends.
-class TypeMerger {
- public:
-  /// bases: if not null, the list to which the names of base types are added.
-  TypeMerger(Members& types, Diagnostics& diagnostics, std::vector<std::string>* bases)
-      : types_(types),
-        diagnostics_(diagnostics),
-        bases_(bases),
-        is_visited_(types.size()),
-        depths_(types.size()) {
-    for (std::size_t t = 0; t < types.size(); ++t) indices_.emplace(types[t].key, t);
-  }
-
-  /// Returns false if a base type is unknown or no object, or if types extend each other in a circle.
-  bool merge_all() {
-    for (std::size_t t = 0; t < types_.size(); ++t) resolve(t);
-    return has_right_bases_;
-  }
-
- private:
-  void resolve(std::size_t type);
-  std::optional<std::size_t> find_base(const JsonMember& type);
-  void inherit(std::size_t type, std::size_t base);
-  static Inheritable inheritable(const JsonMember& type) {
-    const std::string* name = text_of(type.node, "name");
-    return {"/types/" + escape_pointer_token(type.key), name ? *name : type.key, type.where};
-  }
-  void error(const JsonMember& type, std::string_view message) {
-    diagnostics_.error(type.node.find("extends")->where,
-                       fmt::format("/types/{}/extends: {}", escape_pointer_token(type.key), message));
-  }
-  /// Reports that a limit is exceeded. Throws, because the other types would only repeat the error.
-  void limit_error(const JsonMember& type, std::string_view message) {
-    error(type, message);
-    diagnostics_.throw_if_errors();
-  }
-
-  Members& types_;
-  Diagnostics& diagnostics_;
-  std::vector<std::string>* bases_;
-  std::unordered_map<std::string_view, std::size_t> indices_;  // key of a type -> its index in types_
-  std::vector<bool> is_visited_;                               // per type: resolved, or being resolved
-  std::vector<std::size_t> depths_;  // per type: number of types that it inherits from
-  std::size_t inherited_values_ = 0;
-  bool has_right_bases_ = true;
-};
-
 bool has_any_shape(const JsonNode& type) {
   constexpr std::array<std::string_view, 7> k_shapes{"size_m", "size_cm", "size_mm", "disc",
                                                      "blocks", "bitmap",  "device"};
@@ -363,6 +315,59 @@ void replace_wrong_base(JsonNode& type) {
   add_missing_shape(type, where);
 }
 
+/// Resolves `extends` of all types, each type after the one that it extends.
+class TypeMerger {
+ public:
+  /// bases: if not null, the list to which the names of base types are added.
+  TypeMerger(Members& types, Diagnostics& diagnostics, std::vector<std::string>* bases)
+      : types_(types),
+        diagnostics_(diagnostics),
+        bases_(bases),
+        is_visited_(types.size()),
+        is_wrong_(types.size()),
+        depths_(types.size()) {
+    for (std::size_t t = 0; t < types.size(); ++t) indices_.emplace(types[t].key, t);
+  }
+
+  /// Returns whether all types could inherit.
+  bool merge_all() {
+    for (std::size_t t = 0; t < types_.size(); ++t) resolve(t);
+    return std::ranges::find(is_wrong_, true) == is_wrong_.end();
+  }
+
+ private:
+  void resolve(std::size_t type);
+  std::optional<std::size_t> find_base(const JsonMember& type);
+  void inherit(std::size_t type, std::size_t base);
+  /// Replaces the base of a type that cannot inherit, because its base is unknown or wrong.
+  void replace_base(std::size_t type) {
+    is_wrong_[type] = true;
+    replace_wrong_base(types_[type].node);
+  }
+  static Inheritable inheritable(const JsonMember& type) {
+    const std::string* name = text_of(type.node, "name");
+    return {"/types/" + escape_pointer_token(type.key), name ? *name : type.key, type.where};
+  }
+  void error(const JsonMember& type, std::string_view message) {
+    diagnostics_.error(type.node.find("extends")->where,
+                       fmt::format("/types/{}/extends: {}", escape_pointer_token(type.key), message));
+  }
+  /// Reports that a limit is exceeded. Throws, because the other types would only repeat the error.
+  void limit_error(const JsonMember& type, std::string_view message) {
+    error(type, message);
+    diagnostics_.throw_if_errors();
+  }
+
+  Members& types_;
+  Diagnostics& diagnostics_;
+  std::vector<std::string>* bases_;
+  std::unordered_map<std::string_view, std::size_t> indices_;  // key of a type -> its index in types_
+  std::vector<bool> is_visited_;                               // per type: resolved, or being resolved
+  std::vector<bool> is_wrong_;                                 // per type: see replace_base()
+  std::vector<std::size_t> depths_;  // per type: number of types that it inherits from
+  std::size_t inherited_values_ = 0;
+};
+
 /// Resolves `extends` of a type, after that of all types from which it inherits. Not recursive, because the
 /// chain of these types may be long.
 void TypeMerger::resolve(std::size_t type) {
@@ -375,15 +380,13 @@ void TypeMerger::resolve(std::size_t type) {
         circle += fmt::format("{} extends ", types_[*t].key);
       error(each, fmt::format("the types extend each other in a circle: {}{}; remove one \"extends\"", circle,
                               each.key));
-      replace_wrong_base(each.node);
-      has_right_bases_ = false;
+      replace_base(*next);
       break;
     }
     is_visited_[*next] = true;
     chain.push_back(*next);
     next = find_base(each);
-    if (!next) replace_wrong_base(each.node);
-    has_right_bases_ = has_right_bases_ && next.has_value();
+    if (!next) replace_base(chain.back());
   }
   for (; !chain.empty(); chain.pop_back())
     if (const JsonNode* extends = types_[chain.back()].node.find("extends"))
@@ -412,10 +415,7 @@ std::optional<std::size_t> TypeMerger::find_base(const JsonMember& type) {
 void TypeMerger::inherit(std::size_t type, std::size_t base) {
   JsonMember& heir = types_[type];
   JsonNode inherited = types_[base].node;
-  if (!inherited.object()) {  // the reader reports it
-    has_right_bases_ = false;
-    return replace_wrong_base(heir.node);
-  }
+  if (is_wrong_[base] || !inherited.object()) return replace_base(type);  // the error of the base is enough
   depths_[type] = depths_[base] + 1;
   if (depths_[type] > k_most_bases)
     limit_error(heir,

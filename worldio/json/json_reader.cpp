@@ -54,6 +54,14 @@ const JsonNode::List* read_list(const JsonCursor& at) {
   return list;
 }
 
+bool has_error_in(const Diagnostics& diagnostics, std::string_view pointer) {
+  return std::ranges::any_of(diagnostics.findings(), [&](const Finding& finding) {
+    const std::string_view text = finding.message;
+    return finding.severity == Severity::error && text.starts_with(pointer) &&
+           text.find_first_of("/:", pointer.size()) == pointer.size();
+  });
+}
+
 void refuse_empty(const JsonCursor& at, std::string_view otherwise) {
   if (at.node().list() && at.node().list()->empty())
     at.error(fmt::format("the list is empty: give at least one entry, or remove the key, for {}", otherwise));

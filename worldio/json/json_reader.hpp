@@ -99,6 +99,9 @@ class JsonObject {
 
 /// Returns the list at a cursor. If the value is not a list, reports an error and returns null.
 const JsonNode::List* read_list(const JsonCursor& at);
+/// Whether an error was reported at the value to which a JSON pointer leads, or at a value inside of it. What
+/// depends on such a value cannot be checked.
+bool has_error_in(const Diagnostics& diagnostics, std::string_view pointer);
 /// Reports an error for the list at a cursor if it is empty, where an empty list would mean the same as no
 /// list. otherwise: what is used without the list
 void refuse_empty(const JsonCursor& at, std::string_view otherwise);

@@ -18,9 +18,10 @@ namespace troupe::worldio {
 
 /// Converts the document of a type to a spec. `key` is the key of the type in the object `types`, and also
 /// its name if the document has no name. `at` is the path of the document, for errors. `images` reads the
-/// images of the type. Do not use the result if errors are reported.
+/// images of the type. `is_whole` says that the document was read without errors; otherwise, references to
+/// devices and joints of the type are not checked. Do not use the result if errors are reported.
 engine::TypeSpec expand_type(const TypeDocument& document, const std::string& key, const DocumentPath& at,
-                             const engine::Registry& registry, ImageFolder& images);
+                             const engine::Registry& registry, ImageFolder& images, bool is_whole);
 
 /// Converts the spec of a type to the document from which expand_type() makes the same spec. The document
 /// omits values that expand_type() sets by default.

@@ -313,6 +313,10 @@ void read_condition_text(const JsonCursor& at, const std::string& text, const Re
   if (compares.empty() || name.empty()) return at.expected(k_condition);
   const std::size_t before = at.diagnostics().findings().size();
   const std::optional<MeasureDocument> listed = measure_of_world(at, name, registry);
+  const auto is_kind = [&](const std::string& kind) { return bool(registry.find_measure(kind)); };
+  if (!listed && has_error_in(at.diagnostics(), "/measures") && !is_kind(name) &&
+      !is_kind(name.substr(0, name.find(':'))))
+    return;  // the name may be that of a measure of the world that could not be read
   MeasureDocument& measure = condition.measure.emplace(listed.value_or(MeasureDocument()));
   measure.where = at.where();
   if (!listed) read_measure_text(at, name, registry, &measure);
@@ -603,7 +607,7 @@ void check_part(const PartDocument& part, const JsonCursor& at) {
 void check_type(const TypeDocument& type, const JsonCursor& at) { check_part(type, at); }
 
 void check_floorplan(const FloorplanDocument& plan, const JsonCursor& at) {
-  if (!has_lines(at.node())) return check_size(plan.image, true, at);
+  if (!has_lines(at.node())) return check_size(plan.image, has_image(at.node()), at);
   if (!plan.walls || plan.walls->empty()) return;
   if (const Result<> line = check_wall_line(*plan.walls, plan.thickness); !line)
     JsonCursor(at, "walls_m", *at.node().find("walls_m")).error(line.error().text);
@@ -798,7 +802,8 @@ void TypeDocument::describe(DocumentKeys<TypeDocument>& d) {
   d.other<&TypeDocument::device_order>(
        Form::names, "device_order",
        "names of all devices of the type, each exactly once, in the order in which controllers choose among "
-       "them")
+       "them",
+       "the name of a device")
       .or_default("the order in the file");
   d.rule({.how = How::any_of,
           .keys = {"size", "disc", "blocks", "bitmap", "device"},

@@ -1,0 +1,155 @@
+"""Messages about calls of the package's C++ functions with unsuitable arguments."""
+
+import difflib
+import os
+import re
+import reprlib
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+
+#: What an argument must be, for the types in the signatures that pybind11 writes.
+_WORDS = {"int": "a whole number", "float": "a number", "str": "a text", "bool": "True or False", "os.PathLike": "a path",
+          "dict": "a dict", "list": "a list", "List[str]": "a list of texts", "tuple": "a tuple", "function": "a function"}
+
+
+class _Parameter(NamedTuple):
+    name: str
+    kind: str
+    is_required: bool
+
+
+class _Signature(NamedTuple):
+    positional: List[_Parameter]  # those that may be given without a name
+    named: List[_Parameter]  # those that must be given by name
+    takes_all: Tuple[bool, bool]  # whether there are parameters *args and **kwargs
+
+
+def _split(text: str) -> List[str]:
+    """Splits a list at its commas, except those inside brackets and quotation marks."""
+    parts, depth, quoted = [""], 0, False
+    for character in text:
+        quoted = quoted != (character == "'")
+        depth += 0 if quoted else (character in "([{") - (character in ")]}")
+        if character == "," and depth == 0 and not quoted:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return [part.strip() for part in parts if part.strip()]
+
+
+def _signature(text: str) -> _Signature:
+    """Reads a signature such as "(file: os.PathLike, width: int = 1280, *, camera: str = 'top') -> None"."""
+    read = _Signature([], [], ("*args" in text, "**kwargs" in text))
+    into = read.positional
+    for part in _split(text[text.index("(") + 1:text.rindex(")")]):
+        name, colon, rest = part.partition(": ")
+        if part.startswith("*"):
+            into = read.named
+        elif colon:
+            kind, default, _ = rest.partition(" = ")
+            into.append(_Parameter(name, kind, not default))
+    return read
+
+
+def _inside(kind: str) -> List[str]:
+    """The types in brackets: of "Union[dict, os.PathLike]", ["dict", "os.PathLike"]."""
+    return _split(kind[kind.index("[") + 1:kind.rindex("]")])
+
+
+def _words(kind: str) -> str:
+    numbers = re.fullmatch(r"List\[float\[(\d+)\]\]", kind)
+    if numbers:
+        return f"a list of {numbers[1]} numbers"
+    if kind.startswith(("Union[", "Optional[")):
+        return " or ".join([*map(_words, _inside(kind)), *(["None"] if kind.startswith("Optional[") else [])])
+    if kind.startswith("numpy.ndarray"):
+        return "an array of numbers"
+    other = "a list" if kind.startswith("List[") else kind.replace("troupe._core.", "a troupe.")
+    return _WORDS.get(kind, other)
+
+
+def _fits(kind: str, value: Any) -> Optional[bool]:
+    """Whether a value may be an argument of a type; None if this cannot be told."""
+    if kind.startswith("Optional["):
+        return value is None or _fits(_inside(kind)[0], value)
+    if kind.startswith("Union["):
+        fit = [_fits(each, value) for each in _inside(kind)]
+        return True if True in fit else None if None in fit else False
+    if kind.startswith("List["):
+        if isinstance(value, (str, bytes)) or not hasattr(value, "__iter__"):
+            return False
+        if "[float[" in kind or not isinstance(value, (list, tuple)):
+            return None
+        return all(_fits(_inside(kind)[0], each) is not False for each in value)
+    if kind.startswith("numpy.ndarray"):
+        try:
+            return np.asarray(value, dtype=float) is not None
+        except (TypeError, ValueError):
+            return False
+    simple: Dict[str, bool] = {
+        "object": True, "int": hasattr(value, "__index__"), "float": hasattr(value, "__float__") or hasattr(value, "__index__"),
+        "str": isinstance(value, (str, bytes)), "bool": isinstance(value, bool), "dict": isinstance(value, dict),
+        "os.PathLike": isinstance(value, (str, bytes, os.PathLike)), "list": isinstance(value, list),
+        "tuple": isinstance(value, tuple), "function": callable(value)}
+    if kind.startswith("troupe._core."):
+        return kind.rpartition(".")[2] in [each.__name__ for each in type(value).__mro__]
+    return simple.get(kind)
+
+
+def _fault(name: str, signature: _Signature, given: Sequence[Any], named: Mapping[str, Any]) -> Optional[str]:
+    """What is wrong with the arguments of a call; None if this cannot be told."""
+    parameters = {each.name: each for each in (*signature.positional, *signature.named)}
+    count = len(signature.positional)
+    for argument in named:
+        if argument not in parameters and not signature.takes_all[1]:
+            near = difflib.get_close_matches(argument, parameters, 1)
+            return (f'{name}() has no keyword argument "{argument}"; known: {", ".join(parameters) if parameters else "none"}'
+                    + (f' (did you mean "{near[0]}"?)' if near else ""))
+    if len(given) > count and not signature.takes_all[0]:
+        more = f": give {', '.join(each.name for each in signature.named)} by name" if signature.named else ""
+        return f"{name}() takes at most {count} argument{'' if count == 1 else 's'} without a name, found {len(given)}{more}"
+    values = dict(zip([each.name for each in signature.positional], given))
+    for argument in named:
+        if argument in values:
+            return f'{name}() has two values for the argument "{argument}": one by position and one by name'
+    values.update(named)
+    for parameter in parameters.values():
+        if parameter.is_required and parameter.name not in values:
+            return f'{name}() needs the argument "{parameter.name}": give {_words(parameter.kind)}'
+    fits = {each: _fits(parameters[each].kind, values[each]) for each in values if each in parameters}
+    unsuitable = [each for each in fits if fits[each] is False] or [each for each in fits if fits[each] is None]
+    if not unsuitable or (fits[unsuitable[0]] is None and len(unsuitable) > 1):
+        return None
+    wrong = unsuitable[0]
+    return f"{wrong}: found {reprlib.repr(values[wrong])}: give {_words(parameters[wrong].kind)}"
+
+
+def message(text: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
+    """Returns a clear message for a call of a C++ function whose arguments do not fit.
+
+    text   pybind11's message, which lists the signatures of the function
+    given  the arguments without a name, the object of a method first
+    named  the keyword arguments
+    """
+    found = re.match(r"(\w+)\(\): incompatible (constructor|function) arguments[^\n]*((?:\n    \d+\. [^\n]*)+)", text)
+    if not found:
+        return text
+    name, _, all_lines = found.groups()
+    lines = [line.split(". ", 1)[1] for line in all_lines.strip().split("\n")]
+    signatures = [_signature(line) for line in lines]
+    first = signatures[0].positional
+    if found[2] == "constructor":
+        name = lines[0].partition("(")[0].rpartition(".")[2]
+        given = given[1:]
+    elif first and first[0].name == "self":
+        if not given or _fits(first[0].kind, given[0]) is False:
+            return text
+        for signature in signatures:
+            del signature.positional[0]
+        given = given[1:]
+    if len(signatures) == 1:
+        return _fault(name, signatures[0], given, named) or text
+    forms = [", ".join(f"{each.name}: {_words(each.kind)}" for each in signature.positional) for signature in signatures]
+    values = [*map(reprlib.repr, given), *(f"{each}={reprlib.repr(named[each])}" for each in named)]
+    return f"{name}() takes ({') or ('.join(forms)}); found ({', '.join(values)})"
