@@ -156,17 +156,20 @@ std::vector<Command> known_commands() {
 
 int run_command_line(int argc, const char* const* argv, const std::function<void(std::any&)>& limit) {
   try {
-    obey_simd_variable();
     CLI::App app(k_about, "troupe");
     std::vector<ProgramCommand> commands = program_commands();
     add_commands(app, commands);
     try {
+      obey_simd_variable();
       std::vector<std::string> arguments = split_arguments(app, argc, argv);
       std::ranges::reverse(arguments);  // as CLI11 expects them
       app.parse(std::move(arguments));
     } catch (const CLI::ParseError& error) {
       if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return told(app.exit(error));
       print_usage_error(usage_text(app, error));
+      return k_bad_input;
+    } catch (const InputError& error) {
+      print_usage_error(fmt::format("{}\n", error.what()));
       return k_bad_input;
     }
     if (python_is_wanted()) run_in_python(argc, argv);

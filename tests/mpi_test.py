@@ -330,6 +330,9 @@ class OnProcesses:
         (self.folder / "room.json").write_text(WORLD.replace('"wander"', '"wonder"'))
         self.refused(self.run_on(3, "run", "room.json", "--hash-log", "log"), 'unknown controller "wonder"')
 
+    def test_a_wrong_instruction_set_is_reported_once(self):
+        self.refused(self.run_on(3, "run", "room.json", TROUPE_SIMD="none"), "TROUPE_SIMD: error")
+
     def test_wrong_usage_is_reported_once(self):
         self.refused(self.run_on(2, "run", "room.json", "--thread", 3), 'unknown option "--thread"')
 
