@@ -81,8 +81,9 @@ View::Impl::~Impl() {
   simulation_.before_tick(nullptr);
   try {
     while (!holders_.empty()) release_all(holders_.begin()->second);
-    // After a reset by the program, the session ends where the run before the reset ended.
-    session_->end(simulation_.tick() + 1 < next_tick_ ? next_tick_ : simulation_.tick());
+    // Not tick(): after a reset by the program, the session ends where the run before the reset ended. After
+    // a step that threw, it ends after this step, so that a run which repeats the session throws as well.
+    session_->end(next_tick_);
   } catch (const std::exception&) {  // ignored: the session then has no last line, as after a kill
   }
 }

@@ -407,6 +407,35 @@ TEST_F(ViewTest, ASessionAfterAResetIsRepeatedInAWorldThatChangesAtZeroSeconds) 
   }
 }
 
+TEST_F(ViewTest, ASessionEndsAfterTheLastStepThatBegan) {
+  const auto end_after = [this](auto&& use) {
+    const auto world = [] {
+      return Simulation::from_text(k_one_bot, "w.json", {.threads = 1, .mortal = true});
+    };
+    Simulation simulation = world();
+    std::filesystem::path session;
+    {
+      const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+      session = view.session();
+      use(simulation);
+    }
+    Simulation again = world();
+    return SessionReplay(session, again).end_tick();
+  };
+  EXPECT_EQ(end_after([](Simulation&) {}), 0u);
+  EXPECT_EQ(end_after([](Simulation& simulation) { simulation.step(); }), 1u);
+  EXPECT_EQ(end_after([](Simulation& simulation) {
+              simulation.step();
+              simulation.reset();
+            }),
+            1u);
+  EXPECT_EQ(end_after([](Simulation& simulation) {
+              simulation.on_phase([](std::optional<Phase>) { throw std::runtime_error("phase"); });
+              EXPECT_THROW(simulation.step(), std::runtime_error);
+            }),
+            1u);
+}
+
 TEST_F(ViewTest, ParametersThatAreNotUtf8AreRefused) {
   Simulation simulation = Simulation::from_text(
       "position ( name \"a\" size [0.4 0.3 0.2] drive \"diff\"\n"
