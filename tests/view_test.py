@@ -253,6 +253,11 @@ class Steered(unittest.TestCase):
                     state = viewer.state()
                 self.assertEqual(state["tick"], tick + 1)
 
+    def test_a_slow_run_pauses_at_once(self):
+        with View("--rate", 0.001, world={**WORLD, "tick_s": 10}) as view, view.open() as viewer:  # a tick takes 10,000 s
+            viewer.ask(do="pause")
+            self.assertTrue(any(not viewer.state()["playing"] for _ in range(100)), "100 pictures later, the run is not paused")
+
     def test_a_viewer_that_goes_away_releases_what_it_drove(self):
         with View("--rate", 0) as view:
             with view.open() as other:
