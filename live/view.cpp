@@ -98,6 +98,10 @@ std::string View::Impl::make_greeting(const std::string& header) const {
     populations.push_back(reserve.population);
     heights.push_back(world.spec().bodies[reserve.first.index()].pose_world_body.z);
   }
+  // Robots whose name is that of a later body, which requests with this name mean (`same_names` of a world).
+  Json namesakes = Json::array();
+  for (std::size_t r = 0; r < order_.size(); ++r)
+    if (world.find(world.spec().name(BodyId(order_[r]))) != BodyId(order_[r])) namesakes.push_back(r);
   const Json json{{"wire", k_wire},
                   {"version", version_line()},
                   {"tick_s", simulation_.tick_s()},
@@ -106,7 +110,8 @@ std::string View::Impl::make_greeting(const std::string& header) const {
                   {"values", color_values(world)},
                   {"layers", layers_of(world)},
                   {"populations", populations},
-                  {"heights_m", heights}};
+                  {"heights_m", heights},
+                  {"namesakes", namesakes}};
   return fmt::format(R"({},"header":{})", members_of(json), header);
 }
 
