@@ -80,7 +80,7 @@ View::Impl::~Impl() {
   simulation_.before_step(nullptr);
   simulation_.before_tick(nullptr);
   try {
-    while (!holders_.empty()) release_all(holders_.begin()->second);
+    while (!holders_.empty()) release_all(holders_.begin()->second.client);
     // Not tick(): after a reset by the program, the session ends where the run before the reset ended. After
     // a step that threw, it ends after this step, so that a run which repeats the session throws as well.
     session_->end(next_tick_);
@@ -192,7 +192,8 @@ bool View::Impl::take_messages() {
     if (may_steer && !std::exchange(has_begun_, true)) clock_.play(0);
   }
   const auto changes_world = [this](std::uint64_t client) {
-    return std::ranges::any_of(holders_, [client](const auto& holder) { return holder.second == client; });
+    return std::ranges::any_of(holders_,
+                               [client](const auto& holder) { return holder.second.client == client; });
   };
   std::size_t done = 0;
   while (done < messages.size() && (!clients_.contains(messages[done].client) || obey(messages[done])))
@@ -362,21 +363,22 @@ void View::Impl::greet_again() {
 /// drives.
 void View::Impl::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
-  if (const auto holder = holders_.find(act.whom);
-      is_hold && holder != holders_.end() && holder->second != client)
+  // By id, because a robot can have several names (aliases).
+  const std::uint32_t robot = is_hold ? simulation_.world().find(act.whom).value : BodyId().value;
+  if (const auto holder = holders_.find(robot); holder != holders_.end() && holder->second.client != client)
     throw ActRefused(
         fmt::format("another viewer drives \"{}\": wait until that viewer releases the robot", act.whom));
   simulation_.act(act);
   session_->add(simulation_, act);
-  if (act.kind == Act::Kind::hold) holders_[act.whom] = client;
-  if (act.kind == Act::Kind::release) holders_.erase(act.whom);
+  if (act.kind == Act::Kind::hold) holders_[robot] = {client, act.whom};
+  if (act.kind == Act::Kind::release) holders_.erase(robot);
 }
 
 /// Releases the robots that a disconnected viewer held, as acts of the session.
 void View::Impl::release_all(std::uint64_t client) {
   std::erase_if(holders_, [&](const auto& holder) {
-    if (holder.second != client) return false;
-    const Act act{.kind = Act::Kind::release, .whom = holder.first};
+    if (holder.second.client != client) return false;
+    const Act act{.kind = Act::Kind::release, .whom = holder.second.robot};
     try {
       simulation_.act(act);
       session_->add(simulation_, act);

@@ -452,6 +452,28 @@ TEST_F(ViewTest, ParametersThatAreNotUtf8AreRefused) {
   EXPECT_THAT(answer.value("reason", ""), HasSubstr("not UTF-8"));
 }
 
+TEST_F(ViewTest, AnotherViewerCannotDriveARobotByAnotherNameOfIt) {
+  Simulation simulation = Simulation::from_text("position ( name \"r\" size [0.4 0.3 0.2] drive \"diff\" )\n",
+                                                "w.world", {.threads = 1});
+  ASSERT_EQ(simulation.find("position:0").id(), simulation.find("r").id());
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  Viewer first(view.address());
+  Viewer second(view.address());
+  const auto answer_to = [&](Viewer& viewer, const std::string& request) {
+    viewer.send({request, "x"});
+    EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
+    simulation.step();
+    return viewer.answer();
+  };
+  EXPECT_EQ(answer_to(first, R"({"do":"hold","robot":"r","speed":[1,0,0],"id":1})")["type"], "done");
+  for (const std::string name : {"r", "position:0"})
+    for (const std::string act : {R"("hold","speed":[0,0,1])", R"("release")"}) {
+      const Json answer = answer_to(second, R"({"id":2,"robot":")" + name + R"(","do":)" + act + "}");
+      EXPECT_THAT(answer.value("reason", ""), HasSubstr("another viewer drives")) << name << act;
+    }
+  EXPECT_EQ(answer_to(first, R"({"do":"release","robot":"position:0","id":1})")["type"], "done");
+}
+
 TEST_F(ViewTest, TheEndOfAViewReleasesTheRobotsThatUsersDrive) {
   Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1, .mortal = true});
   std::filesystem::path session;
