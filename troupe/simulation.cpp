@@ -114,7 +114,7 @@ void Simulation::on_tick(std::function<void(Simulation&)> callback) {
   if (callback)
     impl_->on_tick.push_back({std::move(callback), {}});
   else
-    impl_->on_tick.clear();
+    std::erase_if(impl_->on_tick, [](const Impl::OnTick& each) { return !each.owner; });
 }
 
 void Simulation::on_tick(std::function<void(Simulation&)> callback, std::weak_ptr<const void> owner) {

@@ -327,6 +327,18 @@ TEST_F(ViewTest, AnswersRequestsAfterARunThatThrew) {
   EXPECT_THAT(answer.value("reason", ""), HasSubstr("the page cannot restart this run"));
 }
 
+TEST_F(ViewTest, AProgramThatRemovesItsCallbacksOfOnTickLeavesTheView) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  simulation.on_tick(nullptr);
+  Viewer viewer(view.address());
+  viewer.send({R"({"do":"stop_recording","id":1})", "x"});
+  EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
+  simulation.step();
+  viewer.send({R"({"do":"disable","robot":"none","id":2})", "x"});
+  EXPECT_EQ(viewer.answer()["id"], 1) << "it was answered at the end of the step";
+}
+
 TEST_F(ViewTest, ASimulationHasOneView) {
   Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
   const View::Options options{.rate = 0, .folder = folder_};
