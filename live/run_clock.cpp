@@ -47,7 +47,12 @@ bool RunClock::obey(const Request& request) {
   if (request.what() == "play") {
     play(0);
   } else if (request.what() == "pause") {
-    if (playing_) steps_ = 1;  // pauses after the next tick, because the hash log line is computed then
+    // Pauses after the next tick, because the hash log line is computed then. At a low rate, this tick would
+    // be due much later.
+    if (playing_) {
+      steps_ = 1;
+      due_ = Clock::now();
+    }
   } else if (request.what() == "step") {
     const std::uint64_t ticks = request.has("ticks") ? request.whole("ticks", 1, k_most_steps) : 1;
     play(steps_ + ticks);  // in addition to the ticks that remain of an earlier request

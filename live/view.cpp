@@ -80,9 +80,10 @@ View::Impl::~Impl() {
   simulation_.before_step(nullptr);
   simulation_.before_tick(nullptr);
   try {
-    while (!holders_.empty()) release_all(holders_.begin()->second);
-    // After a reset by the program, the session ends where the run before the reset ended.
-    session_->end(simulation_.tick() + 1 < next_tick_ ? next_tick_ : simulation_.tick());
+    while (!holders_.empty()) release_all(holders_.begin()->second.client);
+    // Not tick(): after a reset by the program, the session ends where the run before the reset ended. After
+    // a step that threw, it ends after this step, so that a run which repeats the session throws as well.
+    session_->end(next_tick_);
   } catch (const std::exception&) {  // ignored: the session then has no last line, as after a kill
   }
 }
@@ -97,6 +98,10 @@ std::string View::Impl::make_greeting(const std::string& header) const {
     populations.push_back(reserve.population);
     heights.push_back(world.spec().bodies[reserve.first.index()].pose_world_body.z);
   }
+  // Robots whose name is that of a later body, which requests with this name mean (`same_names` of a world).
+  Json namesakes = Json::array();
+  for (std::size_t r = 0; r < order_.size(); ++r)
+    if (world.find(world.spec().name(BodyId(order_[r]))) != BodyId(order_[r])) namesakes.push_back(r);
   const Json json{{"wire", k_wire},
                   {"version", version_line()},
                   {"tick_s", simulation_.tick_s()},
@@ -105,7 +110,8 @@ std::string View::Impl::make_greeting(const std::string& header) const {
                   {"values", color_values(world)},
                   {"layers", layers_of(world)},
                   {"populations", populations},
-                  {"heights_m", heights}};
+                  {"heights_m", heights},
+                  {"namesakes", namesakes}};
   return fmt::format(R"({},"header":{})", members_of(json), header);
 }
 
@@ -186,7 +192,8 @@ bool View::Impl::take_messages() {
     if (may_steer && !std::exchange(has_begun_, true)) clock_.play(0);
   }
   const auto changes_world = [this](std::uint64_t client) {
-    return std::ranges::any_of(holders_, [client](const auto& holder) { return holder.second == client; });
+    return std::ranges::any_of(holders_,
+                               [client](const auto& holder) { return holder.second.client == client; });
   };
   std::size_t done = 0;
   while (done < messages.size() && (!clients_.contains(messages[done].client) || obey(messages[done])))
@@ -356,21 +363,22 @@ void View::Impl::greet_again() {
 /// drives.
 void View::Impl::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
-  if (const auto holder = holders_.find(act.whom);
-      is_hold && holder != holders_.end() && holder->second != client)
+  // By id, because a robot can have several names (aliases).
+  const std::uint32_t robot = is_hold ? simulation_.world().find(act.whom).value : BodyId().value;
+  if (const auto holder = holders_.find(robot); holder != holders_.end() && holder->second.client != client)
     throw ActRefused(
         fmt::format("another viewer drives \"{}\": wait until that viewer releases the robot", act.whom));
   simulation_.act(act);
   session_->add(simulation_, act);
-  if (act.kind == Act::Kind::hold) holders_[act.whom] = client;
-  if (act.kind == Act::Kind::release) holders_.erase(act.whom);
+  if (act.kind == Act::Kind::hold) holders_[robot] = {client, act.whom};
+  if (act.kind == Act::Kind::release) holders_.erase(robot);
 }
 
 /// Releases the robots that a disconnected viewer held, as acts of the session.
 void View::Impl::release_all(std::uint64_t client) {
   std::erase_if(holders_, [&](const auto& holder) {
-    if (holder.second != client) return false;
-    const Act act{.kind = Act::Kind::release, .whom = holder.first};
+    if (holder.second.client != client) return false;
+    const Act act{.kind = Act::Kind::release, .whom = holder.second.robot};
     try {
       simulation_.act(act);
       session_->add(simulation_, act);

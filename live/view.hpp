@@ -37,9 +37,7 @@ constexpr bool is_rate(double rate) { return rate == 0 || (rate >= k_least_rate 
 /// The view uses the callbacks of Simulation::before_step() and Simulation::before_tick(), and the destructor
 /// of the view removes them. A simulation therefore has at most one view at a time, and no other such
 /// callbacks meanwhile: a callback that the program sets replaces that of the view, which then no longer has
-/// an effect. The view also adds a callback of Simulation::on_tick(), which ends with the view. Do not remove
-/// all callbacks of on_tick() while the view exists: the view then no longer pauses the run, and executes no
-/// requests to write checkpoints and recordings or to restart the run.
+/// an effect. The view also adds a callback of Simulation::on_tick(), which ends with the view.
 ///
 /// The program may move the simulation meanwhile. The simulation exists at least as long as its view.
 /// Not thread-safe: use a view only on the thread that steps the

@@ -46,6 +46,11 @@ class View::Impl {
     bool may_steer = false;
     Selection selection;
   };
+  // A viewer that drives a robot.
+  struct Holder {
+    std::uint64_t client = 0;
+    std::string robot;  // one of the names of the robot
+  };
   // Work that a viewer requested and that is done between two ticks.
   struct Job {
     enum class What : std::uint8_t { restart, checkpoint, record, stop_recording };
@@ -88,7 +93,7 @@ class View::Impl {
   bool has_colors_ = false;
   std::unique_ptr<SessionLog> session_;
   std::map<std::uint64_t, Client> clients_;
-  std::map<std::string, std::uint64_t> holders_;  // name of a robot that a viewer drives -> that client
+  std::map<std::uint32_t, Holder> holders_;  // by id: the robots that viewers drive
   bool has_begun_ = false;
   bool is_running_ = false;  // true: run() steps the simulation; false: the program does
   // True while run() waits between two ticks: the state is then that of the end of a tick, so that jobs can

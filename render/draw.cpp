@@ -183,8 +183,10 @@ struct Painter::Impl {
   SceneMeshes meshes{scene, {}};
   std::optional<Canvas> canvas;  // created with the first picture
 
-  explicit Impl(FrameScene of) : scene(std::move(of)) {
+  void set(FrameScene shown) {
     const KeepFpEnvironment keep;
+    scene = std::move(shown);
+    meshes.pieces.clear();
     for (const engine::FrameType& type : scene.types) meshes.pieces.push_back(pieces_of(type));
   }
 };
@@ -217,7 +219,7 @@ class WithTypesOf {
 
 }  // namespace
 
-Painter::Painter(FrameScene scene) : impl_(std::make_unique<Impl>(std::move(scene))) {}
+Painter::Painter(FrameScene scene) : impl_(std::make_unique<Impl>()) { set_scene(std::move(scene)); }
 Painter::~Painter() {
   const KeepFpEnvironment keep;
   impl_.reset();
@@ -226,6 +228,7 @@ Painter::Painter(Painter&&) noexcept = default;
 Painter& Painter::operator=(Painter&&) noexcept = default;
 
 const FrameScene& Painter::scene() const { return impl_->scene; }
+void Painter::set_scene(FrameScene scene) { impl_->set(std::move(scene)); }
 
 /// A picture before it is drawn: its layers in the order of drawing, its projection and its lettering.
 struct Painter::Composition {

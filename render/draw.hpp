@@ -139,8 +139,10 @@ class Painter {
   Painter(Painter&&) noexcept;
   Painter& operator=(Painter&&) noexcept;
 
-  /// Returns the scene passed to the constructor.
+  /// Returns the scene passed to the constructor or, later, to set_scene().
   const engine::FrameScene& scene() const;
+  /// Replaces the scene. This is faster than a new painter, because the OpenGL context is kept.
+  void set_scene(engine::FrameScene scene);
   /// Draws one picture as pixels. Errors: see the class. The indices in `frame`, such as those of body types,
   /// must be valid for scene().
   Picture draw(const engine::Frame& frame, const View& view);

@@ -253,6 +253,11 @@ class Steered(unittest.TestCase):
                     state = viewer.state()
                 self.assertEqual(state["tick"], tick + 1)
 
+    def test_a_slow_run_pauses_at_once(self):
+        with View("--rate", 0.001, world={**WORLD, "tick_s": 10}) as view, view.open() as viewer:  # a tick takes 10,000 s
+            viewer.ask(do="pause")
+            self.assertTrue(any(not viewer.state()["playing"] for _ in range(100)), "100 pictures later, the run is not paused")
+
     def test_a_viewer_that_goes_away_releases_what_it_drove(self):
         with View("--rate", 0) as view:
             with view.open() as other:
@@ -471,6 +476,7 @@ class Steered(unittest.TestCase):
             self.assertIn(("velocity", "x"), names)
             self.assertEqual(viewer.hello["layers"], ["radio"])
             self.assertEqual((viewer.hello["populations"], viewer.hello["heights_m"]), (["b"], [0]))
+            self.assertEqual(viewer.hello["namesakes"], [])
             self.assertEqual(viewer.ask(do="color", component="pose", field="x", column=0)["type"], "done")
             self.assertEqual(viewer.ask(do="layers", layers=["radio"])["type"], "done")
             self.assertIn("no field", viewer.ask(do="color", component="pose", field="w")["reason"])
@@ -1257,6 +1263,22 @@ class InABrowser(unittest.TestCase):
             page.wait("troupe.state().robots === 5 && troupe.pose('b4')[3] === 0")
             for found, expected in zip(page.run("troupe.pose('b4')"), (0, 0, 0.7)):
                 self.assertAlmostEqual(found, expected, delta=0.05)
+            self.assertEqual(page.problems, [])
+
+    def test_of_bodies_with_one_name_only_the_last_is_selected(self):
+        world = json.loads(json.dumps({**WORLD, "same_names": "warn"}))
+        world["models"][0]["name"] = "blue"
+        with self.opened(world=world) as (_, page):
+            self.pause(page)
+            self.assertEqual(page.run("troupe.header.robots.name"), ["blue", "blue"])
+            page.run("troupe.select('blue')")  # the first
+            self.assertEqual(self.told(page), 'Several bodies have the name "blue"; only the last of them can be selected.')
+            self.assertIsNone(page.run("troupe.state().selected"))
+            page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)
+            page.wait("troupe.group().length === 1")
+            page.run("(find => { find.value = 'blue'; find.onchange({target: find}); })(document.getElementById('find'))")
+            page.wait("troupe.inspected()?.pose[0] > 0")
+            self.assertEqual(page.run("troupe.state().selected"), "blue")
             self.assertEqual(page.problems, [])
 
     def test_a_world_without_robots_is_shown(self):

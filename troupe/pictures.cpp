@@ -461,6 +461,11 @@ void Pictures::forget() {
   impl_->last_region.reset();
 }
 
+void Pictures::update_scene(const Simulation& simulation) {
+  impl_->scene = SimulationSource(simulation).scene();
+  if (impl_->painter) impl_->painter->set_scene(impl_->scene);
+}
+
 Pictures::Shot Pictures::take(const Simulation& simulation, double times_real_time) {
   return take(SimulationSource(simulation), times_real_time);
 }
@@ -554,6 +559,7 @@ double Pictures::history_s() const { return 0; }
 void Pictures::see(const Simulation&) {}
 void Pictures::see(const PictureSource&) {}
 void Pictures::forget() {}
+void Pictures::update_scene(const Simulation&) {}
 Pictures::Shot Pictures::take(const Simulation&, double) { refuse_to_draw(); }
 Pictures::Shot Pictures::take(const PictureSource&, double) { refuse_to_draw(); }
 Pictures::Shot Pictures::between(const Shot&, const Shot&, double) { refuse_to_draw(); }

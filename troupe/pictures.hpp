@@ -92,8 +92,8 @@ Result<> check_camera(const std::string& camera);
 /// take() copies the state of the current tick (time step) into a Shot. draw() and write() use only the Shot,
 /// so another thread may call them while the simulation continues. No function changes the simulation. The
 /// simulation passed to see() and take() must be that of the constructor or have the same world. The
-/// constructor copies the static bodies: after Simulation::reset(seed), which may place them elsewhere, make
-/// a new Pictures.
+/// constructor copies the static bodies: after Simulation::reset(seed), which may place them elsewhere, call
+/// update_scene().
 class Pictures {
  public:
   /// Throws InputError for unknown cameras, layers and backgrounds. Also throws InputError if the options
@@ -124,6 +124,9 @@ class Pictures {
   /// view of a camera that follows robots: such a camera keeps its last view while none of these robots is in
   /// the world.
   void forget();
+  /// Copies the static bodies of the simulation again. Do not call it while another thread is in draw() or
+  /// write().
+  void update_scene(const Simulation& simulation);
   /// How far back in simulated time a picture looks, s. For a picture at the time t, see() must be called
   /// after every step from t - history_s() to t. For example, the layer `trails` shows the last 20 s. 0:
   /// see() need not be called. Infinity: see() must be called from the start of the run.

@@ -114,7 +114,7 @@ void Simulation::on_tick(std::function<void(Simulation&)> callback) {
   if (callback)
     impl_->on_tick.push_back({std::move(callback), {}});
   else
-    impl_->on_tick.clear();
+    std::erase_if(impl_->on_tick, [](const Impl::OnTick& each) { return !each.owner; });
 }
 
 void Simulation::on_tick(std::function<void(Simulation&)> callback, std::weak_ptr<const void> owner) {
@@ -197,8 +197,8 @@ void Simulation::reset(std::uint64_t seed) {
   Model::refuse_in_for_each(*impl_->world, "reset()");
   const std::vector<engine::BodySpec> bodies = bodies_placed_by(seed, "reset(seed)");
   stop_recording();
-  impl_->pictures.reset();  // it has the static bodies of the old seed
   impl_->world->restart(seed, bodies, *impl_->registry);
+  if (impl_->pictures) impl_->pictures->update_scene(*this);
   impl_->holds.clear();
   if (impl_->stop) impl_->stop->begin();
 }

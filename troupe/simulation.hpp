@@ -572,7 +572,7 @@ class Simulation {
   /// Adds a callback that is called at the end of every step, also in run_for() and run_until(). Before the
   /// callbacks are called, the stop conditions have been evaluated, and the recording of record() has
   /// received the tick. Callbacks are called in the order in which they were added. A null callback removes
-  /// all callbacks, also that of a live view (live/view.hpp).
+  /// all callbacks that have no owner.
   ///
   /// A callback may do everything that a program may do between two steps (read, command, set_poses(),
   /// spawn(), remove(), save()). Only step(), reset() and on_tick() are not allowed: they throw
@@ -580,8 +580,8 @@ class Simulation {
   /// the state is that after a complete tick.
   void on_tick(std::function<void(Simulation&)> callback);
   /// Adds a callback as the other on_tick() does, for as long as the object `owner` exists: when `owner` has
-  /// expired, the callback is not called again, and the next step removes it. Throws std::invalid_argument
-  /// for a null callback.
+  /// expired, the callback is not called again, and the next step removes it. `on_tick(nullptr)` does not
+  /// remove it. Throws std::invalid_argument for a null callback.
   void on_tick(std::function<void(Simulation&)> callback, std::weak_ptr<const void> owner);
   /// Sets the callback that is called in every step at the end of the phase intervene, after the
   /// interventions and faults of the world file. tick() is then still the number of the previous tick. The

@@ -327,6 +327,18 @@ TEST_F(ViewTest, AnswersRequestsAfterARunThatThrew) {
   EXPECT_THAT(answer.value("reason", ""), HasSubstr("the page cannot restart this run"));
 }
 
+TEST_F(ViewTest, AProgramThatRemovesItsCallbacksOfOnTickLeavesTheView) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  simulation.on_tick(nullptr);
+  Viewer viewer(view.address());
+  viewer.send({R"({"do":"stop_recording","id":1})", "x"});
+  EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
+  simulation.step();
+  viewer.send({R"({"do":"disable","robot":"none","id":2})", "x"});
+  EXPECT_EQ(viewer.answer()["id"], 1) << "it was answered at the end of the step";
+}
+
 TEST_F(ViewTest, ASimulationHasOneView) {
   Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
   const View::Options options{.rate = 0, .folder = folder_};
@@ -407,6 +419,35 @@ TEST_F(ViewTest, ASessionAfterAResetIsRepeatedInAWorldThatChangesAtZeroSeconds) 
   }
 }
 
+TEST_F(ViewTest, ASessionEndsAfterTheLastStepThatBegan) {
+  const auto end_after = [this](auto&& use) {
+    const auto world = [] {
+      return Simulation::from_text(k_one_bot, "w.json", {.threads = 1, .mortal = true});
+    };
+    Simulation simulation = world();
+    std::filesystem::path session;
+    {
+      const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+      session = view.session();
+      use(simulation);
+    }
+    Simulation again = world();
+    return SessionReplay(session, again).end_tick();
+  };
+  EXPECT_EQ(end_after([](Simulation&) {}), 0u);
+  EXPECT_EQ(end_after([](Simulation& simulation) { simulation.step(); }), 1u);
+  EXPECT_EQ(end_after([](Simulation& simulation) {
+              simulation.step();
+              simulation.reset();
+            }),
+            1u);
+  EXPECT_EQ(end_after([](Simulation& simulation) {
+              simulation.on_phase([](std::optional<Phase>) { throw std::runtime_error("phase"); });
+              EXPECT_THROW(simulation.step(), std::runtime_error);
+            }),
+            1u);
+}
+
 TEST_F(ViewTest, ParametersThatAreNotUtf8AreRefused) {
   Simulation simulation = Simulation::from_text(
       "position ( name \"a\" size [0.4 0.3 0.2] drive \"diff\"\n"
@@ -421,6 +462,28 @@ TEST_F(ViewTest, ParametersThatAreNotUtf8AreRefused) {
   const Json answer = viewer.answer();
   EXPECT_EQ(answer["id"], 1) << answer;
   EXPECT_THAT(answer.value("reason", ""), HasSubstr("not UTF-8"));
+}
+
+TEST_F(ViewTest, AnotherViewerCannotDriveARobotByAnotherNameOfIt) {
+  Simulation simulation = Simulation::from_text("position ( name \"r\" size [0.4 0.3 0.2] drive \"diff\" )\n",
+                                                "w.world", {.threads = 1});
+  ASSERT_EQ(simulation.find("position:0").id(), simulation.find("r").id());
+  const View view(simulation, View::Options{.rate = 0, .folder = folder_});
+  Viewer first(view.address());
+  Viewer second(view.address());
+  const auto answer_to = [&](Viewer& viewer, const std::string& request) {
+    viewer.send({request, "x"});
+    EXPECT_EQ(viewer.answer()["type"], "refused") << "the second text, which the server refuses itself";
+    simulation.step();
+    return viewer.answer();
+  };
+  EXPECT_EQ(answer_to(first, R"({"do":"hold","robot":"r","speed":[1,0,0],"id":1})")["type"], "done");
+  for (const std::string name : {"r", "position:0"})
+    for (const std::string act : {R"("hold","speed":[0,0,1])", R"("release")"}) {
+      const Json answer = answer_to(second, R"({"id":2,"robot":")" + name + R"(","do":)" + act + "}");
+      EXPECT_THAT(answer.value("reason", ""), HasSubstr("another viewer drives")) << name << act;
+    }
+  EXPECT_EQ(answer_to(first, R"({"do":"release","robot":"position:0","id":1})")["type"], "done");
 }
 
 TEST_F(ViewTest, TheEndOfAViewReleasesTheRobotsThatUsersDrive) {

@@ -238,7 +238,11 @@ TEST(OnTick, IsRemovedWithItsOwner) {
   EXPECT_EQ(calls, 1);
   EXPECT_EQ(held.use_count(), 1) << "the callbacks are destroyed";
   EXPECT_THROW(simulation.on_tick(nullptr, held), std::invalid_argument);
+  simulation.on_tick([&](Simulation&) { ++calls; }, held);
+  simulation.on_tick([&](Simulation&) { ++calls; });
+  simulation.on_tick(nullptr);
   simulation.step();
+  EXPECT_EQ(calls, 2) << "on_tick(nullptr) removes only the callback without an owner";
 }
 
 TEST(OnTick, MayDriveAndPut) {

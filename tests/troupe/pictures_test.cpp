@@ -226,6 +226,11 @@ TEST_F(PicturesTest, AfterAResetWithASeedTheyShowTheStaticBodiesOfThisSeed) {
   const Simulation fresh(file, {.threads = 1, .seed = 2});
   EXPECT_EQ(again.picture(options), fresh.picture(options));
   EXPECT_NE(again.picture(options), of_first_seed);
+  Pictures pictures(again, options);
+  static_cast<void>(pictures.draw(pictures.take(again)));
+  again.reset(1);
+  pictures.update_scene(again);
+  EXPECT_EQ(pictures.draw(pictures.take(again)), of_first_seed);
 }
 
 TEST_F(PicturesTest, BetweenTwoTicksBodiesAreBetweenTheirPlaces) {

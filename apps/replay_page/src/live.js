@@ -100,7 +100,7 @@ class LivePage extends Page {
 
   /** Selects the robot of this name, and moves the view to the robot if it is outside of the picture. */
   selectByName(name) {
-    const robot = this.recording.header.robots.name.indexOf(name);
+    const robot = this.recording.header.robots.name.lastIndexOf(name);
     if (robot < 0) return tell(`There is no robot "${name}".`);
     this.select(robot);
     const [x, y] = this.view.screenPlace(robot, [0, 0, 0]);
@@ -123,7 +123,16 @@ class LivePage extends Page {
     this.view.fitted = null;
   }
 
+  /** Whether the program takes the name of a robot for that of a later body. */
+  isNamesake(robot) {
+    return this.recording.namesakes.has(robot);
+  }
+
   select(robot) {
+    if (this.isNamesake(robot)) {
+      tell(`Several bodies have the name "${this.nameOf(robot)}"; only the last of them can be selected.`);
+      robot = null;
+    }
     if (robot !== this.selected && this.bar?.driven) this.bar.drive(false);
     if (this.group.length > 0) this.choose([]);
     super.select(robot);
@@ -132,7 +141,7 @@ class LivePage extends Page {
   /** Selects the robots in a box of the screen. */
   selectIn(...corners) {
     this.select(null);
-    this.choose(this.view.robotsIn(...corners).filter((robot) => this.recording.mobile[robot]));
+    this.choose(this.view.robotsIn(...corners).filter((robot) => this.recording.mobile[robot] && !this.isNamesake(robot)));
   }
   /** Makes a list of robots the group. */
   choose(robots) {

@@ -17,6 +17,7 @@ export class LiveSource {
     this.header = hello.header;
     this.header.block_frames = 1;
     this.mayActs = hello.may_steer;
+    this.namesakes = new Set(hello.namesakes);
     this.robots = this.header.robots.id.length;
     this.own = new Uint8Array(3 * this.robots);
     this.header.robots.color.forEach((color, r) => this.own.set(bytesOf(color), 3 * r));
