@@ -437,6 +437,14 @@ class Controllers(InAFolder):
         self.assertEqual("study.json:1: error: /parameters/0: " + no_effect, found)
         self.assertIn("  cruise  0.3      number\n", self.troupe("describe", "my", "--controller", "my.py").stdout)
 
+    def test_misspelt_attributes_are_warnings_with_the_line_of_the_class(self):
+        self.write("bot.py", ROAM.replace("class roam", "class bot").replace('robots = "r"', 'robot = "r"\n    gain = 3'))
+        found = self.troupe("run", "w.json", "--controller", "bot.py", "--for", "0.2", "--quiet").stderr
+        self.assertIn('bot.py:5: UserWarning: bot has the attribute "robot", which Controller does not use: did you mean "robots"?\n',
+                      found)
+        self.assertNotIn("gain", found)
+        self.assertNotIn("UserWarning", self.troupe("run", "w.json", "--controller", "roam.py", "--for", "0.2", "--quiet").stderr)
+
     def test_parameters_that_cannot_be_are_errors_with_their_line(self):
         class_line = next(n for n, line in enumerate(ROAM.splitlines(), 1) if line.startswith("class "))
         kinds = "expected a bool, an int of 64 bits, a finite float, a str or a list of finite floats"
