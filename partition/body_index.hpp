@@ -101,7 +101,8 @@ class BodyIndex {
   }
 
   /// Calls visit(circle) once for every body whose circle may touch the box (metres, world frame), and once
-  /// for some bodies whose circles do not touch it.
+  /// for some bodies whose circles do not touch it. The order of the calls, and which other bodies are
+  /// visited, depend on the sizes of the cells and tiles. A result must not depend on them.
   template <class Visit>
   void for_each_near(const Box& box, Visit&& visit) const {
     const Box reach = box.expanded(small_radius_);

@@ -263,6 +263,9 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
     if (is_file(folder / ("lib" + file_name)))
       missing += fmt::format(" (the file name of a plug-in does not begin with \"lib\": rename {})",
                              (folder / ("lib" + file_name)).string());
+  for (const fs::path& folder : path_)
+    if (is_file(folder))
+      missing += fmt::format(" ({} is a file: give the folder that contains it)", folder.string());
   library.found = Error{std::move(missing)};
   return library;
 }

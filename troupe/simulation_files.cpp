@@ -12,6 +12,7 @@
 #include "troupe/simulation_impl.hpp"
 #include "troupe/world_builder.hpp"
 #include "worldio/files.hpp"
+#include "worldio/json/json_document.hpp"
 #include "worldio/json/json_world.hpp"
 #include "worldio/json/spec_check.hpp"
 
@@ -21,7 +22,9 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 // Simulations are made here, from files, specs and checkpoints, and saved in checkpoints.
 
@@ -233,6 +236,39 @@ void explain_settings(const SimulationOptions& options, Diagnostics& diagnostics
   }
 }
 
+/// Returns the kinds of the controllers of each type.
+std::vector<std::vector<std::string>> controllers_of_types(const engine::WorldSpec& world) {
+  std::vector<std::vector<std::string>> kinds(world.types.size());
+  for (std::size_t t = 0; t < world.types.size(); ++t)
+    for (const engine::ControllerSpec& controller : world.types[t].controllers)
+      kinds[t].push_back(controller.kind);
+  return kinds;
+}
+
+/// Reports an error for each setting of a controller that a controller of a script has replaced. In a study,
+/// for example, all values of such a setting would give the same results. named: the controllers that the
+/// world names, as controllers_of_types() returned them before the scripts' controllers were assigned.
+void check_replaced_settings(const SimulationOptions& options, const engine::WorldSpec& world,
+                             const std::vector<std::vector<std::string>>& named, Diagnostics& diagnostics) {
+  const std::vector<std::vector<std::string>> assigned = controllers_of_types(world);
+  for (const auto& [pointer, value] : options.set) {
+    const auto tokens = worldio::pointer_tokens(pointer);
+    if (!tokens || tokens->size() < 3 || (*tokens)[0] != "types") continue;
+    if ((*tokens)[2] != "controller" && (*tokens)[2] != "controllers") continue;
+    for (std::size_t t = 0; t < world.types.size(); ++t) {
+      if (world.types[t].name != (*tokens)[1] || assigned[t].empty()) continue;
+      const std::string& kind = assigned[t].front();  // a script gives a type one controller
+      if (std::ranges::find(named[t], kind) != named[t].end()) continue;
+      diagnostics.error(
+          {diagnostics.files()->add("--set " + pointer), 0},
+          fmt::format("has no effect, because the controller \"{0}\" of the script replaces the "
+                      "controllers of type \"{1}\"; to set parameters of \"{0}\", the world must "
+                      "name it: \"controller\": {{\"kind\": \"{0}\"}}",
+                      kind, world.types[t].name));
+    }
+  }
+}
+
 }  // namespace
 
 /// Loads a world with `read`, which parses it. file: the name of the world. files: the source files that a
@@ -254,7 +290,9 @@ Simulation Simulation::load(const std::filesystem::path& file, const SimulationO
   engine::WorldSpec spec = read(*impl->registry, how, diagnostics);
   explain_settings(options, diagnostics);
   diagnostics.throw_if_errors();
+  const std::vector<std::vector<std::string>> named = controllers_of_types(spec);
   assign_controllers(options.scripts, spec, diagnostics);
+  check_replaced_settings(options, spec, named, diagnostics);
   diagnostics.throw_if_errors();
   impl->start(std::move(spec), options, diagnostics, populations);
   return Simulation(std::move(impl));

@@ -6,14 +6,16 @@ makes them available in worlds, like controllers and measures that are written i
 
 from __future__ import annotations
 
+import difflib
 import hashlib
 import importlib.util
 import inspect
 import os
 import sys
 import traceback
+import warnings
 from types import ModuleType, TracebackType
-from typing import Any, Callable, Dict, List, NoReturn, Optional, Sequence, Tuple, TypeVar, Union, overload
+from typing import Any, Callable, Dict, Iterable, List, NoReturn, Optional, Sequence, Tuple, TypeVar, Union, overload
 
 import numpy as np
 
@@ -279,8 +281,27 @@ def _line_of(cls: Any) -> int:
         return 0
 
 
+def misspelt_members(base: type, own: Iterable[str]) -> List[Tuple[str, str]]:
+    """Returns the public names in `own` that `base` does not define but that are similar to a member of `base`, each
+    with the name of this member, in alphabetical order. own: names of the attributes of a class derived from `base`."""
+    members = [name for name in vars(base) if not name.startswith("_")]
+    near = [(name, difflib.get_close_matches(name, members, 1, 0.85))
+            for name in sorted(set(own).difference(members)) if not name.startswith("_")]
+    return [(name, found[0]) for name, found in near if found]
+
+
+def _warn_of_misspelt_attributes(cls: Any, file: str, line: int) -> None:
+    """Warns of attributes such as `robot`: without `robots`, a controller commands all types with a drive."""
+    own = [name for each in cls.__mro__ if issubclass(each, Controller) for name in vars(each)]
+    for name, near in misspelt_members(Controller, own):
+        warnings.warn_explicit(
+            f'{cls.__name__} has the attribute "{name}", which Controller does not use: did you mean "{near}"?', UserWarning,
+            file, line)
+
+
 def _controller(cls: Any, file: str) -> Dict[str, Any]:
     line = _line_of(cls)
+    _warn_of_misspelt_attributes(cls, file, line)
     if not isinstance(cls.robots, str):
         _fail(file, line, f"{cls.__name__}.robots is {cls.robots!r}: expected the name of a type, a population or a robot")
     uses = cls.uses

@@ -13,6 +13,7 @@ import math
 import os
 import sys
 import textwrap
+import warnings
 from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 _File = Union[str, "os.PathLike[str]"]
@@ -102,6 +103,8 @@ class _Table:
     def __init__(self, folder: _File):
         if not os.path.exists(folder):
             raise PlotError(f"{folder}: error: there is no such folder: give the folder of a completed sweep")
+        if not os.path.isdir(folder):
+            raise PlotError(f"{folder}: error: this is a file: give the folder of a completed sweep")
         self.file = os.path.join(folder, "table.csv")
         self.head, rows = _read(self.file)
         if "run" not in self.head or "seed" not in self.head:
@@ -123,6 +126,14 @@ class _Table:
 
     def key_of(self, run: str, names: Sequence[str]) -> _Key:
         return tuple(self.rows[run][name] for name in names)
+
+
+def _warn_of_failed_runs(folder: _File) -> None:
+    table = _Table(folder)
+    failed = [run for run, row in table.rows.items() if row.get("error")]
+    if failed:
+        warnings.warn(f"{table.file}: warning: {len(failed)} of {len(table.rows)} runs failed and are not in the plot; run "
+                      f"{failed[0]}: {table.rows[failed[0]]['error']}", RuntimeWarning, stacklevel=3)
 
 
 def _check_lines(lines: Mapping[_Key, object], measure: str, names: Sequence[str], parameters: Sequence[str]) -> None:
@@ -260,12 +271,13 @@ def _finite(lines: Mapping[_Key, _Points], measure: str) -> Dict[_Key, _Points]:
 
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
          title: Optional[str] = None, over: Optional[str] = None) -> str:
-    """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter of
-    the x axis, for the results at the end of the runs as final_by() reads them; None: the time, for the series that
+    """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter
+    of the x axis, for the results at the end of the runs as final_by() reads them; None: the time, for the series that
     series_by() reads. folder, measure, by: as in these functions. out: name of the file; None: MEASURE.png or
-    MEASURE-over-PARAMETER.png in the folder. title: title of the plot; None: no title. Points with an infinite
-    mean are left out. Raises PlotError in the cases of these functions, if all means are infinite, if a value exceeds
-    1e300, if the name has another ending, and if the file cannot be written; raises ImportError if matplotlib is missing."""
+    MEASURE-over-PARAMETER.png in the folder. title: title of the plot; None: no title. Points with an infinite mean are
+    left out, and so are failed runs, which a RuntimeWarning counts. Raises PlotError in the cases of these functions, if
+    all means are infinite, if a value exceeds 1e300, if the name has another ending, and if the file cannot be written;
+    raises ImportError if matplotlib is missing."""
     ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
     if over is None:
         measure, names, lines = series_by(folder, measure, by)
@@ -276,6 +288,7 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
                  for key, points in final.items()}
         ticks = None if are_numbers else positions
     lines = _finite(lines, measure)
+    _warn_of_failed_runs(folder)
     default = f"{measure}.png" if over is None else f"{measure}-over-{over}.png".replace(os.sep, "-")
     file = os.fspath(out) if out else os.path.join(folder, default)
     if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):
@@ -328,6 +341,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument("--out")
     parser.add_argument("--title")
     given = parser.parse_args(arguments)
+    warnings.showwarning = lambda message, *_: print(message, file=sys.stderr)
     try:
         print(draw(given.folder, given.measure, given.by, given.out, given.title, given.over))
     except PlotError as error:

@@ -228,6 +228,10 @@ TEST_F(PluginsTest, ThatAreMissingAreLookedForWhereTheErrorSays) {
               EndsWith(" (the file name of a plug-in does not begin with \"lib\": rename " +
                        (folder_ / "libgo.so").string() + ")" + script_remedy("go")));
   EXPECT_THAT(error_of(stage_world("team:go"), options({folder_})), EndsWith(script_remedy("team")));
+  const std::string file = (folder_of("other") / "walker.so").string();
+  EXPECT_THAT(error_of(stage_world("walker"), options({file})),
+              EndsWith("there is no walker.so in " + file + " (" + file +
+                       " is a file: give the folder that contains it)" + script_remedy("walker")));
 }
 
 // Simulations that another() makes share the plug-ins, and a program may step each on a thread of its own.

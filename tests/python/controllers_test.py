@@ -427,7 +427,23 @@ class Controllers(InAFolder):
                       'name it: "controller": {"kind": "my"}\n', found)
         found = self.troupe("run", "wander.json", *script, "--set", "/types/bot/controller/cruse=0.2", code=2).stderr
         self.assertNotIn("must name it", found)
+        no_effect = ('has no effect, because the controller "my" of the script replaces the controllers of type "bot"; to set '
+                     'parameters of "my", the world must name it: "controller": {"kind": "my"}\n')
+        found = self.troupe("run", "wander.json", *script, "--set", "/types/bot/controller/cruise_speed_mps=0.2", code=2).stderr
+        self.assertEqual("--set /types/bot/controller/cruise_speed_mps: error: " + no_effect, found)
+        self.write("study.json", json.dumps({"troupe_study": 1, "world": "wander.json", "parameters": [
+            {"set": "/types/bot/controller/cruise_speed_mps", "values": [0.1, 0.2]}]}))
+        found = self.troupe("sweep", "study.json", "--controller", "my.py", "-o", "speeds", code=2).stderr
+        self.assertEqual("study.json:1: error: /parameters/0: " + no_effect, found)
         self.assertIn("  cruise  0.3      number\n", self.troupe("describe", "my", "--controller", "my.py").stdout)
+
+    def test_misspelt_attributes_are_warnings_with_the_line_of_the_class(self):
+        self.write("bot.py", ROAM.replace("class roam", "class bot").replace('robots = "r"', 'robot = "r"\n    gain = 3'))
+        found = self.troupe("run", "w.json", "--controller", "bot.py", "--for", "0.2", "--quiet").stderr
+        self.assertIn('bot.py:5: UserWarning: bot has the attribute "robot", which Controller does not use: did you mean "robots"?\n',
+                      found)
+        self.assertNotIn("gain", found)
+        self.assertNotIn("UserWarning", self.troupe("run", "w.json", "--controller", "roam.py", "--for", "0.2", "--quiet").stderr)
 
     def test_parameters_that_cannot_be_are_errors_with_their_line(self):
         class_line = next(n for n, line in enumerate(ROAM.splitlines(), 1) if line.startswith("class "))

@@ -377,6 +377,10 @@ class Plot(unittest.TestCase):
             troupe.plot.draw(nowhere)
         self.assertEqual(str(raised.exception), f"{nowhere}: error: there is no such folder: give the folder of a "
                          "completed sweep")
+        table = self.folder / "table.csv"
+        with self.assertRaises(troupe.plot.PlotError) as raised:
+            troupe.plot.draw(table)
+        self.assertEqual(str(raised.exception), f"{table}: error: this is a file: give the folder of a completed sweep")
         self.assertIn('unknown measure "ordr"; known: order (did you mean "order"?)', message("ordr"))
         self.assertIn('unknown parameter "size"; known: robots', message(by="size"))
         self.assertIn("must end in .png, .svg or .pdf", message(out="x.gif"))
@@ -398,6 +402,19 @@ class Plot(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", pathlib.Path(troupe.plot.__file__).read_text(), "--measure=x", "--",
                                str(self.folder)], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (2, 'troupe plot: error: unknown measure "x"; known: order\n'))
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_failed_runs_are_named_in_a_warning(self):
+        table = self.folder / "table.csv"
+        runs = len(TABLE.splitlines()) - 1
+        table.write_text(TABLE + "8,10,3,0,0,nan,,,no room\n")
+        text = f"{table}: warning: 1 of {runs + 1} runs failed and are not in the plot; run 8: no room"
+        for named in ({}, {"over": "robots"}):
+            with self.assertWarns(RuntimeWarning) as warned:
+                troupe.plot.draw(self.folder, **named)
+            self.assertEqual(str(warned.warning), text)
+        done = subprocess.run([sys.executable, troupe.plot.__file__, str(self.folder)], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stderr), (0, text + "\n"))
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_a_long_label_is_not_cut_off(self):

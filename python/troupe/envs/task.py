@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import numbers
 import os
 import warnings
@@ -12,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
+
+from .._script import misspelt_members
 
 if TYPE_CHECKING:
     from .batch import Batch
@@ -126,13 +127,10 @@ def check_task(task: Task) -> None:
     names are similar to those of its members, such as `second`."""
     if not isinstance(task.seconds, numbers.Real):
         raise TypeError(f"{type(task).__name__}.seconds: must be a number of seconds, found {task.seconds!r}")
-    members = [name for name in vars(Task) if not name.startswith("_")]
     own = {name for cls in type(task).__mro__ if issubclass(cls, Task) for name in vars(cls)} | set(vars(task))
-    for name in sorted(own.difference(members)):
-        near = difflib.get_close_matches(name, members, 1, 0.85)
-        if near and not name.startswith("_"):
-            warnings.warn(f'{type(task).__name__} has the attribute "{name}", which Task does not use: did you mean "{near[0]}"?',
-                          stacklevel=4)
+    for name, near in misspelt_members(Task, own):
+        warnings.warn(f'{type(task).__name__} has the attribute "{name}", which Task does not use: did you mean "{near}"?',
+                      stacklevel=4)
 
 
 def check_team(team: Team) -> None:
