@@ -386,6 +386,15 @@ class Steered(unittest.TestCase):
             self.assertIn("already at", viewer.ask(do="until", time_s=end)["reason"])
             self.assertIn("must be a number", viewer.ask(do="until", time_s=-1)["reason"])
 
+    def test_it_runs_until_a_time_also_after_a_restart(self):
+        with View("--rate", 20) as view, view.open() as viewer:
+            viewer.ask(do="step", ticks=100)
+            self.paused(viewer)
+            viewer.ask(do="until", time_s=200)  # 9.5 s later
+            self.assertEqual(viewer.ask(do="restart")["type"], "done")
+            viewer.ask(do="rate", rate=0)
+            self.assertEqual(self.paused(viewer)["tick"], 2000)
+
     def test_checkpoints_and_recordings_are_of_the_run(self):
         with View("--rate", 0) as view, view.open() as viewer:
             self.assertEqual(viewer.ask(do="record")["file"], "rooms.recording.h5")
