@@ -36,11 +36,13 @@ void RunClock::play(std::uint64_t ticks) {
   if (!playing_) restart();
   playing_ = true;
   steps_ = ticks;
+  until_ = 0;
 }
 
 void RunClock::restart() {
   due_ = measured_ = Clock::now();
   measured_s_ = simulation_.time_s();
+  if (playing_ && until_ > simulation_.tick()) steps_ = until_ - simulation_.tick();
 }
 
 bool RunClock::obey(const Request& request) {
@@ -50,7 +52,7 @@ bool RunClock::obey(const Request& request) {
     // Pauses after the next tick, because the hash log line is computed then. At a low rate, this tick would
     // be due much later.
     if (playing_) {
-      steps_ = 1;
+      play(1);
       due_ = Clock::now();
     }
   } else if (request.what() == "step") {
@@ -64,6 +66,7 @@ bool RunClock::obey(const Request& request) {
           fmt::format("\"time_s\" is {:.10g} s, but the world is already at {:.10g} s: give a later time",
                       time_s, simulation_.time_s()));
     play(end - simulation_.tick());
+    until_ = end;
   } else if (request.what() == "rate") {
     const double rate = request.number("rate", 0, k_most_rate);
     if (!is_rate(rate)) throw ActRefused(fmt::format("\"rate\" is {}: {}", rate, expected_rate()));

@@ -31,7 +31,8 @@ class RunClock {
 
   /// Lets the run continue, and pauses it after `ticks` ticks; 0: does not pause it.
   void play(std::uint64_t ticks);
-  /// Begins to measure the speed of the run, and the time of its next tick, from now.
+  /// Begins to measure the speed of the run, and the time of its next tick, from now. Call it also after the
+  /// simulation has returned to tick 0: a request `until` then still pauses the run at its time.
   void restart();
   /// Obeys a request that runs or pauses the world, or limits its speed. Returns false if the request is of
   /// another sort. Throws ActRefused if an argument is invalid.
@@ -47,6 +48,7 @@ class RunClock {
   const Simulation& simulation_;
   bool playing_ = false;
   std::uint64_t steps_ = 0;  // ticks until the next pause; 0: no pause
+  std::uint64_t until_ = 0;  // tick of the next pause if a request `until` has set it, else 0
   double rate_;
   Clock::time_point due_;
   Clock::time_point measured_;  // when the speed was last measured

@@ -386,6 +386,18 @@ class Steered(unittest.TestCase):
             self.assertIn("already at", viewer.ask(do="until", time_s=end)["reason"])
             self.assertIn("must be a number", viewer.ask(do="until", time_s=-1)["reason"])
 
+    def test_it_runs_until_a_time_also_after_a_restart(self):
+        with View("--rate", 20) as view, view.open() as viewer:
+            viewer.ask(do="step", ticks=100)
+            self.paused(viewer)
+            viewer.ask(do="until", time_s=200)  # 9.5 s later
+            self.assertEqual(viewer.ask(do="restart")["type"], "done")
+            viewer.ask(do="rate", rate=0)
+            state = self.paused(viewer)
+            while state["run"] < 2:  # a picture from before the restart
+                state = self.paused(viewer)
+            self.assertEqual(state["tick"], 2000)
+
     def test_checkpoints_and_recordings_are_of_the_run(self):
         with View("--rate", 0) as view, view.open() as viewer:
             self.assertEqual(viewer.ask(do="record")["file"], "rooms.recording.h5")
@@ -1250,7 +1262,7 @@ class InABrowser(unittest.TestCase):
             self.assertGreater(page.run("troupe.inspected().pose[3]"), 1.2)
             self.assertEqual(page.problems, [])
 
-    def test_an_added_body_has_the_height_of_its_population(self):
+    def test_bodies_above_the_floor_are_added_and_moved_at_their_height(self):
         world = json.loads(json.dumps(YARD))
         del world["types"]["bot"]["controller"]
         region = [[-4, -4], [4, 4]]
@@ -1258,10 +1270,19 @@ class InABrowser(unittest.TestCase):
         with self.opened(world=world) as (_, page):
             self.pause(page)
             page.run("(add => { add.selectedIndex = 1; add.onchange({target: add}); })(document.getElementById('add'))")
-            x, y, z = page.run("troupe.pose('b0')")[:3]
-            page.click(*page.run(f"troupe.screenPlace('b0', [{-x}, {-y}, {-z}])"))
+            x, y = page.run("troupe.pose('b0')")[:2]
+            page.click(*page.run(f"troupe.screenPlace('b0', [{-x}, {-y}, 0])"))
             page.wait("troupe.state().robots === 5 && troupe.pose('b4')[3] === 0")
             for found, expected in zip(page.run("troupe.pose('b4')"), (0, 0, 0.7)):
+                self.assertAlmostEqual(found, expected, delta=0.05)
+
+            page.run("troupe.slant()")
+            page.run("troupe.select('b4')")
+            page.wait("troupe.inspected()?.robot === 'b4'")
+            start, end = (page.run(f"troupe.screenPlace('b4', {shift})") for shift in ([0, 0, 0], [1, -0.5, 0]))
+            page.drag(start, end)
+            page.wait("Math.abs(troupe.pose('b4')[0]) > 0.5 && troupe.inspected().pose[0] > 0.5")
+            for found, expected in zip(page.run("troupe.inspected().pose"), (1, -0.5, 0.7)):
                 self.assertAlmostEqual(found, expected, delta=0.05)
             self.assertEqual(page.problems, [])
 

@@ -188,7 +188,7 @@ class LivePage extends Page {
 
   /** Adds a robot at the click if a population is chosen, else selects. */
   click(clientX, clientY) {
-    const place = this.adding && this.view.floorAt(clientX, clientY);
+    const place = this.adding && this.view.floorAt(clientX, clientY, this.adding.height);
     if (!place) return super.click(clientX, clientY);
     const { population, height } = this.adding;
     this.act({ do: "add", population, pose: [...place, height, 0] });
@@ -227,7 +227,7 @@ class LivePage extends Page {
     window.addEventListener("pointermove", (event) => {
       if (!drag) return;
       drag.moved ||= Math.hypot(event.clientX - drag.from[0], event.clientY - drag.from[1]) > DRAG_PIXELS;
-      const place = this.view.floorAt(event.clientX, event.clientY);
+      const place = this.view.floorAt(event.clientX, event.clientY, drag.pose[2]);
       if (!drag.moved || !place) return;
       const [x, y, , heading] = drag.pose;
       drag.wanted = { robot: drag.robot };

@@ -342,12 +342,12 @@ export class View {
     return new Promise((done) => this.canvas.toBlob(done, "image/png"));
   }
 
-  /** The point of the floor under a point of the screen (CSS pixels): x and y, m; null if there is none. */
-  floorAt(clientX, clientY) {
+  /** The point under a point of the screen (CSS pixels), on the floor or at another height, m: x and y, m; null if there is none. */
+  floorAt(clientX, clientY, height = 0) {
     this.camera.updateMatrixWorld();
     const ray = new Raycaster();
     ray.setFromCamera(new Vector2((2 * clientX) / window.innerWidth - 1, 1 - (2 * clientY) / window.innerHeight), this.camera);
-    const place = ray.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), 0), new Vector3());
+    const place = ray.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), -height), new Vector3());
     return place && [place.x, place.y];
   }
 
