@@ -186,6 +186,8 @@ TEST(RunsText, JoinsIndicesThatFollowEachOther) {
 TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "value": [1]}])"),
               testing::Contains(HasSubstr("study.json:2: error: /parameters/0: missing \"values\"")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "from": 0, "to": 1}])"),
+              ElementsAre(HasSubstr("study.json:2: error: /parameters/0: missing \"steps\"")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "x", "values": [1]}])"),
               ElementsAre(HasSubstr("expected a JSON pointer")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": []}])"),

@@ -248,6 +248,7 @@ Choice StudyReader::read_choice(JsonObject& object) const {
     if (!way.empty()) object.at().error(fmt::format("give \"{}\" or \"{}\", not both", way, one));
     way = one;
   }
+  if (way.empty() && (object.find("from") || object.find("to"))) return read_steps(object);
   if (way.empty()) {
     object.missing("values",
                    "a list of values; or \"from\", \"to\" and \"steps\"; or, with \"samples\", \"uniform\", "
