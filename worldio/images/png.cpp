@@ -105,9 +105,9 @@ struct PaletteIndices {
   int colors = 0;  // number of colours in the palette
 };
 
-/// Reads all palette indices. Returns false if libpng reports an error, see encode_rows().
-bool read_palette_indices(png_structp png, png_infop info, PaletteIndices& indices) {
-  if (setjmp(png_jmpbuf(png))) return false;
+/// Reads all palette indices. Not inlined into the function with setjmp(), so that none of the variables is
+/// live there. No local variable may have a destructor, see encode_rows().
+[[gnu::noinline]] void read_palette_rows(png_structp png, png_infop info, PaletteIndices& indices) {
   // The caller has limited the size of the image and of the file. Only the chunks of the pixels are unpacked.
   png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
   png_set_chunk_malloc_max(png, 0);
@@ -126,6 +126,12 @@ bool read_palette_indices(png_structp png, png_infop info, PaletteIndices& indic
       png_read_row(png, indices.row.data(), nullptr);
       indices.largest = std::max(indices.largest, int{*std::ranges::max_element(indices.row)});
     }
+}
+
+/// Reads all palette indices. Returns false if libpng reports an error.
+bool read_palette_indices(png_structp png, png_infop info, PaletteIndices& indices) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  read_palette_rows(png, info, indices);
   return true;
 }
 
