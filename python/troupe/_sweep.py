@@ -176,8 +176,9 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
         if isinstance(document.get("world"), Mapping):
             world = document["world"]
             document["world"] = name
+        world_text = None if world is None else text_of(dict(world), "/world")
         try:
-            read = _core._read_study(name, text_of(document))
+            read = _core._read_study(name, text_of(document), world_text)
         except _core.InputError as error:
             raise _without_lines(error, name) from None
     else:

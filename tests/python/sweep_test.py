@@ -142,6 +142,13 @@ class Sweep(unittest.TestCase):
             with self.assertRaisesRegex(troupe.InputError, "world.json: error: no end time: "):
                 troupe.sweep(file)
 
+    def test_measures_of_the_world_may_be_named(self):
+        world = {**WORLD, "measures": [{"kind": "coverage", "cell_m": 0.5, "name": "fine"}]}
+        study = {**STUDY, "world": world, "seeds": [1], "measures": ["fine"], "statistics": ["last"]}
+        self.assertIn("fine", troupe.sweep(study).columns)
+        with self.assertRaisesRegex(troupe.InputError, '^dict.json: error: /measures/0: unknown measure "finer"'):
+            troupe.sweep({**study, "measures": ["finer"]})
+
     def test_an_unknown_keyword_argument_is_named(self):
         for wrong in ({"thread": 1}, {"seed": 1}, {"set": {}}):
             with self.assertRaises(TypeError) as raised:

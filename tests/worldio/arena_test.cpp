@@ -296,6 +296,14 @@ TEST_F(IncludeTest, ErrorsNameTheirFileAndLine) {
       load(R"("include": ["none.json"])").found,
       ElementsAre("maze.json:2: error: /include/0: \"none.json\" cannot be included: there is no such file"));
   EXPECT_THAT(load(R"("include": [])").found, IsEmpty());
+  // The types of a file that cannot be included are not unknown.
+  for (const char* file : {"none.json", "broken.json"})
+    EXPECT_THAT(load(fmt::format(R"("include": ["{}"], "types": {{"own": {{"extends": "base"}}}},
+      "models": [{{"name": "m", "type": "base"}}])",
+                                 file))
+                    .found,
+                testing::SizeIs(1))
+        << file;
   EXPECT_THAT(load(R"("include": "base.json")").found,
               ElementsAre("maze.json:2: error: /include: expected a list, found the text \"base.json\""));
   EXPECT_THAT(load(R"("include": ["wrong.json"])").found,

@@ -199,6 +199,8 @@ TEST(RunsText, JoinsIndicesThatFollowEachOther) {
 TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "value": [1]}])"),
               testing::Contains(HasSubstr("study.json:2: error: /parameters/0: missing \"values\"")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "from": 0, "to": 1}])"),
+              ElementsAre(HasSubstr("study.json:2: error: /parameters/0: missing \"steps\"")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "x", "values": [1]}])"),
               ElementsAre(HasSubstr("expected a JSON pointer")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": []}])"),
@@ -254,6 +256,12 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(findings(diagnostics_), IsEmpty());
   EXPECT_THAT(wrong(R"("measures": ["finer"])"),
               ElementsAre(HasSubstr("study.json:2: error: /measures/0: unknown measure \"finer\"")));
+  {
+    Diagnostics found;
+    load_study_text(file_, R"({"troupe_study": 1, "world": 3, "measures": ["fine"]})", make_registry(),
+                    found);
+    EXPECT_THAT(findings(found), ElementsAre(HasSubstr("error: /world: expected the path of a world file")));
+  }
   EXPECT_THAT(wrong(R"("statistics": ["median"])"), ElementsAre(HasSubstr("known: last, max, mean, min")));
   EXPECT_THAT(wrong(R"("statistics": ["mean", "mean"])"), ElementsAre(HasSubstr("already contains")));
   EXPECT_THAT(wrong(R"("seeds": [])"), ElementsAre(HasSubstr("at least one seed")));

@@ -91,7 +91,7 @@ std::string encode(const Rows& image, const std::vector<std::pair<std::string, s
   return bytes;
 }
 
-void read_bytes(png_structp png, png_bytep data, std::size_t size) {
+void take_png_bytes(png_structp png, png_bytep data, std::size_t size) {
   auto& rest = *static_cast<std::string_view*>(png_get_io_ptr(png));
   if (size > rest.size()) png_error(png, "the file is cut off");
   std::memcpy(data, rest.data(), size);
@@ -99,15 +99,15 @@ void read_bytes(png_structp png, png_bytep data, std::size_t size) {
 }
 
 /// The palette indices of an image.
-struct Indices {
+struct PaletteIndices {
   std::vector<std::uint8_t> row;  // one byte per pixel, of the row that was read last
   int largest = 0;
   int colors = 0;  // number of colours in the palette
 };
 
-/// Reads all palette indices. Returns false if libpng reports an error, see encode_rows().
-bool read_indices(png_structp png, png_infop info, Indices& indices) {
-  if (setjmp(png_jmpbuf(png))) return false;
+/// Reads all palette indices. Not inlined into the function with setjmp(), so that none of the variables is
+/// live there. No local variable may have a destructor, see encode_rows().
+[[gnu::noinline]] void read_palette_rows(png_structp png, png_infop info, PaletteIndices& indices) {
   // The caller has limited the size of the image and of the file. Only the chunks of the pixels are unpacked.
   png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
   png_set_chunk_malloc_max(png, 0);
@@ -126,6 +126,12 @@ bool read_indices(png_structp png, png_infop info, Indices& indices) {
       png_read_row(png, indices.row.data(), nullptr);
       indices.largest = std::max(indices.largest, int{*std::ranges::max_element(indices.row)});
     }
+}
+
+/// Reads all palette indices. Returns false if libpng reports an error.
+bool read_palette_indices(png_structp png, png_infop info, PaletteIndices& indices) {
+  if (setjmp(png_jmpbuf(png))) return false;
+  read_palette_rows(png, info, indices);
   return true;
 }
 
@@ -173,11 +179,11 @@ std::string palette_error(std::string_view bytes) {
       bytes[k_color_type] != PNG_COLOR_TYPE_PALETTE)
     return {};
   Message message{};
-  Indices indices;
+  PaletteIndices indices;
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &message, on_error, on_warning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
-  if (info) png_set_read_fn(png, &bytes, read_bytes);
-  const bool whole = info && read_indices(png, info, indices);
+  if (info) png_set_read_fn(png, &bytes, take_png_bytes);
+  const bool whole = info && read_palette_indices(png, info, indices);
   png_destroy_read_struct(&png, &info, nullptr);
   if (!whole) return fmt::format("libpng: {}", message.data());
   if (indices.largest < indices.colors) return {};

@@ -319,10 +319,12 @@ void replace_wrong_base(JsonNode& type) {
 class TypeMerger {
  public:
   /// bases: if not null, the list to which the names of base types are added.
-  TypeMerger(Members& types, Diagnostics& diagnostics, std::vector<std::string>* bases)
+  /// has_all_types: whether an unknown base type is an error
+  TypeMerger(Members& types, Diagnostics& diagnostics, std::vector<std::string>* bases, bool has_all_types)
       : types_(types),
         diagnostics_(diagnostics),
         bases_(bases),
+        has_all_types_(has_all_types),
         is_visited_(types.size()),
         is_wrong_(types.size()),
         depths_(types.size()) {
@@ -361,6 +363,7 @@ class TypeMerger {
   Members& types_;
   Diagnostics& diagnostics_;
   std::vector<std::string>* bases_;
+  bool has_all_types_;
   std::unordered_map<std::string_view, std::size_t> indices_;  // key of a type -> its index in types_
   std::vector<bool> is_visited_;                               // per type: resolved, or being resolved
   std::vector<bool> is_wrong_;                                 // per type: see replace_base()
@@ -404,6 +407,7 @@ std::optional<std::size_t> TypeMerger::find_base(const JsonMember& type) {
     if (bases_) bases_->push_back(base_name ? *base_name : base.key);
     return found->second;
   }
+  if (name && !has_all_types_) return std::nullopt;
   std::vector<std::string_view> known;
   for (const JsonMember& each : types_)
     if (&each != &type) known.push_back(each.key);
@@ -456,9 +460,10 @@ void resolve_includes(JsonNode& world, const fs::path& file, Diagnostics& diagno
   *own = includer.take_types();
 }
 
-bool resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases) {
+bool resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases,
+                     bool has_all_types) {
   Members* types = members_of(world.find("types"));
-  return types == nullptr || TypeMerger(*types, diagnostics, bases).merge_all();
+  return types == nullptr || TypeMerger(*types, diagnostics, bases, has_all_types).merge_all();
 }
 
 }  // namespace troupe::worldio

@@ -63,6 +63,9 @@ inline constexpr std::size_t k_most_inherited_values = 5000000;
 ///
 /// bases: if not null, the list to which the names of all base types are added, once for each type that
 /// extends the base type.
-bool resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr);
+/// has_all_types: whether resolve_includes() found no error. If not, an unknown base type may be one of a
+/// file that could not be included, so it is not reported.
+bool resolve_extends(JsonNode& world, Diagnostics& diagnostics, std::vector<std::string>* bases = nullptr,
+                     bool has_all_types = true);
 
 }  // namespace troupe::worldio

@@ -97,11 +97,13 @@ WorldSpec empty_world(const Diagnostics& diagnostics) {
 
 bool change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics) {
+  const std::size_t before = diagnostics.error_count();
   resolve_includes(document, file, diagnostics);
+  const bool has_all_types = diagnostics.error_count() == before;
   for (const auto& [pointer, value] : options.set) set_json_value(document, pointer, value, diagnostics);
   for (const auto& [name, count] : options.robots) set_robots(document, name, count, diagnostics);
   report_nul({document, diagnostics});
-  return resolve_extends(document, diagnostics, options.base_types);
+  return resolve_extends(document, diagnostics, options.base_types, has_all_types) && has_all_types;
 }
 
 WorldDocument read_json_document(const JsonNode& document, const engine::Registry& registry,
@@ -131,9 +133,9 @@ WorldSpec load_json_node(JsonNode document, const std::filesystem::path& file,
                          const engine::Registry& registry, const LoadOptions& options,
                          Diagnostics& diagnostics) {
   report_repeated_keys(document, diagnostics);
-  const bool has_right_bases = change_json_world(document, file, options, diagnostics);
+  const bool has_whole_types = change_json_world(document, file, options, diagnostics);
   const WorldDocument read = read_json_document(document, registry, options, diagnostics);
-  return has_right_bases ? expand(read, file, registry, options, diagnostics) : empty_world(diagnostics);
+  return has_whole_types ? expand(read, file, registry, options, diagnostics) : empty_world(diagnostics);
 }
 
 std::optional<WorldDocument> load_json_document(const std::filesystem::path& file, const std::string& text,
@@ -146,9 +148,9 @@ std::optional<WorldDocument> load_json_document(const std::filesystem::path& fil
     diagnostics.error(study->where, "this is a study, not a world: `troupe sweep` makes its runs");
     return std::nullopt;
   }
-  const bool has_right_bases = change_json_world(*document, file, options, diagnostics);
+  const bool has_whole_types = change_json_world(*document, file, options, diagnostics);
   WorldDocument read = read_json_document(*document, registry, options, diagnostics);
-  if (!has_right_bases) return std::nullopt;
+  if (!has_whole_types) return std::nullopt;
   return read;
 }
 

@@ -30,8 +30,9 @@ namespace troupe::worldio {
 /// If LoadOptions::base_types is not null, adds the names of the types that other types extend to this list.
 /// Reports an error for each step that fails, for example if an included file cannot be read, a population is
 /// unknown, or types extend each other in a circle. resolve_includes() and resolve_extends()
-/// (worldio/json/json_include.hpp) describe the first and the third step. Returns the result of
-/// resolve_extends().
+/// (worldio/json/json_include.hpp) describe the first and the third step. Returns whether these two steps
+/// found no error. If it returns false, types may be missing or incomplete, so that errors about the meaning
+/// of the world may be untrue.
 bool change_json_world(JsonNode& document, const std::filesystem::path& file, const LoadOptions& options,
                        Diagnostics& diagnostics);
 

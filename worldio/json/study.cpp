@@ -134,8 +134,9 @@ std::string drawn(const Choice& choice, Random& random) {
 
 class StudyReader {
  public:
-  StudyReader(const std::filesystem::path& file, const engine::Registry& registry)
-      : file_(file), registry_(registry) {}
+  /// world: the text of the world; null: the study names a file
+  StudyReader(const std::filesystem::path& file, const engine::Registry& registry, const std::string* world)
+      : file_(file), registry_(registry), world_(world) {}
 
   Study read(const JsonNode& document, Diagnostics& diagnostics) {
     const JsonCursor root(document, diagnostics);
@@ -197,11 +198,17 @@ class StudyReader {
   static Choice read_interval(const JsonCursor& at, ChoiceKind kind);
   void read_seeds(JsonObject& object);
   void read_measures(JsonObject& object);
+  /// Returns the text of the world. Empty if it cannot be read, which is reported when the world is loaded.
+  std::optional<std::string> text_of_world() const {
+    if (world_ != nullptr) return *world_;
+    return check_readable(study_.world, k_most_input_bytes) ? read_file(study_.world) : std::nullopt;
+  }
   void check_effects(const JsonCursor& at) const;
   void check_runs(const JsonCursor& at);
 
   const std::filesystem::path& file_;
   const engine::Registry& registry_;
+  const std::string* world_;
   Study study_;
 };
 
@@ -242,6 +249,7 @@ Choice StudyReader::read_choice(JsonObject& object) const {
     if (!way.empty()) object.at().error(fmt::format("give \"{}\" or \"{}\", not both", way, one));
     way = one;
   }
+  if (way.empty() && (object.find("from") || object.find("to"))) return read_steps(object);
   if (way.empty()) {
     object.missing("values",
                    "a list of values; or \"from\", \"to\" and \"steps\"; or, with \"samples\", \"uniform\", "
@@ -346,11 +354,8 @@ void StudyReader::read_seeds(JsonObject& object) {
     study_.seeds.push_back(static_cast<std::uint64_t>(seeds->from + i));
 }
 
-/// Whether the list `measures` of a JSON world has an entry with the key `name`. False if the world cannot be
-/// read, which is reported when it is loaded.
-bool lists_measure(const std::filesystem::path& world, std::string_view name) {
-  if (!check_readable(world, k_most_input_bytes)) return false;
-  const std::optional<std::string> text = read_file(world);
+/// Whether the list `measures` of a JSON world has an entry with the key `name`. `text` is that of the world.
+bool lists_measure(const std::optional<std::string>& text, std::string_view name) {
   if (!text) return false;
   Diagnostics ignored;
   const std::optional<JsonNode> document = parse_json(*text, {}, true, ignored);
@@ -370,7 +375,7 @@ void StudyReader::read_measures(JsonObject& object) {
   each(object, "measures", [&](const JsonCursor& at) {
     const std::string* text = at.node().text();
     const bool is_of_world = text && !registry_.find_measure(text->substr(0, text->find(':'))) &&
-                             lists_measure(study_.world, *text);
+                             (study_.world.empty() || lists_measure(text_of_world(), *text));
     if (!is_of_world && !read_measure(at, registry_)) return;
     study_.measures.push_back(at.node().text() ? *at.node().text() : option_text(at.node()));
   });
@@ -557,11 +562,11 @@ Study load_study(const std::filesystem::path& file, const engine::Registry& regi
 }
 
 Study load_study_text(const std::filesystem::path& file, std::string_view text,
-                      const engine::Registry& registry, Diagnostics& diagnostics) {
+                      const engine::Registry& registry, Diagnostics& diagnostics, const std::string* world) {
   restore_fp_environment();  // before anything is computed from the file
   const Where start{diagnostics.files()->add(file.string()), 0};
   const std::optional<JsonNode> document = parse_json(text, start, false, diagnostics);
-  return document ? StudyReader(file, registry).read(*document, diagnostics) : Study{};
+  return document ? StudyReader(file, registry, world).read(*document, diagnostics) : Study{};
 }
 
 }  // namespace troupe::worldio

@@ -117,8 +117,9 @@ Study load_study(const std::filesystem::path& file, const engine::Registry& regi
                  Diagnostics& diagnostics);
 /// Like load_study(), but `text` is the content of the study file. `file` is the path of the study, which
 /// need not exist. Messages name this path, and the path of the world (Study::world) is relative to its
-/// folder.
+/// folder. If the world need not exist as a file either, `world` is its text; null: the world is a file.
 Study load_study_text(const std::filesystem::path& file, std::string_view text,
-                      const engine::Registry& registry, Diagnostics& diagnostics);
+                      const engine::Registry& registry, Diagnostics& diagnostics,
+                      const std::string* world = nullptr);
 
 }  // namespace troupe::worldio
