@@ -256,6 +256,7 @@ struct RecordedRun::Impl {
           if (body.type != next) continue;
         }
         engine::FrameType look = at_rest.look;
+        look.name = at_rest.name;
         for (std::size_t k = 0; k < look.shapes.size(); ++k) {
           const std::size_t part = at_rest.shape_parts[k];
           const std::span<const double> color = std::span(parts).subspan(3 * part, 3);

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string>
 
 namespace troupe::models {
 namespace {
@@ -93,8 +94,10 @@ struct Expand {
     DeviceChoice choice(sensors, claimed);
     // Only the first ranger is read, as in Stage's examples, whose robots also have a second ranger (a
     // laser).
-    if (!choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
-      return Error{"needs a ranger that no other controller of the robot reads"};
+    const auto is_ranger = [](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); };
+    if (!choice.take(is_ranger))
+      return Error{std::string("needs a ranger that no other controller of the robot reads") +
+                   (std::ranges::any_of(sensors, is_ranger) ? "" : "; the robot has no ranger")};
     const engine::DeviceInfo& ranger = sensors[choice.chosen().front()];
     const std::vector<Beam> beams = beams_of(ranger);
     if (!can_point_ahead(beams))

@@ -347,6 +347,8 @@ def _of_file(source: Union[str, os.PathLike[str]]) -> Dict[str, Any]:
     try:
         with open(file, "rb") as stream:
             contents = hashlib.sha256(stream.read()).hexdigest()
+    except FileNotFoundError:
+        raise InputError(f"{file}: error: there is no such file") from None
     except OSError as error:
         raise InputError(f"{file}: error: cannot be read: {error.strerror}") from None
     if not file.endswith(".py"):

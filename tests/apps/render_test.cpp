@@ -143,6 +143,20 @@ TEST_F(Render, WhatWasRecordedOfTheStateIsDrawn) {
   }
 }
 
+TEST_F(Render, TheLegendOfARecordingNamesTypesWhosePartsShowColours) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  write("lit.json", R"({"troupe": 1, "types": {"bot": {"size_m": [1, 1, 0.2], "drive": {"kind": "diff"},
+    "parts": [{"name": "mast", "size_m": [0.5, 0.5, 0.1], "pose": {"z_m": 0.2},
+               "devices": [{"name": "lamp", "kind": "led", "shows": [0, 1, 0]}]}]}},
+    "models": [{"name": "a", "type": "bot"}]})");
+  ASSERT_EQ(troupe({"run", "lit.json", "--for", "0.2", "--quiet", "--record", "lit.h5"}).code, 0);
+  for (const char* file : {"lit.json", "lit.h5"}) {
+    const Outcome outcome = troupe({"render", file, "-o", "lit.svg", "--layers", "types"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(read("lit.svg"), HasSubstr(">bot (1)<")) << file;
+  }
+}
+
 TEST_F(Render, ChargesThatWereRecordedAreThoseOfTheRun) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
   write("packs.json", R"({"troupe": 1, "types": {

@@ -455,8 +455,10 @@ TEST(World, AControllerWithoutItsSensorIsAnError) {
   scene[type].controllers = {test::controller("expand")};
   Diagnostics diagnostics;
   EXPECT_THROW(World(scene.spec, test::registry(), {.threads = 1}, diagnostics), InputError);
-  EXPECT_EQ(diagnostics.text(diagnostics.findings()[0]),
-            "error: controller \"expand\" needs a ranger that no other controller of the robot reads");
+  EXPECT_EQ(
+      diagnostics.text(diagnostics.findings()[0]),
+      "error: controller \"expand\" needs a ranger that no other controller of the robot reads; the robot "
+      "has no ranger");
 }
 
 TEST(World, NamesAndAliases) {

@@ -231,7 +231,15 @@ TEST(Expand, InvertTurnsTheSumAround) {
 
 TEST(Expand, WithoutARangerItSaysWhatItNeeds) {
   Decision decide({}, "expand", preset("expand_swarm"));
-  EXPECT_EQ(decide.error, "needs a ranger that no other controller of the robot reads");
+  EXPECT_EQ(decide.error,
+            "needs a ranger that no other controller of the robot reads; the robot has no ranger");
+  const engine::DeviceKind::Prepared layout = Decision::ring({0});
+  const engine::DeviceInfo ranger{"eye", "ranger", layout};
+  std::vector<bool> claimed(1, true);
+  const auto made =
+      test::registry().controller("expand")->prepare(preset("expand_swarm"), {&ranger, 1}, claimed);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().text, "needs a ranger that no other controller of the robot reads");
 }
 
 TEST(Wander, CruisesWithAFreeWay) {

@@ -656,7 +656,7 @@ except KeyboardInterrupt:
         self.write("my.py", "import troupe\n" + shared)  # a base of a controller need not be one
         self.troupe("run", "w.json", "--controller", "my.py", "--for", "0.2")
         found = self.troupe("run", "w.json", "--controller", "none.py", code=2).stderr
-        self.assertIn("none.py: error: cannot be read: No such file or directory", found)
+        self.assertIn("none.py: error: there is no such file", found)
         self.write("command.py", ROAM.replace("class roam", "class command"))
         found = self.troupe("run", "w.json", "--controller", "command.py", code=2).stderr
         self.assertIn('command.py: error: it has a controller "command" that has the name of a component of the state', found)

@@ -211,8 +211,10 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
               ElementsAre(HasSubstr("above 0")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [0.5, 1]}], "samples": 2)"),
               ElementsAre(HasSubstr("whole numbers")));
-  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "uniform": [1, 2]}])"),
-              ElementsAre(HasSubstr("give the number of samples")));
+  EXPECT_THAT(
+      wrong(R"("parameters": [{"set": "/x", "uniform": [1, 2]}])"),
+      ElementsAre("study.json:2: error: /parameters/0: the values of \"x\" are random: give the number of "
+                  "samples, as in \"samples\": 100"));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "values": [1], "uniform": [1, 2]}])"),
               testing::Contains(HasSubstr("not both")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/seed", "values": [1]}])"),

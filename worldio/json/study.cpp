@@ -446,9 +446,10 @@ void StudyReader::check_runs(const JsonCursor& at) {
   if (study_.samples) count *= static_cast<double>(*study_.samples);
   for (std::size_t p = 0; !study_.samples && p < study_.choices.size(); ++p) {
     if (study_.choices[p].count() == 0)
-      return at.error(
-          fmt::format("the values of \"{}\" are random: give the number of samples, as in \"samples\": 100",
-                      study_.parameters[p].name));
+      return at.error_at(study_.parameters[p].where,
+                         fmt::format("/parameters/{}: the values of \"{}\" are random: give the number of "
+                                     "samples, as in \"samples\": 100",
+                                     p, study_.parameters[p].name));
     count *= static_cast<double>(study_.choices[p].count());
   }
   if (count > static_cast<double>(k_most_runs))
