@@ -93,7 +93,7 @@ struct PowerContactState {
 /// transfer  In each tick, two touching contacts transfer the power min(`give`, `take`), but no more energy
 ///           than the giving pack holds and the taking pack has room for. An infinite pack gives without
 ///           limit and takes nothing. A contact gives to at most k_most_takers other contacts: those on the
-///           bodies with the lowest ids.
+///           bodies with the lowest ids. Only the giving contact must run.
 /// order     The transfers of a tick happen one after another, in the order of the ids of the giving bodies.
 ///           For one giving body, the order is that of its devices. For one giving contact, it is that of the
 ///           ids of the taking bodies. Each transfer changes what the packs hold for the next transfer.
