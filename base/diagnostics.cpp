@@ -25,7 +25,7 @@ std::string_view name_of(Severity severity) {
 
 std::string shortened(std::string message) {
   if (message.size() > k_longest_message) {
-    message.resize(k_longest_message);
+    message.resize(first_characters(message, k_longest_message).size());
     message += " ...";
   }
   return message;
@@ -244,6 +244,13 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
 
 std::string comma_list(std::span<const std::string_view> names) {
   return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string_view first_characters(std::string_view text, std::size_t most) {
+  const auto goes_on = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  if (text.size() <= most) return text;
+  while (most > 0 && goes_on(text[most])) --most;
+  return text.substr(0, most);
 }
 
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known) {

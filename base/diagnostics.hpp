@@ -67,7 +67,7 @@ class InputError : public std::runtime_error {
 };
 
 /// Collects the errors and warnings that are found while a world is loaded, so that they are reported
-/// together. Messages longer than 8000 characters are cut. Not thread-safe.
+/// together. Messages longer than 8000 bytes are cut. Not thread-safe.
 class Diagnostics {
  public:
   /// thorough: whether to report more, for the command `troupe lint`, which searches a world file for
@@ -190,5 +190,7 @@ std::vector<std::string_view> name_list(const Range& objects) {
 }
 /// Returns the names joined as `a, b, c`; empty without names.
 std::string comma_list(std::span<const std::string_view> names);
+/// Returns the beginning of a text in UTF-8: as many whole characters as fit in `most` bytes.
+std::string_view first_characters(std::string_view text, std::size_t most);
 
 }  // namespace troupe

@@ -2,6 +2,7 @@
 
 #include "apps/csv.hpp"
 #include "apps/outputs.hpp"
+#include "base/diagnostics.hpp"
 #include "base/number_text.hpp"
 #include "worldio/files.hpp"
 #include "worldio/partial_file.hpp"
@@ -127,9 +128,7 @@ std::string cell_of(const Column& column, std::size_t row) {
 std::string cut_error(const std::string& error) {
   constexpr std::string_view k_dots = "...";
   if (error.size() <= k_longest_error) return error;
-  std::size_t end = k_longest_error - k_dots.size();
-  while (end > 0 && (static_cast<unsigned char>(error[end]) & 0xC0U) == 0x80U) --end;  // inside a character
-  return error.substr(0, end).append(k_dots);
+  return std::string(first_characters(error, k_longest_error - k_dots.size())).append(k_dots);
 }
 
 void write_file(const fs::path& file, const std::string& bytes) {

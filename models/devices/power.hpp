@@ -93,10 +93,10 @@ struct PowerContactState {
 /// transfer  In each tick, two touching contacts transfer the power min(`give`, `take`), but no more energy
 ///           than the giving pack holds and the taking pack has room for. An infinite pack gives without
 ///           limit and takes nothing. A contact gives to at most k_most_takers other contacts: those on the
-///           bodies with the lowest ids.
+///           bodies with the lowest ids. Only the giving contact must run.
 /// order     The transfers of a tick happen one after another, in the order of the ids of the giving bodies.
-///           For one giving body, the order is that of the ids of the taking bodies. Each transfer changes
-///           what the packs hold for the next transfer.
+///           For one giving body, the order is that of its devices. For one giving contact, it is that of the
+///           ids of the taking bodies. Each transfer changes what the packs hold for the next transfer.
 /// state     PowerContactState; no commands
 /// needs     a power pack on the part of the contact, or on a part that carries this part
 /// none      Contacts of the same body exchange no energy. Contacts of bodies that move together (one carries

@@ -1,5 +1,6 @@
 #include "base/diagnostics.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -81,6 +82,25 @@ TEST(Diagnostics, ManyErrorsAreCounted) {
   EXPECT_TRUE(thrown_by(diagnostics).ends_with("a.world:50: error: bad\n... and 1 more error"));
   diagnostics.error({file, 52}, "bad");
   EXPECT_TRUE(thrown_by(diagnostics).ends_with("a.world:50: error: bad\n... and 2 more errors"));
+}
+
+TEST(Diagnostics, ALongMessageIsCutBetweenTwoCharacters) {
+  std::string letters;
+  while (letters.size() < 9000) letters += "\u00e9";  // two bytes
+  for (const std::string_view start : {"", "a"}) {
+    Diagnostics diagnostics;
+    diagnostics.error({}, std::string(start) + letters);
+    EXPECT_EQ(thrown_by(diagnostics),
+              fmt::format("error: {}{} ...", start, letters.substr(0, start.empty() ? 8000 : 7998)));
+  }
+}
+
+TEST(FirstCharacters, AreWhole) {
+  EXPECT_EQ(first_characters("a\u00e9\u20ac", 6), "a\u00e9\u20ac");
+  EXPECT_EQ(first_characters("a\u00e9\u20ac", 5), "a\u00e9");
+  EXPECT_EQ(first_characters("a\u00e9\u20ac", 3), "a\u00e9");
+  EXPECT_EQ(first_characters("a\u00e9\u20ac", 2), "a");
+  EXPECT_EQ(first_characters("a\u00e9\u20ac", 0), "");
 }
 
 TEST(Diagnostics, AWarningForManyPlacesIsReportedOnce) {
