@@ -31,7 +31,7 @@ NOT_RUN = [
     (r"perf_paper --quick", "is the test perf.paper"),
     (rf"\bworlds/({'|'.join(Scenes().slow()).replace('.', chr(92) + '.')})", "takes minutes of one core"),
     (r"--rate 1\b", "takes as long as it simulates"),
-    (r"^troupe view (?!--help)", "waits for a browser: tests/view_test.py"),
+    (r"^troupe view (?!--help)", "waits for a browser: tests/view_page_test.py"),
     (r"--session \S+\.session\.jsonl", "repeats what was done in a browser: tests/view_test.py"),
 ]
 
