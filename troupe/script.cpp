@@ -33,6 +33,8 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
         "one: give a type a drive, or set `robots` of the controller to the name of a type"};
   std::vector<bool> has(world.types.size(), false);
   std::vector<bool> has_others(world.types.size(), false);
+  for (const engine::EmptyPopulation& empty : world.empty_populations)
+    if (empty.name == robots) has[empty.type.index()] = true;
   for (std::size_t b = 1; b < world.bodies.size(); ++b) {
     const std::size_t type = world.bodies[b].type.index();
     const std::string name = world.name(BodyId(b));

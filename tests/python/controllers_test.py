@@ -460,6 +460,14 @@ class Controllers(InAFolder):
             self.assertEqual(self.hashes(f"two-{time_s}.log"), self.hashes(f"one-{time_s}.log"))
         self.assertNotEqual(self.hashes("one-0.2.log"), self.hashes("one-9.log"))
 
+    def test_the_robots_of_a_controller_may_be_a_population_without_bodies(self):
+        world = troupe.Simulation("w.json", controllers=["roam.py"], robots=0)
+        world.step()
+        self.assertEqual((len(world.swarm()), world.tick), (0, 1))
+        self.write("roam.py", ROAM.replace('robots = "r"', 'robots = "q"'))
+        with self.assertRaisesRegex(troupe.InputError, 'unknown type, population or robot "q"'):
+            troupe.Simulation("w.json", controllers=["roam.py"], robots=0)
+
     def test_misspelt_attributes_are_warnings_with_the_line_of_the_class(self):
         self.write("bot.py", ROAM.replace("class roam", "class bot").replace('robots = "r"', 'robot = "r"\n    gain = 3'))
         found = self.troupe("run", "w.json", "--controller", "bot.py", "--for", "0.2", "--quiet").stderr
