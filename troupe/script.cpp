@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -31,6 +33,8 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
         "one: give a type a drive, or set `robots` of the controller to the name of a type"};
   std::vector<bool> has(world.types.size(), false);
   std::vector<bool> has_others(world.types.size(), false);
+  for (const engine::EmptyPopulation& empty : world.empty_populations)
+    if (empty.name == robots) has[empty.type.index()] = true;
   for (std::size_t b = 1; b < world.bodies.size(); ++b) {
     const std::size_t type = world.bodies[b].type.index();
     const std::string name = world.name(BodyId(b));
@@ -62,6 +66,31 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
   return Error{unknown_name("type, population or robot", robots, known)};
 }
 
+/// Adapts the interventions that set parameters of controllers of the type `t`, whose controllers are now
+/// only `script`. kept: the index of the controller that the type keeps; not set: it keeps none. replaced:
+/// the controllers of the type until now. Reports an error for an intervention that sets a replaced
+/// controller.
+void adapt_interventions(WorldSpec& world, std::size_t t, const std::string& script,
+                         std::optional<std::size_t> kept, std::span<const engine::ControllerSpec> replaced,
+                         Diagnostics& diagnostics) {
+  for (std::size_t i = 0; i < world.experiment.at.size(); ++i) {
+    engine::InterventionSpec& intervention = world.experiment.at[i];
+    if (!intervention.setting || intervention.setting->type.index() != t ||
+        intervention.setting->of != engine::SettingSpec::Of::controller)
+      continue;
+    std::uint32_t& index = intervention.setting->index;
+    if (index == kept)
+      index = 0;
+    else
+      diagnostics.error(
+          intervention.where,
+          fmt::format("/at/{}/set/controller: the controller \"{}\" of type \"{}\" does not run, because the "
+                      "controller \"{}\" of the script replaces it: remove this entry, or set parameters of "
+                      "\"{}\", which the world must then name",
+                      i, replaced[index].kind, world.types[t].name, script, script));
+  }
+}
+
 }  // namespace
 
 void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, WorldSpec& world,
@@ -88,7 +117,10 @@ void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, 
         engine::ControllerSpec spec;
         spec.kind = script->name_in_worlds(controller.kind.name);
         const auto own = std::ranges::find(type.controllers, spec.kind, &engine::ControllerSpec::kind);
-        if (own != type.controllers.end()) {
+        std::optional<std::size_t> kept;
+        if (own != type.controllers.end()) kept = static_cast<std::size_t>(own - type.controllers.begin());
+        adapt_interventions(world, t, spec.kind, kept, type.controllers, diagnostics);
+        if (kept) {
           spec = std::move(*own);  // with the parameters that the world gives
         } else {
           spec.params = controller.kind.params.defaults();

@@ -53,6 +53,8 @@ struct Script {
 /// - The world has no robots with the name that the script gives.
 /// - Other robots have the same type as the robots of the controller.
 /// - Another controller of a script has already been given to the type.
+/// It also reports an error for each intervention that sets parameters of a replaced controller, at the line
+/// of the intervention.
 void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, engine::WorldSpec& world,
                         Diagnostics& diagnostics);
 

@@ -341,9 +341,12 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument("--out")
     parser.add_argument("--title")
     given = parser.parse_args(arguments)
-    warnings.showwarning = lambda message, *_: print(message, file=sys.stderr)
     try:
-        print(draw(given.folder, given.measure, given.by, given.out, given.title, given.over))
+        with warnings.catch_warnings(record=True) as caught:
+            file = draw(given.folder, given.measure, given.by, given.out, given.title, given.over)
+        for warning in caught:
+            print(warning.message, file=sys.stderr)
+        print(file)
     except PlotError as error:
         text = str(error)
         print(text if not text.startswith("error:") else f"troupe plot: {text}", file=sys.stderr)

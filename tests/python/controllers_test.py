@@ -437,6 +437,37 @@ class Controllers(InAFolder):
         self.assertEqual("study.json:1: error: /parameters/0: " + no_effect, found)
         self.assertIn("  cruise  0.3      number\n", self.troupe("describe", "my", "--controller", "my.py").stdout)
 
+    def test_interventions_set_the_controller_of_a_script_but_none_that_it_replaces(self):
+        self.write("my.py", ROAM.replace("class roam", "class my").replace("    memory = {", '    params = {"cruise": 0.3}\n    memory = {')
+                   .replace("np.where(near, 0.0, 0.3)", 'np.where(near, 0.0, robots.params["cruise"])'))
+        run = ("run", "at.json", "--controller", "my.py", "--for", "0.5")
+
+        def write(controllers, controller, time_s=0.2):
+            at = json.dumps([{"time_s": time_s, "set": {"type": "bot", "controller": controller}}])
+            self.write("at.json", WORLD.replace('"arena"', f'"at": {at},\n"arena"').replace(
+                '"devices"', f'"controllers": {json.dumps(controllers)}, "devices"'))
+
+        write([{"kind": "expand"}], {"kind": "expand", "speed_mps": 0.1, "cone_deg": 20})
+        self.assertEqual(self.troupe(*run, code=2).stderr,
+                         'at.json:2: error: /at/0/set/controller: the controller "expand" of type "bot" does not run, because the '
+                         'controller "my" of the script replaces it: remove this entry, or set parameters of "my", which the '
+                         "world must then name\n")
+        for time_s in (0.2, 9):
+            write([{"kind": "expand"}, {"kind": "my"}], {"kind": "my", "cruise": 0.1}, time_s)
+            self.troupe(*run, "--hash-log", f"two-{time_s}.log")
+            write([{"kind": "my"}], {"kind": "my", "cruise": 0.1}, time_s)
+            self.troupe(*run, "--hash-log", f"one-{time_s}.log")
+            self.assertEqual(self.hashes(f"two-{time_s}.log"), self.hashes(f"one-{time_s}.log"))
+        self.assertNotEqual(self.hashes("one-0.2.log"), self.hashes("one-9.log"))
+
+    def test_the_robots_of_a_controller_may_be_a_population_without_bodies(self):
+        world = troupe.Simulation("w.json", controllers=["roam.py"], robots=0)
+        world.step()
+        self.assertEqual((len(world.swarm()), world.tick), (0, 1))
+        self.write("roam.py", ROAM.replace('robots = "r"', 'robots = "q"'))
+        with self.assertRaisesRegex(troupe.InputError, 'unknown type, population or robot "q"'):
+            troupe.Simulation("w.json", controllers=["roam.py"], robots=0)
+
     def test_misspelt_attributes_are_warnings_with_the_line_of_the_class(self):
         self.write("bot.py", ROAM.replace("class roam", "class bot").replace('robots = "r"', 'robot = "r"\n    gain = 3'))
         found = self.troupe("run", "w.json", "--controller", "bot.py", "--for", "0.2", "--quiet").stderr
