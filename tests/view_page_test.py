@@ -15,7 +15,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from tests.support.chromium import Page, Picture, find  # noqa: E402
-from tests.support.view import WORLD, YARD, View  # noqa: E402
+from tests.support.view import HAS_IPV6, WORLD, YARD, View  # noqa: E402
 from tests.support.websocket import WAIT_S  # noqa: E402
 
 PICTURES = None

@@ -24,7 +24,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
-from tests.support.view import WORLD, YARD, View  # noqa: E402
+from tests.support.view import HAS_IPV6, WORLD, YARD, View  # noqa: E402
 from tests.support.websocket import WAIT_S, Refused, Socket, request  # noqa: E402
 
 TROUPE = None

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tests.support.websocket import WAIT_S, Socket
 
+HAS_IPV6 = os.path.exists("/proc/net/if_inet6") and "00000000000000000000000000000001" in Path("/proc/net/if_inet6").read_text()
 WORLD = {
     "troupe": 1, "title": "Two rooms", "seed": 3, "bounds_m": [[-6, -4], [6, 4]],
     "types": {
