@@ -89,14 +89,14 @@ struct LocalizationParams {
         "localization", fixed,
         "source of the robot's estimated pose: `gps` is its true pose, `odom` is wheel odometry");
     d.member<&LocalizationParams::localization_origin>(
-        "localization_origin", meters, fixed,
+        "localization_origin", meters, within(-1e9, 1e9), fixed,
         "origin of the frame of the estimated pose: [x, y] in the world frame; if it is [], `gps` uses the "
         "world frame, and `odom` uses a frame at the robot's first pose");
     d.member<&LocalizationParams::localization_origin_heading>(
         "localization_origin_heading", radians, fixed,
         "heading of the frame of the estimated pose, in the world frame; used only if `localization_origin` "
         "is given");
-    d.member<&LocalizationParams::odom_error>("odom_error", fixed,
+    d.member<&LocalizationParams::odom_error>("odom_error", within(-1000, 1000), fixed,
                                               "relative errors of `odom`, [forward, left, turn]; with [] "
                                               "each robot has random errors, from -0.015 to "
                                               "0.015 (forward and left) and from -0.025 to 0.025 (turn)");
