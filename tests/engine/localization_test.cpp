@@ -174,17 +174,6 @@ TEST(Localization, OnlyRobotsWithOdometryHaveSuchAState) {
   expect_pose(with.estimate(row), 5, 6, 7 - 2 * k_pi, 1e-12);
 }
 
-// Larger numbers could make an estimate infinite, and then NaN, without an error.
-TEST(Localization, TheErrorsAndTheOriginAreLimited) {
-  for (const Params& params : {Params{{"odom_error", std::vector<double>{1001, 0, 0}}},
-                               Params{{"odom_error", std::vector<double>{0, 0, -1001}}},
-                               Params{{"localization_origin", std::vector<double>{0, 1.1e9}}}}) {
-    Robot robot("diff", params);
-    Diagnostics diagnostics;
-    EXPECT_THROW(World(robot.scene.spec, test::registry(), {}, diagnostics), InputError);
-  }
-}
-
 TEST(Localization, AWrongNumberOfNumbersIsAnError) {
   const auto check = [&](Params params) {
     const Record record = test::record(described<LocalizationParams>(), params);

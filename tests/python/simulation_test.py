@@ -183,9 +183,12 @@ class Loading(InAFolder):
         def callback(_):
             raise TypeError("mine(): incompatible with yours")
 
-        with self.assertRaisesRegex(TypeError, r"^mine\(\): incompatible with yours$") as raised:
-            troupe.Simulation(ROOM).run_for(1, callback)
-        self.assertIn("callback", [each.name for each in traceback.extract_tb(raised.exception.__traceback__)])
+        with self.assertRaisesRegex(TypeError, r"^mine\(\): incompatible with yours$"):
+            try:
+                troupe.Simulation(ROOM).run_for(1, callback)
+            except TypeError as error:
+                self.assertIn("callback", [each.name for each in traceback.extract_tb(error.__traceback__)])
+                raise
 
     def test_warnings_are_told(self):
         world = troupe.Simulation.from_text('position( name "a" colour "red" )', "a.world")

@@ -19,13 +19,13 @@ using ::testing::HasSubstr;
 
 class MeasuresOfASimulation : public test::ScratchTest {
  protected:
-  Simulation simulation(engine::Registry registry = make_registry(), std::string_view measures = "[]") const {
-    return Simulation(
-        write("w.json", R"({"troupe": 1, "measures": )" + std::string(measures) + R"(, "types": {
+  Simulation simulation(engine::Registry registry = make_registry(), std::string_view measures = "") const {
+    const std::string list = measures.empty() ? "" : R"("measures": )" + std::string(measures) + ", ";
+    return Simulation(write("w.json", R"({"troupe": 1, )" + list + R"("types": {
       "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
               "controller": {"kind": "script", "legs": [{"until_s": 9, "forward_mps": 0.5}]}}},
       "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "bot", "pose": {"y_m": 3}}]})"),
-        {}, std::move(registry));
+                      {}, std::move(registry));
   }
 };
 
