@@ -3,6 +3,7 @@
 #include "engine/observing/controller_check.hpp"
 #include "tests/support/result.hpp"
 #include "tests/support/scene.hpp"
+#include "troupe/simulation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -172,6 +173,19 @@ TEST(Localization, OnlyRobotsWithOdometryHaveSuchAState) {
   EXPECT_EQ(with.hash(*table), before);
   with.set_estimate(row, {5, 6, 0, 7});
   expect_pose(with.estimate(row), 5, 6, 7 - 2 * k_pi, 1e-12);
+}
+
+// Larger numbers could make an estimate infinite, and then NaN, without an error.
+TEST(Localization, TheErrorsAndTheOriginAreLimited) {
+  const auto load = [](const char* name, std::vector<double> numbers) {
+    const Robot robot("diff", {{name, std::move(numbers)}});
+    Simulation simulation(robot.scene.spec);
+  };
+  EXPECT_NO_THROW(load("odom_error", {1000, 0, -1000}));
+  EXPECT_NO_THROW(load("localization_origin", {-1e9, 1e9}));
+  EXPECT_THROW(load("odom_error", {1001, 0, 0}), InputError);
+  EXPECT_THROW(load("odom_error", {0, 0, -1001}), InputError);
+  EXPECT_THROW(load("localization_origin", {0, 1.1e9}), InputError);
 }
 
 TEST(Localization, AWrongNumberOfNumbersIsAnError) {
