@@ -204,8 +204,12 @@ void merge_lists(std::string_view key, JsonNode& own, const JsonNode& base) {
     named.erase(same);
     is_merged[i] = true;
     const bool lacks_kind = key != "parts" && !list[i].find("kind") && !inherited.find("kind");
-    if (!lacks_kind) merge(list[i], inherited);
-    merged.push_back(lacks_kind ? inherited : std::move(list[i]));
+    if (lacks_kind) {
+      merged.push_back(inherited);
+    } else {
+      merge(list[i], inherited);
+      merged.push_back(std::move(list[i]));
+    }
   }
   for (std::size_t i = 0; i < list.size(); ++i)
     if (!is_merged[i]) merged.push_back(std::move(list[i]));
