@@ -484,22 +484,13 @@ TEST(Controllers, TurnAwayForSecondsInShortTicksToo) {
   }
 }
 
-std::string error_of(const test::SceneBuilder& scene) {
-  try {
-    scene.world();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(Chain, NeedsADriveInTheRoleOfARobotAlone) {
   const auto error_in = [](const std::string& role) {
     BeforeAWall robot("chain", 0.15, 0.13, 0.1);
     engine::TypeSpec& type = robot.scene.spec.types.back();
     type.drive.reset();
     type.controllers = {test::controller("chain", {{"role", role}})};
-    return error_of(robot.scene);
+    return robot.scene.error();
   };
   EXPECT_THAT(error_in("robot"),
               testing::HasSubstr("controller \"chain\" needs a drive for the role \"robot\""));
@@ -512,12 +503,11 @@ TEST(Controllers, ADeviceOfAnotherControllerIsNamedWhereItIsMissed) {
   std::vector<engine::ControllerSpec>& controllers = robot.scene.spec.types.back().controllers;
   controllers.push_back(test::controller("radio_flocking", {}));
   EXPECT_THAT(
-      error_of(robot.scene),
+      robot.scene.error(),
       testing::HasSubstr("controller \"radio_flocking\" needs a radio with a payload of 4 bytes or more; "
                          "\"radio\" is used by another controller"));
   controllers.back() = test::controller("sink", {});
-  EXPECT_THAT(error_of(robot.scene),
-              testing::EndsWith("controller \"sink\" needs a device of kind \"flags\""));
+  EXPECT_THAT(robot.scene.error(), testing::EndsWith("controller \"sink\" needs a device of kind \"flags\""));
 }
 
 TEST(Wander, TakesOverARobotThatWasSentSomewhere) {

@@ -198,22 +198,13 @@ TEST(Spawner, OfManyBirthsInOneTickEachSeesTheBodiesBornBefore) {
     EXPECT_EQ(world.origin(world.row(world.find(fmt::format("bot{}", i)))), Vec2(0.5 * i, 0));
 }
 
-std::string error_of(const SceneBuilder& scene) {
-  try {
-    scene.world();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(Spawner, ErrorsNameThePopulationsThatThereAre) {
   Door door({device("spawner", {{"population", "boot"}})});
-  EXPECT_THAT(error_of(door.scene), HasSubstr("unknown population with a reserve \"boot\"; known: bot"));
+  EXPECT_THAT(door.scene.error(), HasSubstr("unknown population with a reserve \"boot\"; known: bot"));
   door.scene.spec.reserves.clear();
-  EXPECT_THAT(error_of(door.scene), HasSubstr("no population of this world has a \"reserve\""));
+  EXPECT_THAT(door.scene.error(), HasSubstr("no population of this world has a \"reserve\""));
   const Door flagless({device("spawner", {{"population", "bot"}, {"per_flags", 1}})});
-  EXPECT_THAT(error_of(flagless.scene), HasSubstr("has no device of kind \"flags\""));
+  EXPECT_THAT(flagless.scene.error(), HasSubstr("has no device of kind \"flags\""));
 }
 
 TEST(Remover, EndsTheLivesOfRobotsThatComeToIt) {
@@ -249,10 +240,10 @@ TEST(Remover, TakesThoseOfItsTypeAlone) {
   EXPECT_TRUE(world.is_there(world.row(stays)));
 
   Door unknown({device("remover", {{"of", "othr"}})});
-  EXPECT_THAT(error_of(unknown.scene), HasSubstr("unknown type \"othr\"; known: bot, door"));
+  EXPECT_THAT(unknown.scene.error(), HasSubstr("unknown type \"othr\"; known: bot, door"));
   Door still({device("remover", {{"of", "wall"}})});
   still.scene.type("wall", {box(1, 1)});
-  EXPECT_THAT(error_of(still.scene), HasSubstr("would remove bodies of the type \"wall\", which are static"));
+  EXPECT_THAT(still.scene.error(), HasSubstr("would remove bodies of the type \"wall\", which are static"));
 }
 
 TEST(Remover, TakesThoseOfATypeThatIsCalledGround) {

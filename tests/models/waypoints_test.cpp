@@ -41,15 +41,6 @@ struct Mover {
     scene[type].drive->period_s = period_s;
     body = scene.body("m", type);
   }
-  std::string error() const {
-    Diagnostics diagnostics;
-    try {
-      engine::World(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "none";
-  }
 };
 
 /// Poses after each tick, from tick 0 on.
@@ -170,23 +161,23 @@ TEST(Movers, WithoutObstaclesOfTheirOwnTheyPassThroughAll) {
 }
 
 TEST(Movers, WhatTheyCannotKeepIsTold) {
-  EXPECT_THAT(Mover({{1, 0, 0, 0, 2}}).error(),
+  EXPECT_THAT(Mover({{1, 0, 0, 0, 2}}).scene.error(),
               HasSubstr("controller \"waypoints\" cannot follow goal 1 (counted from 1): its `speed` is 2 "
                         "m/s, but the drive reaches 1 m/s in its slowest direction: give a lower `speed`"));
-  EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).error(),
+  EXPECT_THAT(Mover({{0, 0, 0, 1}, {3, 0, 0, 2}}).scene.error(),
               HasSubstr("cannot follow goal 2 (counted from 1): it is 3 m from the goal before it, and the "
                         "robot has 1 s for this way, from the `at` plus `wait` of the goal before it to its "
                         "own `at`, but the drive reaches 1 m/s in its slowest"));
-  EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).error(),
+  EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).scene.error(),
               HasSubstr("cannot follow goal 2 (counted from 1): its `at` is 2 s, but that of the goal before "
                         "it is 3 s; times "
                         "must increase"));
   EXPECT_THAT(
-      Mover({{1, 0, 0, 3, 1}}).error(),
+      Mover({{1, 0, 0, 3, 1}}).scene.error(),
       HasSubstr("cannot follow goal 1 (counted from 1): it has both `at` and `speed`; give only one"));
   Mover diff({{1, 0, 0, 3}});
   diff.scene[diff.type].drive = test::drive("diff");
-  EXPECT_THAT(diff.error(), HasSubstr("which need a drive of kind \"omni\""));
+  EXPECT_THAT(diff.scene.error(), HasSubstr("which need a drive of kind \"omni\""));
 }
 
 /// An omni drive that reaches `speed` in every direction, m/s.
@@ -224,8 +215,9 @@ TEST(Movers, KnowTheDriveThatAnInterventionSets) {
 TEST(Movers, ADriveThatAnInterventionMakesTooSlowIsAnError) {
   Mover mover({{3, 4, 0, 0, 0.8}});
   mover.scene.spec.experiment.at = {set_drive(mover, 1, 0.25)};
-  EXPECT_THAT(mover.error(), HasSubstr("controller \"waypoints\" cannot follow goal 1 (counted from 1): its "
-                                       "`speed` is 0.8 m/s, but the drive reaches 0.25 m/s"));
+  EXPECT_THAT(mover.scene.error(),
+              HasSubstr("controller \"waypoints\" cannot follow goal 1 (counted from 1): its "
+                        "`speed` is 0.8 m/s, but the drive reaches 0.25 m/s"));
 }
 
 }  // namespace

@@ -103,6 +103,15 @@ class SceneBuilder {
     Diagnostics diagnostics;
     return engine::World(spec, registry(), options, diagnostics);
   }
+  /// Returns the error of world(); empty if there is none.
+  std::string error() const {
+    try {
+      world();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
 
   engine::WorldSpec spec;
 };
