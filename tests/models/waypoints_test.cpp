@@ -14,7 +14,6 @@ namespace troupe::models {
 namespace {
 
 using engine::Record;
-using engine::Value;
 using ::testing::HasSubstr;
 
 struct Goal {
