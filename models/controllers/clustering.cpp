@@ -5,13 +5,16 @@
 #include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
+#include "models/controllers/drive_period.hpp"
 #include "models/controllers/scan_ahead.hpp"
+
+#include <algorithm>
 
 namespace troupe::models {
 namespace {
 
 constexpr double k_turn = 1.0;              // rad/s
-constexpr std::uint32_t k_surely_goes = 3;  // decisions until a command must have moved the robot
+constexpr std::uint32_t k_surely_goes = 3;  // least number of decisions until a robot may count as stuck
 
 enum Does : std::uint8_t { k_ahead, k_back, k_turns };
 
@@ -45,6 +48,7 @@ struct Clustering {
 
   Params params;
   Scanner scanner;
+  std::uint64_t period = 1;  // ticks between two runs of the drive, which bind_world() sets
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -55,6 +59,11 @@ struct Clustering {
     return choice.chosen();
   }
 
+  Result<> bind_world(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part) {
+    period = drive_period(world, type, part);
+    return {};
+  }
+
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const {
     const Pose& here = percept.estimate;
@@ -62,7 +71,8 @@ struct Clustering {
     memory.x = here.x;
     memory.y = here.y;
     memory.heading = here.heading;
-    const bool is_stuck = stands && memory.same_updates >= k_surely_goes;
+    const bool is_stuck =
+        stands && memory.same_updates >= std::max(k_surely_goes, decisions_to_move(period, percept));
     const ScanAhead seen = scanner.ahead(percept.ranges(0), params.min_front, 0);
     if (is_stuck && memory.does == k_back) {
       memory.back_updates = 0;  // the robot cannot back off either, so it turns at once

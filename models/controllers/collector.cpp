@@ -44,7 +44,6 @@ constexpr double k_patience_s = 3;    // longest wait for the paddles to close o
 constexpr double k_back_off_s = 1.5;  // time of driving backwards from a sink or a charger
 constexpr double k_turn_s = 1;        // least time of turning away from a sink or a charger
 constexpr double k_more_turn_s = 2;   // the random time of turning away exceeds k_turn_s by at most this
-constexpr Evasion k_evasion{.min_front = 0.5, .stop = 0.3};
 
 struct Collector {
   enum Mode : std::uint8_t { seeking, gripping, carrying, releasing, leaving, charging };
@@ -89,13 +88,14 @@ struct Collector {
 
   Params params;
   Scanner scanner;
+  Evasion evasion{.min_front = 0.5, .stop = 0.3};
   FiducialReadings sights;  // reads the fiducial finder
   bool has_pack = false;
   std::vector<Vec2> sinks, chargers;
   partition::BoxGrid sinks_about;  // finds the sinks within k_delivered of a puck
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
-  Result<> bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
+  Result<> bind_world(const WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part);
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
 
@@ -126,7 +126,7 @@ struct Collector {
 Result<std::vector<std::size_t>> Collector::choose(std::span<const DeviceInfo> devices,
                                                    std::vector<bool>& claimed) {
   DeviceChoice choice(devices, claimed);
-  const Result<Scanner> taken = choice.take_scanner(k_evasion.window_share);
+  const Result<Scanner> taken = choice.take_scanner(Evasion::window_share);
   if (!taken) return taken.error();
   scanner = *taken;
   if (!choice.take_kind("fiducial"))
@@ -138,7 +138,8 @@ Result<std::vector<std::size_t>> Collector::choose(std::span<const DeviceInfo> d
   return choice.chosen();
 }
 
-Result<> Collector::bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
+Result<> Collector::bind_world(const WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part) {
+  evasion.drive_period = drive_period(world, type, part);
   for (std::size_t b = 0; b < world.bodies.size(); ++b) {
     if (!world.starts(BodyId(b))) continue;
     const std::string name = world.name(BodyId(b));
@@ -173,7 +174,7 @@ void Collector::operator()(Memory& memory, const engine::Percept& percept, Rando
     enter(memory, charging);
     memory.goal = nearest(chargers, here);
   }
-  if (k_evasion.escapes(memory, percept.estimate, random, actions.command)) return;
+  if (evasion.escapes(memory, percept, random, actions.command)) return;
   switch (memory.mode) {
     case seeking: return seek(memory, percept, random, actions);
     case gripping: return grip(memory, percept, actions);
@@ -221,8 +222,7 @@ void Collector::seek(Memory& memory, const engine::Percept& percept, Random& ran
   }
   const std::optional<Puck> puck = puck_in_sight(percept);
   const bool is_near = puck && puck->range < k_creep_within;
-  if (!is_near && k_evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command))
-    return;
+  if (!is_near && evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command)) return;
   if (!puck) {
     actions.command = {k_cruise, 0, 0};
     return;
@@ -260,7 +260,7 @@ void Collector::leave(Memory& memory, const engine::Percept& percept, Random& ra
 
 void Collector::head_for(const Vec2& goal, Memory& memory, const engine::Percept& percept, Random& random,
                          engine::Actions& actions) const {
-  if (k_evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command)) return;
+  if (evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command)) return;
   const double off = bearing_of(percept.estimate, goal);
   actions.command = {std::abs(off) < k_drive_within ? k_cruise : 0, 0, k_turn_gain * off};
 }

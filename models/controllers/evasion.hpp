@@ -2,8 +2,10 @@
 
 #include "base/random.hpp"
 #include "engine/kinds/kinds.hpp"
+#include "models/controllers/drive_period.hpp"
 #include "models/controllers/scan_ahead.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -23,9 +25,10 @@ struct Evasion {
   double stop = 0.5;          ///< the robot turns on the spot when a reading ahead is below this
   double back_speed = 0.1;    ///< absolute speed while the robot backs out
   /// escapes() acts when the robot has not moved for more than this number of consecutive decisions, although
-  /// it had a command to move. The number must exceed the delay of a command, in decisions. Otherwise a robot
-  /// would back out before its first command has moved it.
+  /// it had a command to move. If the drive runs so rarely that a command moves the robot later, escapes()
+  /// waits for decisions_to_move() decisions instead.
   std::uint32_t stuck = 5;
+  std::uint64_t drive_period = 1;  ///< from drive_period(): ticks between two runs of the drive
   /// The argument `share` with which the Scanner for avoids() must be made. With 4, it looks at the middle
   /// half of the scan.
   static constexpr std::size_t window_share = 4;
@@ -64,13 +67,14 @@ struct Evasion {
   /// decisions: it drives backwards if its last command was to drive forwards, and otherwise forwards, and
   /// turns at a random rate. Call the function once per decision.
   ///
-  /// here: estimated pose of the robot
   /// command: before the call, the last command of the robot. When the robot begins to back out, the function
   ///     replaces it
   ///
   /// Returns true while the robot backs out; the caller must then not change `command`.
   template <class Memory>
-  bool escapes(Memory& memory, const Pose& here, Random& random, engine::Command& command) const {
+  bool escapes(Memory& memory, const engine::Percept& percept, Random& random,
+               engine::Command& command) const {
+    const Pose& here = percept.estimate;
     const bool is_to_move =
         command.mode == engine::ControlMode::velocity && (command.x != 0 || command.turn != 0);
     const bool is_still = here.x == memory.x && here.y == memory.y && here.heading == memory.heading;
@@ -78,7 +82,7 @@ struct Evasion {
     memory.x = here.x;
     memory.y = here.y;
     memory.heading = here.heading;
-    if (memory.still_updates > stuck) {
+    if (memory.still_updates > std::max(stuck, decisions_to_move(drive_period, percept))) {
       memory.still_updates = 0;
       memory.escape_updates = 5 + random.below(10);
       command = {command.x > 0 ? -back_speed : back_speed, 0, random.uniform(-avoid_turn, avoid_turn)};

@@ -51,8 +51,6 @@ constexpr double k_queue = 1.2;         // m: waiting robots back off to this di
 constexpr double k_patience_s = 5;      // s: longest time for which a robot backs away
 constexpr double k_least_zone = 1;      // m: least radius of a fuel zone
 
-constexpr Evasion k_evasion{.min_front = 0.7f, .stop = 0.5f, .back_speed = k_back_speed};
-
 /// A source, a sink or a charger, and the paths to it.
 struct Goal {
   BodyId body;
@@ -97,6 +95,7 @@ struct Forager {
   double low = 0;         // a power pack below this fraction of its capacity must be charged
   bool abandons = false;  // true (fasr2): robots may give up waiting, and use the fuel zone
   Scanner scanner;
+  Evasion evasion{.min_front = 0.7f, .stop = 0.5f, .back_speed = k_back_speed};
   std::optional<std::size_t> pack, finder;  // indices among the chosen devices
   FiducialReadings sights;                  // reads the fiducial finder
   std::vector<Task> tasks;
@@ -106,7 +105,7 @@ struct Forager {
   double zone_radius = 0;  // m
 
   Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>& claimed);
-  Result<> bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t);
+  Result<> bind_world(const WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part);
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
                   engine::Actions& actions) const;
 
@@ -132,7 +131,7 @@ struct Forager {
 Result<std::vector<std::size_t>> Forager::choose(std::span<const DeviceInfo> devices,
                                                  std::vector<bool>& claimed) {
   DeviceChoice choice(devices, claimed);
-  const Result<Scanner> taken = choice.take_scanner(k_evasion.window_share);
+  const Result<Scanner> taken = choice.take_scanner(Evasion::window_share);
   if (!taken) return taken.error();
   scanner = *taken;
   if (!choice.take_kind("flags")) return choice.missing("flags", "needs a device of kind \"flags\"");
@@ -145,7 +144,8 @@ Result<std::vector<std::size_t>> Forager::choose(std::span<const DeviceInfo> dev
   return choice.chosen();
 }
 
-Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, std::uint32_t) {
+Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part) {
+  evasion.drive_period = drive_period(world, type, part);
   const FloorPlan plan = FloorPlan::of_world(world, map);
   const auto goal_at = [&](BodyId body, const Vec2& at) {
     const std::array<int, 1> cells{plan.cell(at)};
@@ -175,7 +175,7 @@ Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec&, st
 
 bool Forager::avoids(Memory& memory, const engine::Percept& percept, Random& random,
                      engine::Actions& actions) const {
-  return k_evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command);
+  return evasion.avoids(memory, scanner, percept.ranges(k_scanner), random, actions.command);
 }
 
 std::uint32_t Forager::nearest_charger(const Pose& from) const {
@@ -211,7 +211,7 @@ void Forager::operator()(Memory& memory, const engine::Percept& percept, Random&
     memory.near_updates = 0;
     memory.charger = nearest_charger(percept.estimate);
   }
-  if (k_evasion.escapes(memory, percept.estimate, random, actions.command)) return;
+  if (evasion.escapes(memory, percept, random, actions.command)) return;
   switch (memory.mode) {
     case working: return work(memory, percept, random, actions);
     case refuelling: return refuel(memory, percept, random, actions);

@@ -21,7 +21,6 @@ using sensors::RadioPort;
 
 constexpr float k_black = 0.25f;  // brightness below which ground is black
 constexpr float k_white = 0.75f;  // brightness above which ground is white
-constexpr Evasion k_evasion{};
 
 enum Ground : std::uint8_t { k_plain, k_is_black, k_is_white };
 enum Does : std::uint8_t { k_walks, k_enters, k_stands };
@@ -78,6 +77,7 @@ struct InformedAggregation {
 
   Params params;
   Scanner scanner;
+  Evasion evasion;
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
@@ -86,6 +86,11 @@ struct InformedAggregation {
     if (!taken) return taken.error();
     scanner = *taken;
     return choice.chosen();
+  }
+
+  Result<> bind_world(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part) {
+    evasion.drive_period = drive_period(world, type, part);
+    return {};
   }
 
   void operator()(Memory& memory, const engine::Percept& percept, Random& random,
@@ -145,7 +150,7 @@ struct InformedAggregation {
   }
 
   void walk(Memory& memory, const engine::Percept& percept, Random& random, engine::Command& command) const {
-    if (k_evasion.escapes(memory, percept.estimate, random, command)) return;
+    if (evasion.escapes(memory, percept, random, command)) return;
     if (memory.turn_updates > 0) {
       --memory.turn_updates;
     } else {

@@ -2,8 +2,7 @@
 
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/ticks.hpp"
-#include "engine/spec/world_spec.hpp"
-#include "models/drives/wheels.hpp"
+#include "models/controllers/drive_period.hpp"
 
 #include <fmt/format.h>
 
@@ -32,17 +31,6 @@ struct Leg {
     d.member<&Leg::turn>("turn", radians_per_second, "turn rate; for a car drive, the steering angle in rad");
   }
 };
-
-/// Ticks between two runs of the drive that a controller on the part `part` commands: a device `wheels` of
-/// this part or of the nearest part that carries it or, without such a device, the drive of the body.
-std::uint64_t drive_period(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part) {
-  for (;; part = type.parts[part].parent) {
-    for (const engine::DeviceSpec& device : type.devices)
-      if (device.part == part && device.kind == wheels_kind().name)
-        return engine::period_ticks(device.period_s, world.tick_s);
-    if (part == 0) return type.drive ? engine::period_ticks(type.drive->period_s, world.tick_s) : 1;
-  }
-}
 
 struct Script {
   struct Memory {

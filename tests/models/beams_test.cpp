@@ -139,7 +139,25 @@ TEST(Evasion, TurnsAwayWhateverTheModeOfTheLastCommand) {
   }
   Memory memory;
   engine::Command command{7, 8, 3, engine::ControlMode::position};
-  for (int i = 0; i < 20; ++i) EXPECT_FALSE(evasion.escapes(memory, {}, random, command));
+  const engine::Percept percept;
+  for (int i = 0; i < 20; ++i) EXPECT_FALSE(evasion.escapes(memory, percept, random, command));
+}
+
+TEST(Evasion, ARobotIsNotStuckBeforeItsDriveHasRun) {
+  struct Memory {
+    std::uint32_t still_updates = 0, escape_updates = 0;
+    double x = 0, y = 0, heading = 0;
+  };
+  const engine::Percept percept{.tick_s = 0.1, .period_s = 0.3};
+  for (const auto& [drive_period, still] : {std::pair(1, 6), std::pair(15, 7), std::pair(16, 8)}) {
+    const Evasion evasion{.drive_period = static_cast<std::uint64_t>(drive_period)};
+    Memory memory;
+    Random random(1, 2, 3, 4);
+    engine::Command command{0.3, 0, 0};
+    int decisions = 1;
+    while (decisions < 100 && !evasion.escapes(memory, percept, random, command)) ++decisions;
+    EXPECT_EQ(decisions, still) << drive_period;
+  }
 }
 
 TEST(Scanner, LooksAheadWhereverItsFanIsTurnedTo) {

@@ -60,6 +60,17 @@ TEST(Collector, BacksOffFarEnoughFromItsPuckInShortTicksToo) {
   for (const double tick_s : {0.02, 0.05, 0.1}) EXPECT_EQ(grips_in_ticks_of(tick_s), 1) << tick_s;
 }
 
+TEST(Collector, DoesNotTakeASlowDriveForAnObstacle) {
+  OnePuck puck(0.1);
+  puck.scene.spec.types.back().drive->period_s = 1.5;
+  engine::World world = puck.scene.world({.threads = 1});
+  const Row row = world.row(puck.robot);
+  for (int tick = 0; tick < 25; ++tick) {
+    world.step();
+    EXPECT_GE(world.commands()[row.index()].x, 0) << "it backs out in tick " << tick;
+  }
+}
+
 TEST(Collector, BacksOffFromASinkWhereItsPaddlesCannotOpen) {
   OnePuck puck(0.1);
   const TypeId wall = puck.scene.type("wall", {test::box(0.27, 0.04, 0.3)}, {.ranger = -1});

@@ -484,6 +484,20 @@ TEST(Controllers, TurnAwayForSecondsInShortTicksToo) {
   }
 }
 
+TEST(Controllers, DoNotTakeASlowDriveForAnObstacle) {
+  for (const std::string kind : {"clustering", "informed_aggregation"}) {
+    BeforeAWall robot(kind, 10, 0.15, 0.1);
+    robot.scene.spec.types.back().drive->period_s = 1.5;
+    engine::World world = robot.scene.world();
+    const Row row = world.row(robot.body);
+    for (int tick = 0; tick < 100; ++tick) {
+      world.step();
+      ASSERT_GE(world.commands()[row.index()].x, 0) << kind << " backs out in tick " << tick;
+    }
+    EXPECT_GT(world.pose(robot.body).x, 0.3) << kind;
+  }
+}
+
 TEST(Chain, NeedsADriveInTheRoleOfARobotAlone) {
   const auto error_in = [](const std::string& role) {
     BeforeAWall robot("chain", 0.15, 0.13, 0.1);
