@@ -80,7 +80,7 @@ class BodyIndex {
   /// or in several runs. Each other body that is found is visited once.
   template <class Visit>
   void for_each_run(const Box& box, Visit&& visit) const {
-    const Box reach = box.expanded(small_radius_);
+    const Box reach = reach_of(box);
     for_each_run(geometry_.cell(reach.min), geometry_.cell(reach.max), visit);
   }
   /// Calls visit(span of circles) for the entries in the cells from cell_low to cell_high, both included. A
@@ -105,7 +105,7 @@ class BodyIndex {
   /// visited, depend on the sizes of the cells and tiles. A result must not depend on them.
   template <class Visit>
   void for_each_near(const Box& box, Visit&& visit) const {
-    const Box reach = box.expanded(small_radius_);
+    const Box reach = reach_of(box);
     const Cell low = geometry_.cell(reach.min);
     partition::for_each_run(geometry_, directory_, reach,
                             [&](std::uint32_t slot, std::size_t first, std::size_t last, Cell first_cell) {
@@ -144,7 +144,14 @@ class BodyIndex {
 
  private:
   static constexpr double k_huge_cells = 32;  // a wide body that is not huge has at most 66 x 66 entries
+  /// A margin of queries for the rounding of boxes and of distances, m. Without it, a body at a distance that
+  /// is exactly the range of a sensor would be found with some sizes of the cells, and not with others. The
+  /// margin is far above these errors, which are less than 1e-10 m at 100 km from the origin.
+  static constexpr double k_query_margin_m = 1e-9;
 
+  /// The box whose cells a query for `box` visits. It contains the origin of each body that is not wide and
+  /// whose circle touches the box.
+  Box reach_of(const Box& box) const { return box.expanded(small_radius_ + k_query_margin_m); }
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
   bool is_huge(std::uint32_t row) const { return radii_[row] > k_huge_cells * geometry_.cell_m; }

@@ -242,6 +242,36 @@ class RandomWorlds(unittest.TestCase):
         missing = [name for name in counted.missing() if ": " not in name]
         self.assertEqual(missing, [])
 
+    def test_some_worlds_have_edge_cases(self):
+        made = [random_worlds.make_world(self.kinds, 1, i, self.pairs)[0] for i in range(200)]
+        with unittest.mock.patch.object(random_worlds, "EDGE_CASES", 0):
+            plain = [random_worlds.make_world(self.kinds, 1, i, self.pairs)[0] for i in range(200)]
+        changed = [(world, before) for world, before in zip(made, plain) if world != before]
+        self.assertGreater(len(changed), 200 * 0.2)
+        for world, before in changed:
+            self.assertEqual({name: world["types"][name] for name in before["types"]}, before["types"])
+            self.assertGreaterEqual(len(world.get("at", ())), len(before.get("at", ())))
+        for name in ("crate", "board", "arms", "listener"):
+            self.assertTrue(any(name in world["types"] for world, _ in changed), name)
+        self.assertTrue(any(abs(model["pose"]["y_m"]) > 8e4 for world, _ in changed for model in world.get("models", ())
+                            if "y_m" in model["pose"]))
+        self.assertTrue(any(at["time_s"] == 0 for world, _ in changed for at in world.get("at", ())))
+
+    def test_rounding_puts_radios_at_their_range(self):
+        pairs = 0
+        for i in range(300):
+            world = random_worlds.make_world(self.kinds, 1, i, self.pairs)[0]
+            models = {model["name"]: model["pose"] for model in world.get("models", ())}
+            if "listener" not in models or "y_m" in models["listener"]:  # without a radio, or far from the origin
+                continue
+            radius = world["types"]["speaker"]["blocks"][0]["points_m"][0][0]
+            range_m = world["types"]["listener"]["sensors"][0]["range_m"]
+            listener, speaker = models["listener"]["x_m"], models["speaker"]["x_m"]
+            self.assertLessEqual(abs((speaker - radius) - listener), range_m)
+            self.assertLess((listener + range_m) + radius, speaker)
+            pairs += 1
+        self.assertGreater(pairs, 5)
+
     def test_a_kind_that_is_new_to_the_program_is_in_worlds_without_a_line_here(self):
         schema = json.loads(json.dumps(SCHEMA))
         schema["definitions"]["sensor"]["anyOf"].insert(0, {"type": "object", "required": ["kind", "grasp_m"], "properties": {

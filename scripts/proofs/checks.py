@@ -12,11 +12,12 @@ THREADS = (1, 2, 3, 8)
 TILES = (0, 0.6, 0.9, 2.3, 17.3)  # m; 0: automatic
 # Checks that `troupe check` makes with one option, on one thread and with one tile size.
 OPTIONS = {"controllers": "--controllers", "amnesia": "--amnesia", "reach": "--reach"}
-# The probability that a world is also computed by several ranks, that a session is recorded in the world and repeated, and
-# that the controllers of the world are checked (with --controllers, those of all worlds are).
+# The probability that a world is also computed by several ranks, that a session is recorded in the world and repeated, that
+# the controllers of the world are checked (with --controllers, those of all worlds are), and that tables are compared.
 RANKS = 0.5
 SESSIONS = 0.35
 CONTROLLERS = 0.1
+TABLES = 0.25
 
 
 def options_of(check):
@@ -57,6 +58,9 @@ def plan(seed, index, ticks, program_only=False, controllers=False):
         checks.append({"check": "session", "seed": draws.randrange(1 << 32)})
     if controllers or draws.random() < CONTROLLERS:
         checks.append({"check": "controllers"})
+    if draws.random() < TABLES and not program_only:
+        checks.append({"check": "tables", "threads": draws.choice(THREADS), "tile": draws.choice(TILES),
+                       "ranks": draws.choice((1, 1, 2, 3))})
     return checks
 
 

@@ -119,6 +119,29 @@ class Job:
         simulation.stop_recording()
         yield lines
 
+    def tables(self, check):
+        """Compares the measures and the events of each tick with those of a run on one thread."""
+
+        def rows_of(**options):
+            simulation = self.simulation(**options)
+            events = troupe.Events(simulation)
+            measures = troupe.Measures(simulation, self.world.get("measures") or ["stalls"])
+            rows = []
+
+            def look():
+                measures.see()
+                rows.append(f"tick {simulation.tick}: measures {measures.values()}, events "
+                            f"{[(event.type, event.robot, event.other) for event in events.see()]}")
+
+            return self.steps(simulation, self.ticks, look), rows
+
+        _, expected = rows_of()
+        lines, rows = rows_of(threads=check["threads"], tile=check["tile"], ranks=check["ranks"])
+        yield lines
+        for a, b in zip(expected, rows):
+            if a != b:
+                raise RuntimeError(f"the tables differ: expected {a}; got {b}")
+
     def converted(self, check):
         """Converts the world with `troupe convert` and runs the result. Before a conversion to Stage's format, removes the
         features that this format lacks, and runs the reduced world again for comparison."""
@@ -192,7 +215,7 @@ class Job:
         """Makes one check. Returns None if it passes, else the failure: {"check": the check, "tick": the tick of the first
         difference or None, "text": the reason}."""
         run = {"threads": self.threads, "checkpoints": self.checkpoints, "reset": self.reset, "steps": self.steps_of,
-               "observed": self.observed, "converted": self.converted, "program": self.program_check,
+               "observed": self.observed, "tables": self.tables, "converted": self.converted, "program": self.program_check,
                "ranks": self.program_check, "amnesia": self.program_check, "reach": self.program_check,
                "controllers": self.program_check, "session": self.session}[check["check"]]
         plain = self.expected

@@ -326,6 +326,8 @@ def shrunk(runner, case, tick=None):
         threads = check.get("threads", 1)
         if any(n < 1 for n in (threads if isinstance(threads, list) else [threads])) or check.get("of", 1) < 1 or not threads:
             return False
+        if check["check"] == "tables" and check["ranks"] < 1:
+            return False
         told = runner.run(document["world"], document["ticks"], [check])
         return any(is_same(failure, check) for failure in told.get("failures", ()))
 

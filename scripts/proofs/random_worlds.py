@@ -8,6 +8,7 @@ have different foci, so that every pair of kind and event occurs. Everything els
 import math
 import random
 
+from .edge_cases import add_edge_cases
 from .parameters import COLORS, SET_OF, Parameters, Values, rounded, settable
 
 TICKS = (15, 90)
@@ -16,6 +17,7 @@ MOST_BODIES = 30
 EVENTS = ("born", "dies", "disabled", "enabled", "moved", "set", "carried", "resumed")
 PART_FAMILIES = ("drive", "sensor", "device", "controller")
 PLAN = "plan.pgm"  # an image of walls, in the folder of the world
+EDGE_CASES = 0.3  # the probability that a world has edge cases (edge_cases.py)
 
 # Sensors and devices that controllers need or can use: (kind, required parameters).
 SCANNER = ("ranger", {"transducers": [{"range_max_m": 2, "fov_deg": 180, "samples": 9}]})
@@ -76,6 +78,12 @@ class Generator(Parameters):
                       "types": {}, "models": [], "populations": [], "at": [], "faults": [], "measures": []}
         self._spots = self._ring()
         self._build()
+        edges = random.Random(f"edges {seed} {index}")  # a stream of its own: edge cases leave the rest of the world as it is
+        if edges.random() < EDGE_CASES:
+            add_edge_cases(self.world, edges, rounded(self.tick_s * self.ticks), self.half)
+        for key in ("at", "faults", "measures", "models", "populations"):
+            if not self.world[key]:
+                del self.world[key]
 
     # ---- types
 
@@ -318,9 +326,6 @@ class Generator(Parameters):
         if self.chance(0.2):
             world["mortal"] = True
         world["overlaps"] = "warn"
-        for key in ("at", "faults", "measures", "models", "populations"):
-            if not world[key]:
-                del world[key]
 
     def _fixtures(self):
         """Adds the sources and sinks that controllers in this world look for by name (MODELS_NEEDED). At random, also adds bodies

@@ -98,6 +98,24 @@ TEST(BodyIndex, QueriesFindAllThatLieNearEachOnce) {
   EXPECT_GT(found, 50'000 / oracle::k_thrift);
 }
 
+// The nearest point of the circle is 1.8 - 0.38 = 1.42 m away, but 1.42 + 0.38 is rounded to a number below
+// 1.8, where a cell begins.
+TEST(BodyIndex, RoundingAtTheBorderOfACellHidesNoBody) {
+  ASSERT_EQ(1.8 - 0.38, 1.42);
+  ASSERT_LT(1.42 + 0.38, 1.8);
+  Parallel parallel(1);
+  const std::vector<Transform> places{Transform(Pose{1.8, 0, 0, 0})};
+  const std::vector<double> radii{0.38};
+  BodyIndex index({0.9, 1});
+  index.rebuild(places, radii, parallel);
+  std::size_t visits = 0;
+  index.for_each_near(Box::around({0, 0}, 1.42), [&](const BodyCircle&) { ++visits; });
+  EXPECT_EQ(visits, 1u);
+  index.for_each_run(Box::around({0, 0}, 1.42),
+                     [&](std::span<const BodyCircle> run) { visits += run.size(); });
+  EXPECT_EQ(visits, 2u);
+}
+
 TEST(BodyIndex, LeavesOutMostOfWhatIsFar) {
   Parallel parallel(1);
   Draw draw(1);

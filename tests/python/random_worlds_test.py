@@ -1,5 +1,6 @@
 """Tests of the process in which scripts/prove checks random worlds (scripts/proofs/library_worker.py)."""
 
+import itertools
 import json
 import os
 import pathlib
@@ -20,10 +21,15 @@ TICKS = 40
 
 
 @unittest.skipUnless(shutil.which(PROGRAM), "the program is not built")
-class Sessions(InAFolder):
+class Checks(InAFolder):
+    def job(self, **changed):
+        return library_worker.Job({"world": {**ROOM, **changed}, "folder": str(self.folder), "program": str(PROGRAM), "ticks": TICKS})
+
     def told(self, seed=1, **changed):
-        job = library_worker.Job({"world": {**ROOM, **changed}, "folder": str(self.folder), "program": str(PROGRAM), "ticks": TICKS})
-        return job.run([{"check": "session", "seed": seed}])
+        return self.job(**changed).run([{"check": "session", "seed": seed}])
+
+    def told_of_tables(self):
+        return self.job().run([{"check": "tables", "threads": 2, "tile": 0.6, "ranks": 2}])
 
     def test_a_session_is_recorded_and_repeated(self):
         done, seeds = set(), range(1, 7)
@@ -36,6 +42,25 @@ class Sessions(InAFolder):
             self.assertGreater(len({line["tick"] for line in lines}), TICKS // 4)
         # The robots of this world have no device with a command.
         self.assertEqual(done, set(ACTS) - {"command"})
+
+    def test_tables_of_the_same_world_are_equal(self):
+        self.assertEqual(self.told_of_tables()["failures"], [])
+
+    def test_tables_that_differ_are_a_failure(self):
+        made = itertools.count()
+
+        class Counting(library_worker.troupe.Measures):
+            def __init__(self, *arguments):
+                super().__init__(*arguments)
+                self.number = next(made)
+
+            def values(self):
+                return [*super().values(), self.number]
+
+        with unittest.mock.patch.object(library_worker.troupe, "Measures", Counting):
+            (failure,) = self.told_of_tables()["failures"]
+        self.assertEqual(failure["check"]["check"], "tables")
+        self.assertRegex(failure["text"], r"the tables differ: expected tick 1: measures .*; got tick 1: measures ")
 
     def test_a_session_that_is_repeated_otherwise_is_a_failure(self):
         run = subprocess.run

@@ -594,6 +594,21 @@ TEST(Radio, ThreadsAndTilesChangeNothing) {
   }
 }
 
+// A radio on the rim of its body speaks at exactly the range of the listener. With tiles of 1.8 m, the origin
+// of its body is on the border of a cell.
+TEST(Radio, TilesChangeNothingAtExactlyTheRange) {
+  RadioScene scene;
+  const TypeId type = scene.type("diamond", {{{{{0.38, 0}, {0, 0.38}, {-0.38, 0}, {0, -0.38}}}, {0, 0.3}}});
+  scene[type].devices = {radio({{"range", 1.42}, {"beacon", true}}, {-0.38, 0, k_height, 0})};
+  scene.body("speaker", type, {1.8, 0, 0, 0});
+  const BodyId listener = scene.post({0, 0, 0, 0}, {{"range", 1.42}});
+  for (const double tile_m : {0.0, 1.8}) {
+    World world = scene.world({.threads = 1, .tile_size_m = tile_m});
+    world.step();
+    EXPECT_EQ(number(world, listener, k_radio_count), 1u) << "tiles of " << tile_m << " m";
+  }
+}
+
 std::string error(const engine::DeviceSpec& device) {
   RadioScene scene;
   const TypeId type = scene.type("robot", {box(0.4, 0.4)});
