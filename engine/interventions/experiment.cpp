@@ -15,6 +15,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -48,10 +49,13 @@ std::uint64_t key_of(Random random) {
 }
 
 /// Warns once of each population whose interventions `add` together add more bodies than its reserve has.
-void warn_of_small_reserves(const WorldSpec& spec, Diagnostics& diagnostics) {
+/// in_order: the interventions of the spec, in the order in which they are applied
+void warn_of_small_reserves(const WorldSpec& spec, std::span<const Experiment::Intervention> in_order,
+                            Diagnostics& diagnostics) {
   std::map<std::string_view, std::uint64_t> left;  // by population: bodies that are still in the reserve
   for (const ReserveSpec& reserve : spec.reserves) left[reserve.population] += reserve.count;
-  for (const InterventionSpec& at : spec.experiment.at) {
+  for (const Experiment::Intervention& intervention : in_order) {
+    const InterventionSpec& at = spec.experiment.at[intervention.spec];
     if (at.action != Action::add) continue;
     const auto reserve = left.find(at.whom.name);
     if (reserve == left.end()) continue;  // an error, or a population that was warned of
@@ -235,7 +239,7 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
                [&](Diagnostics& own) { build_intervention(intervention, registry, groups, types, own); });
     if (intervention.whom) most = std::max(most, intervention.whom->size());
   }
-  warn_of_small_reserves(state_.spec, diagnostics);
+  warn_of_small_reserves(state_.spec, e.interventions, diagnostics);
   build_faults(registry, groups, diagnostics);
   e.candidates.reserve(most);
   if (std::ranges::any_of(spec.at, [](const auto& at) { return at.action == Action::move; }))
