@@ -314,9 +314,8 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
 }
 
 /// Calls the hook `bind_world` of devices and controllers again, after poses or colours in the spec have
-/// changed: their kinds have stored places, contours or colours of bodies. No setting is in force afterwards.
+/// changed: their kinds have stored places, contours or colours of bodies. No setting may be in force.
 void World::bind_kinds_again(const Registry& registry) {
-  swap_settings_back(std::exchange(experiment_.next, 0));
   const auto require = [](const auto& prepared) {
     if (!prepared) throw std::logic_error(prepared.error().text);  // it was accepted with the old poses
   };
@@ -717,6 +716,16 @@ Result<> World::set_at(std::uint64_t tick, const SettingSpec& setting, const Reg
 Result<> World::insert_setting(const SettingSpec& setting, const Registry& registry) {
   Experiment& e = experiment_;
   std::vector<InterventionSpec>& at = state_.spec.experiment.at;
+  // No setting is in force until the end of the function. Settings are compiled with the types of tick 0,
+  // because a world that is resumed from a checkpoint compiles all of them when it is built.
+  struct Undone {
+    explicit Undone(World& w) : world(w) { world.swap_settings_back(world.experiment_.next); }
+    ~Undone() { world.swap_settings(world.experiment_.next); }
+    Undone(const Undone&) = delete;
+    Undone& operator=(const Undone&) = delete;
+    World& world;
+  };
+  const Undone undone(*this);
   const auto setting_of = [&](const Experiment::Intervention& each) -> const SettingSpec* {
     const auto& of = at[each.spec].setting;
     return of && of->type == setting.type ? &*of : nullptr;  // settings of other types do not matter here
@@ -742,11 +751,7 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
           fmt::format("with these values, the world's intervention \"set\" at {:.10g} s would fail: {}",
                       at[again.spec].time_s, built.error().text)};
   }
-  if (e.made++ == 0) {
-    swap_settings_back(e.next);
-    e.declared = e.interventions;
-    swap_settings(e.next);
-  }
+  if (e.made++ == 0) e.declared = e.interventions;
   for (auto& [i, again] : later) e.interventions[i] = std::move(again);
   e.interventions.insert(after, std::move(own));
   InterventionSpec& added = at.emplace_back();
@@ -754,17 +759,17 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
   added.action = Action::set;
   added.setting = setting;
   // If interventions of this tick are still due, the next step applies them and, after them, the setting.
-  // Otherwise the setting is applied now.
-  if (place == e.next) swap_setting(e.interventions[e.next++]);
+  // Otherwise the setting is applied now, with the others that were undone.
+  if (place == e.next) ++e.next;
   find_due();
   return {};
 }
 
-/// Undoes the changes of all calls of set().
+/// Undoes the changes of all calls of set(). No setting is in force afterwards.
 void World::forget_settings() {
   Experiment& e = experiment_;
-  if (e.made == 0) return;
   swap_settings_back(std::exchange(e.next, 0));
+  if (e.made == 0) return;
   e.interventions = std::exchange(e.declared, {});
   std::vector<InterventionSpec>& at = state_.spec.experiment.at;
   at.erase(at.end() - static_cast<std::ptrdiff_t>(std::exchange(e.made, 0)), at.end());
