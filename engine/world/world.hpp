@@ -736,7 +736,7 @@ class World {
   void halt_stopped(std::span<const Row> rows, const BodyType::Device& device);
   void halt(Row row, const BodyType::Device& device);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
-  void decide_together(const BodyType& type, const BodyType::Controller& controller);
+  void decide_together();
   void move();
   void check_effects();
   void check_order(std::span<const Effect> effects) const;
@@ -878,7 +878,7 @@ class World {
 
   // Scratch: data of the current tick, and the poses that programs set, which measures read.
   Effects effects_;
-  std::vector<Row> deciding_;  // the robots for which a collective controller decides
+  std::vector<Row> deciding_;  // robots with collective controllers, then those for which one of them decides
   PlacedRows placed_;          // set since the last step
   PlacedRows placed_before_;   // set between the last two steps
 };
