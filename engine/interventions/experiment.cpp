@@ -15,6 +15,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -23,6 +24,12 @@
 #include <utility>
 
 namespace troupe::engine {
+
+struct Experiment::Basis {
+  TypeSpec spec;                         // the type with all settings up to that of the intervention
+  std::shared_ptr<const BodyType> type;  // the compiled type with the parameters of tick 0
+};
+
 namespace {
 
 using Action = InterventionSpec::Action;
@@ -267,7 +274,8 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
     diagnostics.error(spec.where, fmt::format("at {:g} s: {}", spec.time_s, what));
   };
   if (spec.action == Action::set) {
-    if (const Result<> built = build_setting(*spec.setting, registry, types, intervention); !built)
+    const BodyType& type = state_.types[spec.setting->type.index()];
+    if (const Result<> built = build_setting(*spec.setting, registry, type, types, intervention); !built)
       error(built.error().text);
     return;
   }
@@ -299,12 +307,12 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
                       spec.pose->y, outside_text(state_.bounds())));
 }
 
-Result<> World::build_setting(const SettingSpec& setting, const Registry& registry,
+Result<> World::build_setting(const SettingSpec& setting, const Registry& registry, const BodyType& type,
                               std::map<std::uint32_t, TypeSpec>& types,
                               Experiment::Intervention& intervention) {
   TypeSpec& spec =
       types.try_emplace(setting.type.value, state_.spec.types[setting.type.index()]).first->second;
-  const SettingContext context{setting, state_.spec, registry, state_.types[setting.type.index()]};
+  const SettingContext context{setting, state_.spec, registry, type};
   switch (setting.of) {
     case Of::drive: return build_drive_setting(context, spec, intervention);
     case Of::device: return build_device_setting(context, spec, intervention);
@@ -340,10 +348,12 @@ void World::bind_kinds_again(const Registry& registry) {
     has_bound = true;
   }
   std::map<std::uint32_t, TypeSpec> types;
-  if (has_bound)
-    for (Experiment::Intervention& each : experiment_.interventions)
-      if (is_setting(each))
-        require(build_setting(*state_.spec.experiment.at[each.spec].setting, registry, types, each));
+  if (!has_bound) return;
+  for (Experiment::Intervention& each : experiment_.interventions) {
+    if (!is_setting(each)) continue;
+    const SettingSpec& setting = *state_.spec.experiment.at[each.spec].setting;
+    require(build_setting(setting, registry, state_.types[setting.type.index()], types, each));
+  }
 }
 
 namespace {
@@ -683,10 +693,22 @@ double World::longest_reach() const {
 
 TypeSpec World::present_type(TypeId type) const { return type_at(type, experiment_.next); }
 
+/// Returns the number of the last intervention, counted from 1, among the first `count` interventions that
+/// has a basis of this type (Experiment::Intervention::basis); 0 if there is none.
+std::size_t World::find_basis(TypeId type, std::size_t count) const {
+  const auto has_basis = [&](const Experiment::Intervention& each) {
+    return each.basis && state_.spec.experiment.at[each.spec].setting->type == type;
+  };
+  while (count > 0 && !has_basis(experiment_.interventions[count - 1])) --count;
+  return count;
+}
+
 /// Returns the spec of a type with the settings among the first `count` interventions applied.
 TypeSpec World::type_at(TypeId type, std::size_t count) const {
-  TypeSpec spec = state_.spec.types[type.index()];
-  for (std::size_t i = 0; i < count; ++i) {
+  const std::size_t known = find_basis(type, count);
+  TypeSpec spec =
+      known > 0 ? experiment_.interventions[known - 1].basis->spec : state_.spec.types[type.index()];
+  for (std::size_t i = known; i < count; ++i) {
     const InterventionSpec& done = state_.spec.experiment.at[experiment_.interventions[i].spec];
     if (done.action != Action::set || done.setting->type != type) continue;
     Record& params = params_of(spec, *done.setting);
@@ -716,8 +738,7 @@ Result<> World::set_at(std::uint64_t tick, const SettingSpec& setting, const Reg
 Result<> World::insert_setting(const SettingSpec& setting, const Registry& registry) {
   Experiment& e = experiment_;
   std::vector<InterventionSpec>& at = state_.spec.experiment.at;
-  // No setting is in force until the end of the function. Settings are compiled with the types of tick 0,
-  // because a world that is resumed from a checkpoint compiles all of them when it is built.
+  // While an object of this class exists, no setting is in force.
   struct Undone {
     explicit Undone(World& w) : world(w) { world.swap_settings_back(world.experiment_.next); }
     ~Undone() { world.swap_settings(world.experiment_.next); }
@@ -725,7 +746,6 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
     Undone& operator=(const Undone&) = delete;
     World& world;
   };
-  const Undone undone(*this);
   const auto setting_of = [&](const Experiment::Intervention& each) -> const SettingSpec* {
     const auto& of = at[each.spec].setting;
     return of && of->type == setting.type ? &*of : nullptr;  // settings of other types do not matter here
@@ -735,32 +755,54 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
   const auto after =
       std::ranges::upper_bound(e.interventions, state_.now.tick, {}, &Experiment::Intervention::tick);
   const auto place = static_cast<std::size_t>(after - e.interventions.begin());
-  // The later settings of the type are compiled again, because each contains the values of those before it.
+  // Settings are compiled with the type of tick 0, because a world that is resumed from a checkpoint compiles
+  // all of them when it is built.
+  std::shared_ptr<const BodyType> type;
+  const std::size_t known = find_basis(setting.type, place);
+  if (known > 0) {
+    type = e.interventions[known - 1].basis->type;
+  } else {
+    const Undone undone(*this);
+    type = std::make_shared<const BodyType>(state_.types[setting.type.index()]);
+  }
   std::map<std::uint32_t, TypeSpec> types;
-  types.emplace(setting.type.value, type_at(setting.type, place));
-  Experiment::Intervention own{
-      .tick = state_.now.tick, .spec = at.size(), .whom = {}, .data = {}, .device = {}, .controllers = {}};
-  if (const Result<> built = build_setting(setting, registry, types, own); !built) return built.error();
+  TypeSpec& spec = types.emplace(setting.type.value, type_at(setting.type, place)).first->second;
+  Experiment::Intervention own{.tick = state_.now.tick,
+                               .spec = at.size(),
+                               .whom = {},
+                               .data = {},
+                               .device = {},
+                               .controllers = {},
+                               .basis = {}};
+  if (const Result<> built = build_setting(setting, registry, *type, types, own); !built)
+    return built.error();
+  own.basis = std::make_shared<const Experiment::Basis>(Experiment::Basis{spec, type});
+  // The later settings of the type are compiled again, because each contains the values of those before it.
   std::vector<std::pair<std::size_t, Experiment::Intervention>> later;
   for (std::size_t i = place; i < e.interventions.size(); ++i) {
     const SettingSpec* const next = setting_of(e.interventions[i]);
     if (next == nullptr) continue;
     Experiment::Intervention& again = later.emplace_back(i, e.interventions[i]).second;
-    if (const Result<> built = build_setting(*next, registry, types, again); !built)
+    again.basis.reset();
+    if (const Result<> built = build_setting(*next, registry, *type, types, again); !built)
       return Error{
           fmt::format("with these values, the world's intervention \"set\" at {:.10g} s would fail: {}",
                       at[again.spec].time_s, built.error().text)};
   }
-  if (e.made++ == 0) e.declared = e.interventions;
+  if (e.made++ == 0) {
+    const Undone undone(*this);
+    e.declared = e.interventions;
+  }
   for (auto& [i, again] : later) e.interventions[i] = std::move(again);
+  if (known > 0) e.interventions[known - 1].basis.reset();
   e.interventions.insert(after, std::move(own));
   InterventionSpec& added = at.emplace_back();
   added.time_s = static_cast<double>(state_.now.tick) * state_.spec.tick_s;
   added.action = Action::set;
   added.setting = setting;
   // If interventions of this tick are still due, the next step applies them and, after them, the setting.
-  // Otherwise the setting is applied now, with the others that were undone.
-  if (place == e.next) ++e.next;
+  // Otherwise the setting is applied now.
+  if (place == e.next) swap_setting(e.interventions[e.next++]);
   find_due();
   return {};
 }

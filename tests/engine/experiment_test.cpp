@@ -25,6 +25,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -545,6 +546,51 @@ TEST(Experiment, WhatAProgramSetsIsTheSameInAWorldThatIsMadeAgain) {
   step(*again, 2);
   EXPECT_EQ(world.commands()[0].x, again->commands()[0].x);
   EXPECT_EQ(world.hashes().state, again->hashes().state);
+}
+
+TEST(Experiment, AProgramMaySetAParameterInEveryTick) {
+  constexpr int k_ticks = test::k_slow_build ? 1'000 : 20'000;
+  const FieldTable& table = test::registry().drive("diff")->params;
+  Squad row(1);
+  const auto world = row.world({.threads = 1});
+  InterventionSpec set = setting(0, row.type, SettingSpec::Of::drive, table, "velocity_max_x", 0.0);
+  Value& limit = set.setting->params[static_cast<std::size_t>(table.find("velocity_max_x"))];
+  for (int tick = 1; tick <= k_ticks; ++tick) {
+    limit = 0.5 / tick;
+    ASSERT_TRUE(world->set(*set.setting, test::registry()));
+    world->step();
+    ASSERT_EQ(world->velocities()[0].x, 0.5 / tick);
+  }
+  const TypeSpec present = world->present_type(row.type);
+  EXPECT_EQ(get(table, present.drive->params, "velocity_max_x"), Value(0.5 / k_ticks));
+  world->reset();
+  EXPECT_EQ(world->present_type(row.type).drive->params, row.scene[row.type].drive->params);
+}
+
+TEST(Experiment, WhatAProgramSetsBeforeAnEarlierSettingStays) {
+  const FieldTable& table = test::registry().drive("diff")->params;
+  Squad row(1);
+  const auto world = row.world({.threads = 1});
+  const auto set = [&](std::string_view name, double value) {
+    const InterventionSpec made = setting(0, row.type, SettingSpec::Of::drive, table, name, value);
+    ASSERT_TRUE(world->set(*made.setting, test::registry())) << name;
+  };
+  step(*world, 3);
+  const std::vector<StateTable> saved(world->tables().begin(), world->tables().end());
+  const World::Counters counters = world->counters();
+  const std::uint64_t hash = world->hashes().state;
+  step(*world, 3);
+  set("velocity_max_x", 0.25);
+  ASSERT_TRUE(world->restore(3, counters, hash, [&](std::span<StateTable> into) {
+    for (std::size_t t = 0; t < saved.size(); ++t) into[t] = saved[t];
+  }));
+  set("velocity_min_x", -0.125);
+  step(*world, 5);
+  EXPECT_EQ(world->velocities()[0].x, 0.25) << "the setting of tick 6";
+  set("velocity_max_x", 0.5);
+  world->set_command(Row(0), {-1, 0, 0});
+  step(*world, 1);
+  EXPECT_EQ(world->velocities()[0].x, -0.125);
 }
 
 TEST(Experiment, ARestartMakesItsFaultsWithTheParametersOfTickZero) {
