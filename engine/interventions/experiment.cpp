@@ -15,6 +15,8 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -22,6 +24,12 @@
 #include <utility>
 
 namespace troupe::engine {
+
+struct Experiment::Basis {
+  TypeSpec spec;                         // the type with all settings up to that of the intervention
+  std::shared_ptr<const BodyType> type;  // the compiled type with the parameters of tick 0
+};
+
 namespace {
 
 using Action = InterventionSpec::Action;
@@ -48,10 +56,13 @@ std::uint64_t key_of(Random random) {
 }
 
 /// Warns once of each population whose interventions `add` together add more bodies than its reserve has.
-void warn_of_small_reserves(const WorldSpec& spec, Diagnostics& diagnostics) {
+/// in_order: the interventions of the spec, in the order in which they are applied
+void warn_of_small_reserves(const WorldSpec& spec, std::span<const Experiment::Intervention> in_order,
+                            Diagnostics& diagnostics) {
   std::map<std::string_view, std::uint64_t> left;  // by population: bodies that are still in the reserve
   for (const ReserveSpec& reserve : spec.reserves) left[reserve.population] += reserve.count;
-  for (const InterventionSpec& at : spec.experiment.at) {
+  for (const Experiment::Intervention& intervention : in_order) {
+    const InterventionSpec& at = spec.experiment.at[intervention.spec];
     if (at.action != Action::add) continue;
     const auto reserve = left.find(at.whom.name);
     if (reserve == left.end()) continue;  // an error, or a population that was warned of
@@ -235,7 +246,7 @@ void World::build_experiment(const Registry& registry, Diagnostics& diagnostics)
                [&](Diagnostics& own) { build_intervention(intervention, registry, groups, types, own); });
     if (intervention.whom) most = std::max(most, intervention.whom->size());
   }
-  warn_of_small_reserves(state_.spec, diagnostics);
+  warn_of_small_reserves(state_.spec, e.interventions, diagnostics);
   build_faults(registry, groups, diagnostics);
   e.candidates.reserve(most);
   if (std::ranges::any_of(spec.at, [](const auto& at) { return at.action == Action::move; }))
@@ -263,7 +274,8 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
     diagnostics.error(spec.where, fmt::format("at {:g} s: {}", spec.time_s, what));
   };
   if (spec.action == Action::set) {
-    if (const Result<> built = build_setting(*spec.setting, registry, types, intervention); !built)
+    const BodyType& type = state_.types[spec.setting->type.index()];
+    if (const Result<> built = build_setting(*spec.setting, registry, type, types, intervention); !built)
       error(built.error().text);
     return;
   }
@@ -295,12 +307,12 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
                       spec.pose->y, outside_text(state_.bounds())));
 }
 
-Result<> World::build_setting(const SettingSpec& setting, const Registry& registry,
+Result<> World::build_setting(const SettingSpec& setting, const Registry& registry, const BodyType& type,
                               std::map<std::uint32_t, TypeSpec>& types,
                               Experiment::Intervention& intervention) {
   TypeSpec& spec =
       types.try_emplace(setting.type.value, state_.spec.types[setting.type.index()]).first->second;
-  const SettingContext context{setting, state_.spec, registry, state_.types[setting.type.index()]};
+  const SettingContext context{setting, state_.spec, registry, type};
   switch (setting.of) {
     case Of::drive: return build_drive_setting(context, spec, intervention);
     case Of::device: return build_device_setting(context, spec, intervention);
@@ -310,9 +322,8 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
 }
 
 /// Calls the hook `bind_world` of devices and controllers again, after poses or colours in the spec have
-/// changed: their kinds have stored places, contours or colours of bodies. No setting is in force afterwards.
+/// changed: their kinds have stored places, contours or colours of bodies. No setting may be in force.
 void World::bind_kinds_again(const Registry& registry) {
-  swap_settings_back(std::exchange(experiment_.next, 0));
   const auto require = [](const auto& prepared) {
     if (!prepared) throw std::logic_error(prepared.error().text);  // it was accepted with the old poses
   };
@@ -337,10 +348,12 @@ void World::bind_kinds_again(const Registry& registry) {
     has_bound = true;
   }
   std::map<std::uint32_t, TypeSpec> types;
-  if (has_bound)
-    for (Experiment::Intervention& each : experiment_.interventions)
-      if (is_setting(each))
-        require(build_setting(*state_.spec.experiment.at[each.spec].setting, registry, types, each));
+  if (!has_bound) return;
+  for (Experiment::Intervention& each : experiment_.interventions) {
+    if (!is_setting(each)) continue;
+    const SettingSpec& setting = *state_.spec.experiment.at[each.spec].setting;
+    require(build_setting(setting, registry, state_.types[setting.type.index()], types, each));
+  }
 }
 
 namespace {
@@ -680,10 +693,22 @@ double World::longest_reach() const {
 
 TypeSpec World::present_type(TypeId type) const { return type_at(type, experiment_.next); }
 
+/// Returns the number of the last intervention, counted from 1, among the first `count` interventions that
+/// has a basis of this type (Experiment::Intervention::basis); 0 if there is none.
+std::size_t World::find_basis(TypeId type, std::size_t count) const {
+  const auto has_basis = [&](const Experiment::Intervention& each) {
+    return each.basis && state_.spec.experiment.at[each.spec].setting->type == type;
+  };
+  while (count > 0 && !has_basis(experiment_.interventions[count - 1])) --count;
+  return count;
+}
+
 /// Returns the spec of a type with the settings among the first `count` interventions applied.
 TypeSpec World::type_at(TypeId type, std::size_t count) const {
-  TypeSpec spec = state_.spec.types[type.index()];
-  for (std::size_t i = 0; i < count; ++i) {
+  const std::size_t known = find_basis(type, count);
+  TypeSpec spec =
+      known > 0 ? experiment_.interventions[known - 1].basis->spec : state_.spec.types[type.index()];
+  for (std::size_t i = known; i < count; ++i) {
     const InterventionSpec& done = state_.spec.experiment.at[experiment_.interventions[i].spec];
     if (done.action != Action::set || done.setting->type != type) continue;
     Record& params = params_of(spec, *done.setting);
@@ -713,6 +738,14 @@ Result<> World::set_at(std::uint64_t tick, const SettingSpec& setting, const Reg
 Result<> World::insert_setting(const SettingSpec& setting, const Registry& registry) {
   Experiment& e = experiment_;
   std::vector<InterventionSpec>& at = state_.spec.experiment.at;
+  // While an object of this class exists, no setting is in force.
+  struct Undone {
+    explicit Undone(World& w) : world(w) { world.swap_settings_back(world.experiment_.next); }
+    ~Undone() { world.swap_settings(world.experiment_.next); }
+    Undone(const Undone&) = delete;
+    Undone& operator=(const Undone&) = delete;
+    World& world;
+  };
   const auto setting_of = [&](const Experiment::Intervention& each) -> const SettingSpec* {
     const auto& of = at[each.spec].setting;
     return of && of->type == setting.type ? &*of : nullptr;  // settings of other types do not matter here
@@ -722,28 +755,46 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
   const auto after =
       std::ranges::upper_bound(e.interventions, state_.now.tick, {}, &Experiment::Intervention::tick);
   const auto place = static_cast<std::size_t>(after - e.interventions.begin());
-  // The later settings of the type are compiled again, because each contains the values of those before it.
+  // Settings are compiled with the type of tick 0, because a world that is resumed from a checkpoint compiles
+  // all of them when it is built.
+  std::shared_ptr<const BodyType> type;
+  const std::size_t known = find_basis(setting.type, place);
+  if (known > 0) {
+    type = e.interventions[known - 1].basis->type;
+  } else {
+    const Undone undone(*this);
+    type = std::make_shared<const BodyType>(state_.types[setting.type.index()]);
+  }
   std::map<std::uint32_t, TypeSpec> types;
-  types.emplace(setting.type.value, type_at(setting.type, place));
-  Experiment::Intervention own{
-      .tick = state_.now.tick, .spec = at.size(), .whom = {}, .data = {}, .device = {}, .controllers = {}};
-  if (const Result<> built = build_setting(setting, registry, types, own); !built) return built.error();
+  TypeSpec& spec = types.emplace(setting.type.value, type_at(setting.type, place)).first->second;
+  Experiment::Intervention own{.tick = state_.now.tick,
+                               .spec = at.size(),
+                               .whom = {},
+                               .data = {},
+                               .device = {},
+                               .controllers = {},
+                               .basis = {}};
+  if (const Result<> built = build_setting(setting, registry, *type, types, own); !built)
+    return built.error();
+  own.basis = std::make_shared<const Experiment::Basis>(Experiment::Basis{spec, type});
+  // The later settings of the type are compiled again, because each contains the values of those before it.
   std::vector<std::pair<std::size_t, Experiment::Intervention>> later;
   for (std::size_t i = place; i < e.interventions.size(); ++i) {
     const SettingSpec* const next = setting_of(e.interventions[i]);
     if (next == nullptr) continue;
     Experiment::Intervention& again = later.emplace_back(i, e.interventions[i]).second;
-    if (const Result<> built = build_setting(*next, registry, types, again); !built)
+    again.basis.reset();
+    if (const Result<> built = build_setting(*next, registry, *type, types, again); !built)
       return Error{
           fmt::format("with these values, the world's intervention \"set\" at {:.10g} s would fail: {}",
                       at[again.spec].time_s, built.error().text)};
   }
   if (e.made++ == 0) {
-    swap_settings_back(e.next);
+    const Undone undone(*this);
     e.declared = e.interventions;
-    swap_settings(e.next);
   }
   for (auto& [i, again] : later) e.interventions[i] = std::move(again);
+  if (known > 0) e.interventions[known - 1].basis.reset();
   e.interventions.insert(after, std::move(own));
   InterventionSpec& added = at.emplace_back();
   added.time_s = static_cast<double>(state_.now.tick) * state_.spec.tick_s;
@@ -756,11 +807,11 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
   return {};
 }
 
-/// Undoes the changes of all calls of set().
+/// Undoes the changes of all calls of set(). No setting is in force afterwards.
 void World::forget_settings() {
   Experiment& e = experiment_;
-  if (e.made == 0) return;
   swap_settings_back(std::exchange(e.next, 0));
+  if (e.made == 0) return;
   e.interventions = std::exchange(e.declared, {});
   std::vector<InterventionSpec>& at = state_.spec.experiment.at;
   at.erase(at.end() - static_cast<std::ptrdiff_t>(std::exchange(e.made, 0)), at.end());

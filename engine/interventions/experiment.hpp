@@ -30,6 +30,9 @@ struct Experiment {
   /// any tick.
   static constexpr std::uint64_t k_never = std::numeric_limits<std::uint64_t>::max();
 
+  /// What World::set() needs to know of a type to compile a change of its parameters.
+  struct Basis;
+
   /// An intervention, compiled from its InterventionSpec.
   struct Intervention {
     std::uint64_t tick = 0;  ///< applied after this tick, at the beginning of the next one
@@ -51,6 +54,9 @@ struct Experiment {
     /// limits of the drive. Swapped in the same way as `data`. Empty if no controller kind of the type has
     /// the function `bind_world`: controllers can read the drive only in that function.
     std::vector<std::any> controllers;
+    /// Set only for the last `set` of a type that World::set() has added: what the next call for this type
+    /// needs. The call then need not read all earlier interventions.
+    std::shared_ptr<const Basis> basis;
   };
   /// Sorted by tick; within a tick in the order of ExperimentSpec::at.
   std::vector<Intervention> interventions;

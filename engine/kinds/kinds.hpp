@@ -763,7 +763,8 @@ struct ControllerKind {
   /// kind "ranger"`.
   ///
   /// devices: the devices that the controller may use: those on its part and on all parts mounted on that
-  /// part, except drive devices (DeviceKind::drives)
+  /// part, except drive devices (DeviceKind::drives). They have the parameters of tick 0, also if the hook is
+  /// called because an intervention or World::set() changes a parameter later in the run
   /// claimed: one entry per entry of `devices`; true: an earlier controller in the type's list has reserved
   /// the device for itself. The hook reserves a device by setting the entry to true.
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,

@@ -132,9 +132,10 @@ struct InterventionSpec {
   /// within the bounds of the world. For `add`, it is the pose of each new body. If this pose is not free for
   /// a body, this body and the remaining bodies are not added.
   std::optional<Pose> pose;
-  /// For `add` without `pose`: box (world frame, m) in which each new body gets a random free pose with z =
-  /// 0. Not set: the box WorldSpec::bounds, which must then be set. If none of 1000 random poses for a body
-  /// is free, this body and the remaining bodies are not added.
+  /// For `add` without `pose`: box (world frame, m) in which each new body gets a random free pose. The
+  /// height of the pose is that of the unborn body in the spec (BodySpec::pose_world_body). Not set: the box
+  /// WorldSpec::bounds, which must then be set. If none of 1000 random poses for a body is free, this body
+  /// and the remaining bodies are not added.
   std::optional<Box> region;
   std::optional<SettingSpec> setting;  ///< for `set`: the new parameters; `whom` is then unused
   Where where;                         ///< file position, for messages

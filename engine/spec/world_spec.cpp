@@ -279,10 +279,11 @@ void add_spare(WorldSpec& spec, std::uint32_t count, std::span<const std::string
     population.is_of_one_type = population.is_of_one_type && population.like.type == body.type;
     population.next = std::max(population.next, member.number + 1);
   }
+  std::set<std::string, std::less<>> reserved;  // populations with a reserve
+  for (const ReserveSpec& reserve : spec.reserves) reserved.insert(reserve.population);
   for (const auto& [key, population] : populations) {
     const std::string& name = key.second;
-    if (!population.is_of_one_type || std::ranges::count(spec.reserves, name, &ReserveSpec::population) > 0)
-      continue;
+    if (!population.is_of_one_type || !reserved.insert(name).second) continue;
     const std::size_t end = spec.bodies.size() + count;
     spec.reserves.push_back({name, BodyId(spec.bodies.size()), count});
     for (std::uint32_t number = population.next; spec.bodies.size() < end; ++number) {

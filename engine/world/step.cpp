@@ -11,7 +11,10 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 namespace troupe::engine {
 namespace {
@@ -251,30 +254,42 @@ void World::decide() {
     });
   });
   if (!has_collective_) return;
-  const auto decide_for_all = [this] {
-    for (const BodyType& type : state_.types)
-      for (const BodyType::Controller& controller : type.controllers)
-        if (controller.kind->is_collective) decide_together(type, controller);
-  };
   if (replica_)
-    replica_->on_rank_0(decide_for_all);
+    replica_->on_rank_0([this] { decide_together(); });
   else
-    decide_for_all();
+    decide_together();
 }
 
-/// Calls a controller with ControllerKind::is_collective once, for all its robots that are due in this tick,
-/// in the order of their ids.
-void World::decide_together(const BodyType& type, const BodyType::Controller& controller) {
+/// Calls each controller with ControllerKind::is_collective once, for all its robots that are due in this
+/// tick, in the order of their ids.
+void World::decide_together() {
+  const auto is_collective = [](const BodyType::Controller& controller) {
+    return controller.kind->is_collective;
+  };
+  const auto type_of = [this](Row row) { return state_.row_types[row.index()]; };
+  const auto type_and_id = [&](Row row) { return std::pair(type_of(row), state_.ids[row.index()]); };
+  // First, one pass over the bodies lists the robots of all types, because each robot may have its own type.
   std::vector<Row>& rows = deciding_;
   rows.clear();
   for (std::size_t b = 0; b < state_.rows.size(); ++b) {
     if (location(BodyId(b)) != RowLocation::here) continue;
     const Row row = this->row(BodyId(b));
-    if (&this->type(row) == &type && is_there(row) && !is_disabled(row) &&
-        (state_.now.tick - birth_tick(row)) % controller.period == 0)
+    if (is_there(row) && !is_disabled(row) && std::ranges::any_of(type(row).controllers, is_collective))
       rows.push_back(row);
   }
-  if (!rows.empty()) decide(rows, type, controller);
+  if (!std::ranges::is_sorted(rows, {}, type_and_id)) std::ranges::sort(rows, {}, type_and_id);
+  const std::size_t all = rows.size();
+  for (std::size_t first = 0, end = 0; first < all; first = end) {
+    const BodyType& type = this->type(rows[first]);
+    while (end < all && type_of(rows[end]) == type_of(rows[first])) ++end;
+    for (const BodyType::Controller& controller : type.controllers) {
+      if (!is_collective(controller)) continue;
+      rows.resize(all);  // removes the list of the controller before
+      for (std::size_t i = first; i < end; ++i)
+        if ((state_.now.tick - birth_tick(rows[i])) % controller.period == 0) rows.push_back(rows[i]);
+      if (rows.size() > all) decide(std::span(rows).subspan(all), type, controller);
+    }
+  }
 }
 
 DeviceBatch World::device_batch(std::span<const Row> rows, const BodyType& type,

@@ -343,8 +343,8 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
       build_scene();
       if (state_.ray_grid) build_ray_grid(diagnostics);  // start() redraws it
     }
-    build_faults(registry, groups, diagnostics);
     forget_settings();
+    build_faults(registry, groups, diagnostics);
     if (has_any_changed) bind_kinds_again(registry);
     start();
   };

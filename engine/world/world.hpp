@@ -736,7 +736,7 @@ class World {
   void halt_stopped(std::span<const Row> rows, const BodyType::Device& device);
   void halt(Row row, const BodyType::Device& device);
   void decide(std::span<const Row> rows, const BodyType& type, const BodyType::Controller& controller);
-  void decide_together(const BodyType& type, const BodyType::Controller& controller);
+  void decide_together();
   void move();
   void check_effects();
   void check_order(std::span<const Effect> effects) const;
@@ -770,9 +770,10 @@ class World {
   /// the changes of this intervention to the map.
   void build_intervention(Experiment::Intervention& intervention, const Registry& registry, Groups& groups,
                           std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics);
-  /// Compiles a change of parameters, `setting`, into `intervention`. `types` is as for build_intervention().
-  /// The error says what is wrong with the change.
-  Result<> build_setting(const SettingSpec& setting, const Registry& registry,
+  /// Compiles a change of parameters, `setting`, into `intervention`. `type` is the type whose parameters
+  /// change, with those of tick 0. `types` is as for build_intervention(). The error says what is wrong with
+  /// the change.
+  Result<> build_setting(const SettingSpec& setting, const Registry& registry, const BodyType& type,
                          std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
   void build_faults(const Registry& registry, Groups& groups, Diagnostics& diagnostics);
   void bind_kinds_again(const Registry& registry);
@@ -797,6 +798,7 @@ class World {
   Pose place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
                     std::uint32_t trial) const;
   bool is_setting(const Experiment::Intervention& intervention) const;
+  std::size_t find_basis(TypeId type, std::size_t count) const;
   TypeSpec type_at(TypeId type, std::size_t count) const;
   Result<> insert_setting(const SettingSpec& setting, const Registry& registry);
   void swap_settings(std::size_t count);
@@ -878,7 +880,7 @@ class World {
 
   // Scratch: data of the current tick, and the poses that programs set, which measures read.
   Effects effects_;
-  std::vector<Row> deciding_;  // the robots for which a collective controller decides
+  std::vector<Row> deciding_;  // robots with collective controllers, then those for which one of them decides
   PlacedRows placed_;          // set since the last step
   PlacedRows placed_before_;   // set between the last two steps
 };

@@ -2,11 +2,14 @@
 #include "engine/kinds/controller.hpp"
 #include "engine/observing/controller_check.hpp"
 #include "tests/support/scene.hpp"
+#include "tests/support/slow_build.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace troupe::engine {
@@ -127,6 +130,24 @@ TEST(Collective, LeavesOutRobotsThatAreDisabled) {
   EXPECT_EQ(scene.memory(0).singers, k_singers - 1);
   EXPECT_EQ(scene.memory(2).singers, 0u);
   EXPECT_EQ(scene.memory(3).place, 2u);
+}
+
+TEST(Collective, LooksAtEachBodyOnceHoweverManyTypesThereAre) {
+  constexpr std::size_t k_types = 1'000;
+  constexpr std::uint32_t k_unborn = 200'000;
+  test::SceneBuilder scene;
+  for (std::size_t i = 0; i < k_types; ++i) {
+    const TypeId type = scene.robot(fmt::format("bot{}", i), {test::box(0.2, 0.2)});
+    scene[type].controllers.push_back({.kind = "choir", .params = {}});
+    scene.body(fmt::format("r{}", i), type, {static_cast<double>(i % 40), static_cast<double>(i / 40), 0, 0});
+  }
+  scene.spec.reserves.push_back({"r", BodyId(scene.spec.bodies.size()), k_unborn});
+  for (std::uint32_t i = 0; i < k_unborn; ++i) scene.body(fmt::format("r{}", k_types + i), TypeId(1));
+  Diagnostics diagnostics;
+  World world(scene.spec, choir_registry(), {.threads = 1}, diagnostics);
+  for (int tick = 0; tick < (test::k_slow_build ? 5 : 200); ++tick) world.step();
+  for (std::size_t i = 0; i < k_types; ++i)
+    ASSERT_EQ(world.commands()[world.row(BodyId(i + 1)).index()].x, 0.1);
 }
 
 TEST(Collective, HasTheSameBitsWithAnyThreadsAndTiles) {

@@ -3,7 +3,9 @@
 
 #include "base/random.hpp"
 #include "engine/interventions/groups.hpp"
+#include "engine/kinds/controller.hpp"
 #include "engine/observing/events.hpp"
+#include "engine/observing/remade_world.hpp"
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
@@ -16,10 +18,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -491,6 +497,122 @@ TEST(Experiment, ParametersAreSetForATimeAndByTheNextReset) {
     row.drive(*world);
   }
   EXPECT_EQ(first[0], first[1]);
+}
+
+/// A controller whose speed depends on the reach that its device had when the controller was prepared.
+struct ByReach {
+  struct Params {
+    double factor = 0.01;
+
+    static constexpr void describe(Description<Params>& d) {
+      d.member<&Params::factor>("factor", "speed, m/s, per metre of reach");
+    }
+  };
+
+  Params params;
+  double reach_m = 0;
+
+  std::vector<std::size_t> choose(std::span<const DeviceInfo> devices, std::vector<bool>&) {
+    reach_m = devices[0].prepared.reach_m;
+    return {0};
+  }
+  void operator()(const Percept&, Random&, Actions& actions) const {
+    actions.command.x = params.factor * reach_m;
+  }
+};
+
+/// A setting of the range of the ranger of a Squad.
+InterventionSpec range_setting(double time_s, TypeId type, double range_max) {
+  const Record fan = test::ranger("eye", {{.range_max = range_max}}).params;
+  return setting(time_s, type, SettingSpec::Of::device, test::registry().device("ranger")->params,
+                 "transducers", fan[0]);
+}
+
+TEST(Experiment, WhatAProgramSetsIsTheSameInAWorldThatIsMadeAgain) {
+  Registry registry = test::registry();
+  registry.controllers.push_back(make_controller_kind<ByReach>("by_reach", ""));
+  const FieldTable& table = registry.controllers.back().params;
+  Squad row(1);
+  row.scene[row.type].controllers = {{.kind = "by_reach", .params = table.defaults()}};
+  Diagnostics diagnostics;
+  World world(row.scene.spec, registry, {.threads = 1}, diagnostics);
+  step(world, 3);
+  ASSERT_TRUE(world.set(*range_setting(0, row.type, 2).setting, registry));
+  ASSERT_TRUE(
+      world.set(*setting(0, row.type, SettingSpec::Of::controller, table, "factor", 0.02).setting, registry));
+  step(world, 2);
+  const std::unique_ptr<World> again = remade_world(world, registry, {.threads = 1});
+  step(world, 2);
+  step(*again, 2);
+  EXPECT_EQ(world.commands()[0].x, again->commands()[0].x);
+  EXPECT_EQ(world.hashes().state, again->hashes().state);
+}
+
+TEST(Experiment, AProgramMaySetAParameterInEveryTick) {
+  constexpr int k_ticks = test::k_slow_build ? 1'000 : 20'000;
+  const FieldTable& table = test::registry().drive("diff")->params;
+  Squad row(1);
+  const auto world = row.world({.threads = 1});
+  InterventionSpec set = setting(0, row.type, SettingSpec::Of::drive, table, "velocity_max_x", 0.0);
+  Value& limit = set.setting->params[static_cast<std::size_t>(table.find("velocity_max_x"))];
+  for (int tick = 1; tick <= k_ticks; ++tick) {
+    limit = 0.5 / tick;
+    ASSERT_TRUE(world->set(*set.setting, test::registry()));
+    world->step();
+    ASSERT_EQ(world->velocities()[0].x, 0.5 / tick);
+  }
+  const TypeSpec present = world->present_type(row.type);
+  EXPECT_EQ(get(table, present.drive->params, "velocity_max_x"), Value(0.5 / k_ticks));
+  world->reset();
+  EXPECT_EQ(world->present_type(row.type).drive->params, row.scene[row.type].drive->params);
+}
+
+TEST(Experiment, WhatAProgramSetsBeforeAnEarlierSettingStays) {
+  const FieldTable& table = test::registry().drive("diff")->params;
+  Squad row(1);
+  const auto world = row.world({.threads = 1});
+  const auto set = [&](std::string_view name, double value) {
+    const InterventionSpec made = setting(0, row.type, SettingSpec::Of::drive, table, name, value);
+    ASSERT_TRUE(world->set(*made.setting, test::registry())) << name;
+  };
+  step(*world, 3);
+  const std::vector<StateTable> saved(world->tables().begin(), world->tables().end());
+  const World::Counters counters = world->counters();
+  const std::uint64_t hash = world->hashes().state;
+  step(*world, 3);
+  set("velocity_max_x", 0.25);
+  ASSERT_TRUE(world->restore(3, counters, hash, [&](std::span<StateTable> into) {
+    for (std::size_t t = 0; t < saved.size(); ++t) into[t] = saved[t];
+  }));
+  set("velocity_min_x", -0.125);
+  step(*world, 5);
+  EXPECT_EQ(world->velocities()[0].x, 0.25) << "the setting of tick 6";
+  set("velocity_max_x", 0.5);
+  world->set_command(Row(0), {-1, 0, 0});
+  step(*world, 1);
+  EXPECT_EQ(world->velocities()[0].x, -0.125);
+}
+
+TEST(Experiment, ARestartMakesItsFaultsWithTheParametersOfTickZero) {
+  Registry registry = test::registry();
+  registry.faults.push_back({"far", "", {}, [](const Record&, const BodyType& type) {
+                               const double reach_m = type.devices[0].prepared.reach_m;
+                               return Result<Impairment>({.speed = reach_m / 10});
+                             }});
+  Squad row(1);
+  row.scene.spec.experiment.faults = {{model("r0"), 0, {{"far", {}}}, {}}};
+  row.scene.spec.experiment.at = {range_setting(0.1, row.type, 2)};
+  Diagnostics diagnostics;
+  World world(row.scene.spec, registry, {.threads = 1}, diagnostics);
+  const auto hash_after = [&](int ticks) {
+    Squad::drive(world);
+    step(world, ticks);
+    return world.hashes().state;
+  };
+  const std::uint64_t first = hash_after(5);
+  const std::vector<BodySpec> bodies = world.spec().bodies;
+  world.restart(world.spec().seed, bodies, registry);
+  EXPECT_EQ(hash_after(5), first);
 }
 
 // ---- errors

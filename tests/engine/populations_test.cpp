@@ -4,9 +4,11 @@
 
 #include "base/random.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <memory>
 
 namespace troupe::engine {
@@ -228,6 +230,19 @@ TEST(Populations, ErrorsNameFileLineAndPopulation) {
       errors_of({nowhere}),
       ElementsAre("room.txt:8: error: populations[0].rule: the region is empty: x from 0 to 9 m, y from 9 "
                   "to 0 m; x_min must not exceed x_max, and y_min must not exceed y_max"));
+}
+
+TEST(SpareBodies, TakeATimeThatIsProportionalToTheNumberOfPopulations) {
+  constexpr std::uint32_t k_populations = 200'000;
+  WorldSpec spec = room();
+  for (std::uint32_t i = 0; i < k_populations; ++i)
+    spec.bodies.push_back({.name = spec.names.add(fmt::format("p{}x", i), 0), .type = TypeId(2)});
+  add_spare(spec, 1);
+  ASSERT_EQ(spec.reserves.size(), k_populations);
+  EXPECT_EQ(spec.reserves.front().population, "p0x");
+  EXPECT_EQ(spec.name(spec.reserves.front().first), "p0x1");
+  add_spare(spec, 1);
+  EXPECT_EQ(spec.reserves.size(), k_populations) << "all of them have a reserve";
 }
 
 }  // namespace

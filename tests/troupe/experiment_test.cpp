@@ -58,6 +58,10 @@ TEST(Interventions, ThatAddMoreThanTheReserveHasAreWarnedOf) {
       warnings(two + "," + two + "," + two),
       ElementsAre(HasSubstr("w.json:4: warning: at 1 s: 2 bodies are to be added to \"r\", but at most 1 "
                             "are left in its \"reserve\": enlarge the reserve")));
+  EXPECT_THAT(warnings(all + "," + two), IsEmpty()) << "the second entry is applied first";
+  const std::string late = R"({"time_s": 3, "add": {"population": "r", "count": 2}})";
+  EXPECT_THAT(warnings(late + "," + all),
+              ElementsAre(HasSubstr("at 3 s: 2 bodies are to be added to \"r\", but at most 0 are left")));
 }
 
 TEST(DoorScene, TheDoorOpensInTimeAndWhoWaitedGoesThrough) {
