@@ -325,6 +325,14 @@ model( pose [5 0 0 0] size [0.2 4 2] )
   EXPECT_EQ(hash_log(back, 2), hash_log(world, 2));
 }
 
+TEST_F(ConvertTest, AModelMayHaveThousandsOfPartsAndSensors) {
+  constexpr int k_parts = 3000;  // a search through all sensors for each pair of parts would take minutes
+  std::string text = "position( name \"r\"\n";
+  for (int i = 0; i < k_parts; ++i) text += "  model( size [0.1 0.1 0.1] ranger( sensor( samples 1 ) ) )\n";
+  convert(write("parts.world", text + ")\n"), "back.world");
+  EXPECT_THAT(found, IsEmpty());
+}
+
 TEST_F(ConvertTest, OriginsOfSensorsComeBack) {
   const fs::path world = write("origin.world", R"(
 position( name "r" pose [0 0 0 17] size [0.3 0.3 0.3]
