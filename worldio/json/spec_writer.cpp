@@ -1,5 +1,6 @@
 #include "worldio/characters.hpp"
 #include "worldio/json/experiment_json.hpp"
+#include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/spec_fields.hpp"
 #include "worldio/json/spec_json.hpp"

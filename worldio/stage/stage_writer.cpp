@@ -2,6 +2,7 @@
 
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/document_table.hpp"
+#include "worldio/json/fields_json.hpp"
 #include "worldio/load.hpp"
 #include "worldio/stage/stage_limits.hpp"
 #include "worldio/stage/stage_round_trip.hpp"
@@ -88,8 +89,8 @@ class WorldText {
   }
   void lacks(std::string_view key, std::string_view why) {
     const engine::Field& field = document_table<WorldDocument>().find(key)->field;
-    diagnostics_.error(where_of(key), fmt::format("a .world file cannot express this: \"{}{}\": {}", key,
-                                                  engine::unit_suffixes(field.unit).front().suffix, why));
+    diagnostics_.error(where_of(key),
+                       fmt::format("a .world file cannot express this: \"{}\": {}", key_of(field), why));
   }
   void refuse_what_stage_lacks();
   void write_settings();
