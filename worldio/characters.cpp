@@ -4,22 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 
 namespace troupe::worldio {
 namespace {
 
 std::uint8_t byte_at(std::string_view text, std::size_t at) { return static_cast<std::uint8_t>(text[at]); }
-
-/// Returns the length in bytes of the UTF-8 character at text[at]. 0 if the bytes there are not valid UTF-8.
-std::size_t utf8_length(std::string_view text, std::size_t at) {
-  const auto length = static_cast<std::size_t>(std::countl_one(byte_at(text, at)));
-  if (length < 2 || length > 4 || at + length > text.size()) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte_at(text, at + i) & 0xc0) != 0x80) return 0;
-  return length;
-}
 
 char32_t code_point(std::string_view text, std::size_t at, std::size_t length) {
   char32_t code = byte_at(text, at) & (0x7f >> length);
@@ -37,6 +27,15 @@ bool is_one_of(const std::array<char32_t, N>& all, char32_t code) {
   return std::ranges::find(all, code) != all.end();
 }
 
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
 }  // namespace
 
 bool is_utf16(std::string_view text) {
@@ -45,8 +44,47 @@ bool is_utf16(std::string_view text) {
   return (text[0] == '\0') != (text[1] == '\0');
 }
 
+std::size_t utf8_length(std::string_view text) {
+  const std::uint8_t first = byte_at(text, 0);
+  if (first < 0x80) return 1;
+  const std::size_t length = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
+  if (length == 0 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i)
+    if ((byte_at(text, i) & 0xc0) != 0x80) return 0;
+  const std::uint8_t second = byte_at(text, 1);
+  const bool is_wrong = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
+                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
+  return is_wrong ? 0 : length;
+}
+
+std::string latin1_to_utf8(std::string_view text) {
+  std::string converted;
+  for (const char c : text) {
+    const auto byte = static_cast<std::uint8_t>(c);
+    if (byte < 0x80) {
+      converted += c;
+    } else {
+      converted += static_cast<char>(0xc0 | byte >> 6);
+      converted += static_cast<char>(0x80 | (byte & 0x3f));
+    }
+  }
+  return converted;
+}
+
+std::string lines_in_utf8(std::string text) {
+  if (is_utf8(text)) return text;
+  std::string converted;
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size() - 1) + 1;
+    const std::string_view line = rest.substr(0, end);
+    converted += is_utf8(line) ? std::string(line) : latin1_to_utf8(line);
+    rest.remove_prefix(end);
+  }
+  return converted;
+}
+
 StrayCharacter stray_character(std::string_view text, std::size_t at, std::string_view where) {
-  const std::size_t length = utf8_length(text, at);
+  const std::size_t length = utf8_length(text.substr(at));
   if (length == 0)
     return {1,
             fmt::format("unexpected byte 0x{:02x}: this byte may be only in {}", byte_at(text, at), where)};

@@ -94,8 +94,13 @@ bool is_of_population(const Names& names, Name name, std::string_view population
 }
 
 std::string UniqueNames::add(std::string_view name) {
+  constexpr int k_first = 2;
+  const auto [taken, is_new] = next_.try_emplace(std::string(name), k_first);
   std::string unique(name);
-  for (int n = 2; !taken_.insert(unique).second; ++n) unique = fmt::format("{}{}{}", name, mark_, n);
+  for (bool is_unique = is_new; !is_unique;) {
+    unique = fmt::format("{}{}{}", name, mark_, taken->second++);
+    is_unique = next_.try_emplace(unique, k_first).second;
+  }
   return unique;
 }
 

@@ -7,7 +7,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -79,7 +78,7 @@ class UniqueNames {
 
  private:
   std::string mark_;
-  std::set<std::string, std::less<>> taken_;
+  std::map<std::string, int> next_;  // taken name -> the first number that add() tries for it
 };
 /// The mark of UniqueNames for the devices of a body type: of two sensors "eye", the second is called
 /// "eye#2".

@@ -146,5 +146,12 @@ TEST(Names, EqualNamesGetTheNextFreeNumber) {
   EXPECT_EQ(names.add(""), "~2");
 }
 
+TEST(Names, ManyEqualNamesAreNumberedAtOnce) {
+  constexpr int k_names = 100000;  // with a search from 2 on for each name, this would take minutes
+  UniqueNames names("#");
+  for (int i = 1; i < k_names; ++i) names.add("eye");
+  EXPECT_EQ(names.add("eye"), "eye#100000");
+}
+
 }  // namespace
 }  // namespace troupe::engine

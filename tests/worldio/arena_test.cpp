@@ -387,6 +387,10 @@ TEST_F(IncludeTest, AWrongBaseHidesNoOtherError) {
           .found,
       ElementsAre(testing::HasSubstr("unknown type \"bass\""),
                   testing::StartsWith("maze.json:3: error: /types/a: unknown key \"fidget\"")));
+  EXPECT_THAT(
+      load("\"types\": {\"a\": {\"extends\": \"bass\", \"bitmap\": \"a.png\", \"margins\": \"cut\"}}").found,
+      ElementsAre(testing::HasSubstr("unknown type \"bass\""),
+                  testing::StartsWith("maze.json:2: error: /types/a/margins: ")));
 }
 
 TEST_F(IncludeTest, AKeyThatATypeDoesNotInheritIsNoErrorIfTheBaseIsWrong) {

@@ -34,13 +34,20 @@ TEST(Characters, ErrorsSayWhatToWriteInstead) {
 }
 
 TEST(Characters, BytesThatAreNotUtf8AreNamedByNumber) {
-  for (const std::string text : {"\xff", "\x80", "\xe2\x80", "\xe2\x80x", "\xc3("}) {
+  for (const std::string text :
+       {"\xff", "\x80", "\xe2\x80", "\xe2\x80x", "\xc3(", "\xc0\x80", "\xed\xa0\x80"}) {
     const StrayCharacter stray = stray_character(text, 0, "strings");
     EXPECT_EQ(stray.bytes, 1u);
     EXPECT_TRUE(stray.error.starts_with("unexpected byte 0x") &&
                 stray.error.ends_with(": this byte may be only in strings"))
         << stray.error;
   }
+}
+
+TEST(Characters, LinesThatAreNotUtf8AreReadAsLatin1) {
+  EXPECT_EQ(lines_in_utf8(""), "");
+  EXPECT_EQ(lines_in_utf8("caf\xc3\xa9\r\n"), "caf\xc3\xa9\r\n");
+  EXPECT_EQ(lines_in_utf8("caf\xe9\r\ncaf\xc3\xa9\n\xff"), "caf\xc3\xa9\r\ncaf\xc3\xa9\n\xc3\xbf");
 }
 
 }  // namespace

@@ -276,6 +276,12 @@ TEST_F(StageParser, CharactersOfWordProcessors) {
                              "w.world:2: error: unexpected dash \u2212: write the minus sign of ASCII, -"}));
 }
 
+TEST_F(StageParser, ALineInLatin1IsRead) {
+  const auto spec = load("# \xfc\nmodel( name \"caf\xe9\" )\nmodel( name \"caf\xc3\xa9s\" )\n");
+  EXPECT_EQ(name_of(spec, 1), "caf\xc3\xa9");
+  EXPECT_EQ(name_of(spec, 2), "caf\xc3\xa9s");
+}
+
 TEST_F(StageParser, AFileInUtf16IsOneError) {
   using std::string_view_literals::operator""sv;
   load(

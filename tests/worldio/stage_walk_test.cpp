@@ -5,6 +5,7 @@
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/document_table.hpp"
+#include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/json_world.hpp"
@@ -223,10 +224,6 @@ struct Converted {
 
 /// JSON texts of values that a key with this field may have. Some of them may be invalid.
 std::vector<std::string> texts_of(const Field& field);
-
-std::string key_of(const Field& field) {
-  return fmt::format("{}{}", field.name, engine::unit_suffixes(field.unit).front().suffix);
-}
 
 /// JSON objects, each with the keys of the table that are required and one more.
 std::vector<std::string> texts_of(const FieldTable& table) {

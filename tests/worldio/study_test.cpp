@@ -61,6 +61,19 @@ TEST_F(StudyFile, IsReadWithTheDefaultRounding) {
   EXPECT_EQ(got, expected);
 }
 
+TEST_F(StudyFile, MayNameManyMeasuresOfTheWorld) {
+  constexpr int k_measures = 10000;  // reading the world again for each of them would take minutes
+  std::string of_world, of_study;
+  for (int i = 0; i < k_measures; ++i) {
+    of_world += fmt::format("{}{{\"kind\": \"stalls\", \"name\": \"m{}\"}}", i > 0 ? ",\n" : "", i);
+    of_study += fmt::format("{}\"m{}\"", i > 0 ? ", " : "", i);
+  }
+  std::filesystem::create_directory(file_.parent_path() / "w");
+  std::ofstream(file_.parent_path() / "w/hall.json") << "{\"troupe\": 1, \"measures\": [" << of_world << "]}";
+  EXPECT_THAT(study("\"measures\": [" + of_study + "]").measures, SizeIs(k_measures));
+  EXPECT_THAT(findings(diagnostics_), IsEmpty());
+}
+
 TEST_F(StudyFile, WithoutParametersIsOneRunOfTheWorldBesideIt) {
   const Study one = study("");
   EXPECT_EQ(one.world, file_.parent_path() / "w/hall.json");

@@ -1,3 +1,4 @@
+#include "engine/spec/names.hpp"
 #include "engine/spec/watch_spec.hpp"
 #include "worldio/colors.hpp"
 #include "worldio/images/floor_image.hpp"
@@ -184,12 +185,11 @@ void WorldContractor::contract_types(std::size_t first, WorldDocument& document)
   for (std::size_t b = spec_.bodies.size(); b-- > 1;)
     colors_[spec_.bodies[b].type.index()] = spec_.bodies[b].color;
   const std::vector<Color> default_colors = worldio::default_colors(spec_.types);
-  std::set<std::string> taken;
+  engine::UniqueNames unique("#");
   for (std::size_t t = first; t < spec_.types.size(); ++t) {
     const TypeSpec& type = spec_.types[t];
     std::string& key = keys_[t];
-    key = type.name;
-    for (int n = 2; !taken.insert(key).second; ++n) key = fmt::format("{}#{}", type.name, n);
+    key = unique.add(type.name);
     std::optional<Color> color = colors_[t];
     if (color == default_colors[t]) color.reset();
     document.types.emplace_back(key, contract_type(type, key, color, registry_, &folder_));

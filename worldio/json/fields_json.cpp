@@ -429,6 +429,17 @@ std::optional<engine::Record> read_block(JsonObject& object, std::string_view ke
   return record;
 }
 
+std::string key_of(const Field& field) {
+  return fmt::format("{}{}", field.name, engine::unit_suffixes(field.unit).front().suffix);
+}
+
+bool is_spelled(const Field& field, std::string_view key) {
+  if (!key.starts_with(field.name)) return false;
+  const std::string_view unit = key.substr(field.name.size());
+  const auto suffixes = engine::unit_suffixes(field.unit);
+  return unit.empty() || std::ranges::find(suffixes, unit, &UnitSuffix::suffix) != suffixes.end();
+}
+
 std::string quoted_keys(const Field& field) {
   std::string keys;
   const auto suffixes = engine::unit_suffixes(field.unit);

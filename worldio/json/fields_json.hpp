@@ -89,6 +89,11 @@ bool same_bits(const Pose& a, const Pose& b);
 std::optional<engine::Record> read_block(JsonObject& object, std::string_view key,
                                          const engine::FieldTable& table);
 
+/// Returns the key of a field in its SI unit, such as `fov_rad`.
+std::string key_of(const engine::Field& field);
+/// Whether a key is the name of a field followed by one of its units, such as `fov_rad` or `fov_deg`, or
+/// without the unit.
+bool is_spelled(const engine::Field& field, std::string_view key);
 /// Returns the possible keys of a field, one for each unit, for messages: `"fov_rad" or "fov_deg"`.
 std::string quoted_keys(const engine::Field& field);
 

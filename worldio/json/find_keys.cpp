@@ -1,6 +1,7 @@
 #include "worldio/json/find_keys.hpp"
 
 #include "worldio/json/document_table.hpp"
+#include "worldio/json/fields_json.hpp"
 #include "worldio/json/world_document.hpp"
 
 #include <fmt/format.h>
@@ -46,16 +47,6 @@ struct Key {
 
 std::string joined(const Objects& objects, std::string_view name, std::string_view mark = {}) {
   return fmt::format("{}{}{}{}", objects.path, objects.path.empty() ? "" : ".", name, mark);
-}
-
-std::string key_of(const Field& field) {
-  return fmt::format("{}{}", field.name, engine::unit_suffixes(field.unit).front().suffix);
-}
-
-bool is_spelled(const Field& field, std::string_view name) {
-  return name == field.name || std::ranges::any_of(engine::unit_suffixes(field.unit), [&](const auto& unit) {
-           return name == fmt::format("{}{}", field.name, unit.suffix);
-         });
 }
 
 bool is_called(const Key& key, std::string_view name) {

@@ -2,6 +2,8 @@
 
 #include "engine/fields/fields.hpp"
 #include "worldio/files.hpp"
+#include "worldio/json/document_table.hpp"
+#include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"
 
@@ -176,6 +178,14 @@ bool is_named_list(std::string_view key) {
   return std::ranges::find(k_lists, key) != k_lists.end();
 }
 
+/// Returns the description of a key that types can have; null for any other key.
+const DocumentKey* key_of_type(std::string_view key) {
+  const std::vector<DocumentKey>& keys = document_table<TypeDocument>().keys;
+  const auto found =
+      std::ranges::find_if(keys, [key](const DocumentKey& one) { return is_spelled(one.field, key); });
+  return found == keys.end() ? nullptr : &*found;
+}
+
 const std::string* text_of(const JsonNode& object, std::string_view key) {
   const JsonNode* node = object.find(key);
   return node ? node->text() : nullptr;
@@ -220,8 +230,10 @@ void merge_lists(std::string_view key, JsonNode& own, const JsonNode& base) {
 /// would lack keys. The base then has an error of its own.
 bool is_wrong_base(std::string_view key, const JsonNode& own, const JsonNode& base) {
   if (is_named_list(key)) return own.list() && !base.list();
-  const bool needs_kind = key == "controller" || key == "drive";
-  if (!own.object() || (!needs_kind && key != "device" && key != "disc")) return false;
+  const DocumentKey* known = own.object() ? key_of_type(key) : nullptr;
+  if (!known || known->form != Form::object) return false;
+  const DocumentKinds* kinds = known->table().kinds;
+  const bool needs_kind = kinds && !kinds->implied;
   return !base.object() || (needs_kind && !own.find("kind") && !base.find("kind"));
 }
 
@@ -290,33 +302,46 @@ std::size_t count_values(const JsonNode& node) {
   return values;
 }
 
+/// Whether a type has one of the keys that give it a shape.
 bool has_any_shape(const JsonNode& type) {
-  constexpr std::array<std::string_view, 7> k_shapes{"size_m", "size_cm", "size_mm", "disc",
-                                                     "blocks", "bitmap",  "device"};
-  return std::ranges::any_of(k_shapes, [&](std::string_view key) { return type.find(key) != nullptr; });
+  const std::vector<DocumentRule>& rules = document_table<TypeDocument>().rules;
+  const auto shape = std::ranges::find(rules, DocumentRule::How::any_of, &DocumentRule::how);
+  return std::ranges::any_of(*type.object(), [&](const JsonMember& member) {
+    const DocumentKey* key = key_of_type(member.key);
+    return key && std::ranges::find(shape->keys, key->field.name) != shape->keys.end();
+  });
 }
 
-/// Gives a type the size 1 m x 1 m x 1 m if it has no shape, which is an error of its base.
-void add_missing_shape(JsonNode& type, const Where& where) {
-  if (has_any_shape(type)) return;
+/// Gives a type the size 1 m x 1 m x 1 m if it may have a size and has none, which is an error of its base.
+void add_missing_size(JsonNode& type, const Where& where) {
+  const DocumentKey& size = *document_table<TypeDocument>().find("size");
+  Members& members = *members_of(&type);
+  const bool has_size = std::ranges::any_of(
+      members, [&size](const JsonMember& member) { return is_spelled(size.field, member.key); });
+  if (has_size || !size.is_there(type)) return;
   const JsonNode one{1.0, where};
-  members_of(&type)->push_back({"size_m", where, {JsonNode::List{one, one, one}, where}});
+  members.push_back({"size_m", where, {JsonNode::List{one, one, one}, where}});
 }
 
-/// Removes the key "extends" of a type whose base is wrong, and everything in the type that would be merged
-/// with what it inherits, or that is valid only with other keys. Otherwise the reader would also report the
-/// lack of keys that the type would have inherited. For the same reason, keys with the value null, which
-/// remove inherited values, are removed.
+/// Whether a key of a type may be an error only because the type lacks what it would have inherited: the
+/// value of the key would be merged with an inherited value, or the key is valid only with other keys.
+bool needs_base(const JsonNode& type, std::string_view key) {
+  const DocumentKey* known = key_of_type(key);
+  if (!known) return false;
+  return known->form == Form::object || is_named_list(key) || (known->is_there && !known->is_there(type));
+}
+
+/// Removes the key "extends" of a type whose base is wrong, and everything in the type that needs_base().
+/// Otherwise the reader would also report the lack of keys that the type would have inherited. For the same
+/// reason, keys with the value null, which remove inherited values, are removed, and the type gets a size.
 void replace_wrong_base(JsonNode& type) {
-  constexpr std::array<std::string_view, 16> k_incomplete{
-      "bitmap",    "boundary", "device",    "devices", "disc",   "drive", "controller", "fit",
-      "height_cm", "height_m", "height_mm", "margins", "origin", "parts", "sensors",    "unknown"};
   Members& members = *members_of(&type);
   const Where where = type.find("extends")->where;
   remove_key(members, "extends");
-  for (const std::string_view key : k_incomplete) remove_key(members, key);
   remove_all_nulls(type);
-  add_missing_shape(type, where);
+  const JsonNode whole = type;
+  std::erase_if(members, [&whole](const JsonMember& member) { return needs_base(whole, member.key); });
+  add_missing_size(type, where);
 }
 
 /// Resolves `extends` of all types, each type after the one that it extends.
@@ -443,7 +468,7 @@ void TypeMerger::inherit(std::size_t type, std::size_t base) {
   remove_key(members, "name");
   if (heir.node.find("kind")) remove_key(members, "kind");
   merge(heir.node, inherited);
-  if (!has_any_shape(inherited)) add_missing_shape(heir.node, where);
+  if (!has_any_shape(inherited) && !has_any_shape(heir.node)) add_missing_size(heir.node, where);
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ inline constexpr std::size_t k_most_inherited_values = 5000000;
 /// Every node keeps its file and line. Reports an error for an unknown base type, and for types that extend
 /// each other in a circle. To avoid a second error about keys that such a type would have inherited, the key
 /// `extends` and all keys that may be incomplete, such as `drive`, are removed from it. If the type then has
-/// no shape, it gets the size 1 m x 1 m x 1 m. Types that extend such a type, or a base that is no object,
+/// no size, it gets the size 1 m x 1 m x 1 m. Types that extend such a type, or a base that is no object,
 /// are treated in the same way. Returns whether there were no such types. If it returns false, errors about
 /// the meaning of the world, such as an unknown device, may be untrue.
 ///

@@ -1,5 +1,7 @@
 #include "worldio/json/json_text.hpp"
 
+#include "worldio/characters.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,26 +17,10 @@ namespace {
 constexpr std::size_t k_width = 110;  // maximum length of a line, bytes
 constexpr std::size_t k_step = 2;     // indentation per level
 
-/// Returns the number of bytes of the first UTF-8 character; 0 if the text does not begin with a valid one
-/// (RFC 3629).
-std::size_t character_bytes(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  if (first < 0x80) return 1;
-  const std::size_t bytes = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
-  if (bytes == 0 || text.size() < bytes) return 0;
-  for (std::size_t i = 1; i < bytes; ++i)
-    if ((byte(i) & 0xc0) != 0x80) return 0;
-  const unsigned char second = byte(1);
-  const bool is_wrong = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
-                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
-  return is_wrong ? 0 : bytes;
-}
-
 std::string text_of(const std::string& text) {
   std::string out = "\"";
   for (std::string_view rest = text; !rest.empty();) {
-    const std::size_t bytes = character_bytes(rest);
+    const std::size_t bytes = utf8_length(rest);
     if (bytes == 0)
       throw std::runtime_error(
           fmt::format("a name or text in the world is not UTF-8, which JSON requires; the text begins with "

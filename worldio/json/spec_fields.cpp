@@ -31,10 +31,6 @@ std::string SpecPath::text() const {
   return before.empty() ? std::string(name) : fmt::format("{}.{}", before, name);
 }
 
-std::string key_of(const Field& field) {
-  return fmt::format("{}{}", field.name, engine::unit_suffixes(field.unit).front().suffix);
-}
-
 bool is_listed(const FieldTable& table) {
   return std::ranges::all_of(table.fields, [](const Field& field) {
     if (field.type == FieldType::record) return field.record != nullptr && is_listed(*field.record);

@@ -30,9 +30,6 @@ struct SpecPath {
   std::string text() const;  ///< the whole path: `types[0].parts[2].size`
 };
 
-/// Returns the key of a field in a stored world: its name and its SI unit, as in "period_s".
-std::string key_of(const engine::Field& field);
-
 /// Whether a number, in SI units, is finite and within a field's limits.
 inline bool is_within(const engine::Field& field, double x) {
   return std::isfinite(x) && x >= field.min && x <= field.max && !(field.above_min && x == field.min);

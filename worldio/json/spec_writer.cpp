@@ -1,4 +1,6 @@
+#include "worldio/characters.hpp"
 #include "worldio/json/experiment_json.hpp"
+#include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_text.hpp"
 #include "worldio/json/spec_fields.hpp"
 #include "worldio/json/spec_json.hpp"
@@ -29,8 +31,8 @@ double finite(double x, const Field& field) {
   return x;
 }
 
-/// Returns a text as JSON. World files of Stage may be in any encoding, so a text that is not UTF-8 is
-/// written as {"latin1": ...}, with one character per byte.
+/// Returns a text as JSON. Names of files may be in any encoding, so a text that is not UTF-8 is written as
+/// {"latin1": ...}, with one character per byte.
 OrderedJson text_json(const std::string& text) {
   OrderedJson json = text;
   try {
@@ -38,18 +40,8 @@ OrderedJson text_json(const std::string& text) {
     return json;
   } catch (const OrderedJson::type_error&) {
   }
-  std::string characters;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x80) {
-      characters += c;
-    } else {
-      characters += static_cast<char>(0xc0 | byte >> 6);
-      characters += static_cast<char>(0x80 | (byte & 0x3f));
-    }
-  }
   OrderedJson other;
-  other["latin1"] = characters;
+  other["latin1"] = latin1_to_utf8(text);
   return other;
 }
 

@@ -354,16 +354,16 @@ void StudyReader::read_seeds(JsonObject& object) {
     study_.seeds.push_back(static_cast<std::uint64_t>(seeds->from + i));
 }
 
-/// Whether the list `measures` of a JSON world has an entry with the key `name`. `text` is that of the world.
-bool lists_measure(const std::optional<std::string>& text, std::string_view name) {
-  if (!text) return false;
+/// Returns the values of the key `name` in the list `measures` of a JSON world. `text` is that of the world.
+std::set<std::string> measure_names(const std::optional<std::string>& text) {
+  std::set<std::string> names;
   Diagnostics ignored;
-  const std::optional<JsonNode> document = parse_json(*text, {}, true, ignored);
+  const std::optional<JsonNode> document = text ? parse_json(*text, {}, true, ignored) : std::nullopt;
   const JsonNode* measures = document ? document->find("measures") : nullptr;
-  return measures && measures->list() && std::ranges::any_of(*measures->list(), [&](const JsonNode& entry) {
-           const JsonNode* given = entry.find("name");
-           return given && given->text() && *given->text() == name;
-         });
+  if (measures && measures->list())
+    for (const JsonNode& entry : *measures->list())
+      if (const JsonNode* name = entry.find("name"); name && name->text()) names.insert(*name->text());
+  return names;
 }
 
 void StudyReader::read_measures(JsonObject& object) {
@@ -372,10 +372,14 @@ void StudyReader::read_measures(JsonObject& object) {
   };
   not_empty("measures", "the measures of the world");
   not_empty("statistics", "the last values");
+  std::optional<std::set<std::string>> names;  // of the measures of the world, which is read only if needed
   each(object, "measures", [&](const JsonCursor& at) {
     const std::string* text = at.node().text();
-    const bool is_of_world = text && !registry_.find_measure(text->substr(0, text->find(':'))) &&
-                             (study_.world.empty() || lists_measure(text_of_world(), *text));
+    bool is_of_world = text && !registry_.find_measure(text->substr(0, text->find(':')));
+    if (is_of_world && !study_.world.empty()) {
+      if (!names) names = measure_names(text_of_world());
+      is_of_world = names->contains(*text);
+    }
     if (!is_of_world && !read_measure(at, registry_)) return;
     study_.measures.push_back(at.node().text() ? *at.node().text() : option_text(at.node()));
   });

@@ -220,9 +220,7 @@ std::vector<std::string> required_keys(const engine::FieldTable& params) {
   const engine::Record defaults = params.defaults();
   std::vector<std::string> keys;
   for (std::size_t i = 0; i < defaults.size(); ++i)
-    if (!defaults[i].given())
-      keys.push_back(fmt::format("{}{}", params.fields[i].name,
-                                 engine::unit_suffixes(params.fields[i].unit).front().suffix));
+    if (!defaults[i].given()) keys.push_back(key_of(params.fields[i]));
   return keys;
 }
 
@@ -458,10 +456,9 @@ void check_size(const ImageDocument& image, bool is_needed, const JsonCursor& at
   if (is_needed && at.node().object() && !has_map(at.node()) && !image.size) {
     const DocumentTable& table = document_table<PartDocument>();
     const engine::Field& field = table.find("size")->field;
-    for (const engine::UnitSuffix& unit : engine::unit_suffixes(field.unit))
-      if (at.node().find(fmt::format("{}{}", field.name, unit.suffix)))
+    for (const JsonMember& member : *at.node().object())
+      if (is_spelled(field, member.key))
         return;  // the size is there, but wrong: an error was already reported
-    if (at.node().find(field.name)) return;
     at.error(fmt::format("missing {}: {}", quoted_keys(field), table.find("size")->hint));
   }
 }

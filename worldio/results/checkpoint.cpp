@@ -1,6 +1,7 @@
 #include "worldio/results/checkpoint.hpp"
 
 #include "base/hash.hpp"
+#include "engine/spec/names.hpp"
 #include "engine/spec/ticks.hpp"
 #include "worldio/json/spec_json.hpp"
 #include "worldio/results/sealed_file.hpp"
@@ -13,7 +14,6 @@
 #include <cstring>
 #include <numeric>
 #include <optional>
-#include <set>
 
 namespace troupe::worldio {
 namespace fs = std::filesystem;
@@ -48,11 +48,9 @@ std::size_t bytes_of(const StateField& field) { return engine::element_size(fiel
 /// first get a number: "ranger/eye#2".
 std::vector<std::vector<std::string>> places_of(std::span<const StateTable> tables) {
   std::vector<std::vector<std::string>> places;
-  std::set<std::string> taken;
+  engine::UniqueNames unique("#");
   for (const StateTable& table : tables) {
-    std::string component = table.component();
-    for (int n = 2; !taken.insert(component).second; ++n)
-      component = fmt::format("{}#{}", table.component(), n);
+    const std::string component = unique.add(table.component());
     const std::size_t slash = component.find('/');
     places.push_back({hdf5_name(component.substr(0, slash))});
     if (slash != component.npos) places.back().push_back(hdf5_name(component.substr(slash + 1)));

@@ -122,8 +122,7 @@ engine::Record record_of(const Json& block, const engine::FieldTable& table) {
   engine::Record record = table.defaults();
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
     const engine::Field& field = table.fields[i];
-    const std::string_view unit = engine::unit_suffixes(field.unit).front().suffix;
-    const auto found = block.find(fmt::format("{}{}", field.name, unit));
+    const auto found = block.find(key_of(field));
     if (found == block.end()) continue;
     switch (field.type) {
       case engine::FieldType::boolean: record[i] = found->get<bool>(); break;

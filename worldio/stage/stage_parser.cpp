@@ -80,12 +80,13 @@ class Lexer {
 
   void read(const fs::path& file, std::string text) {
     const std::uint32_t name = diagnostics_.files()->add(file.string());
-    if (text.size() > std::numeric_limits<std::uint32_t>::max()) {
-      errors_.add({name, 0}, fmt::format("the file has {} bytes; at most 2^32 - 1 are allowed", text.size()));
-      throw GiveUp{};
-    }
     if (is_utf16(text)) {
       errors_.add({name, 0}, k_is_utf16);
+      throw GiveUp{};
+    }
+    text = lines_in_utf8(std::move(text));  // names become texts of JSON and HDF5 files, which are UTF-8
+    if (text.size() > std::numeric_limits<std::uint32_t>::max()) {
+      errors_.add({name, 0}, fmt::format("the file has {} bytes; at most 2^32 - 1 are allowed", text.size()));
       throw GiveUp{};
     }
     document_.sources.push_back({std::move(text), name});

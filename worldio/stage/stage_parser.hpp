@@ -124,7 +124,8 @@ std::optional<std::int64_t> index_in(std::string_view key, std::string_view stem
 /// search_path  folders in which an included file is searched for, by the last component of its path, if
 ///              there is no file at its path
 /// The path of an included file is relative to StageDocument::base_directory, even if the `include` is in
-/// another included file.
+/// another included file. A line that is not UTF-8 is read as Latin-1, so all texts of the document are
+/// UTF-8.
 ///
 /// Reports an error for every violation of the grammar, with the correct form, and for every included file
 /// that cannot be read. Parsing continues after an error, but stops at the 50th. Parsing also stops with an

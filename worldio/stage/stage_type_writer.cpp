@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -45,7 +46,9 @@ class TypeText {
         registry_(places.registry),
         images_(places.images),
         diagnostics_(places.diagnostics),
-        text_(text) {}
+        text_(text),
+        own_devices_(type.parts.size()),
+        inside_(type.parts.size()) {}
 
   void write();
 
@@ -62,13 +65,19 @@ class TypeText {
   bool is_wheels(const DeviceSpec& device) const {
     return device.kind == "wheels" && device.part != 0 && type_.parts[device.part].kind == "position";
   }
-  const DeviceSpec* own_device(std::uint32_t p) const;
+  /// The devices and the parts that are written inside the model of a part, as children of this model.
+  struct Inside {
+    std::vector<const DeviceSpec*> devices;
+    std::vector<std::uint32_t> parts;
+  };
+
+  /// Sets own_devices_ and inside_. A search for each part would take hours for a type with thousands of
+  /// parts and devices.
+  void find_models();
+  /// Returns the device that a part itself is; null if the part is no device.
+  const DeviceSpec* own_device(std::uint32_t p) const { return own_devices_[p]; }
   /// Returns the joint that moves the children of a part.
   std::int32_t joint_of(std::uint32_t p) const;
-  /// Returns the part in whose model a child of `part` must be written so that the child moves with `joint`.
-  /// This is `part` if the joint moves its children, else the part that is itself the device with this joint.
-  /// If there is no such part, returns `part`.
-  std::uint32_t carrier(std::uint32_t part, std::int32_t joint) const;
   bool is_brought(std::uint32_t p) const;
 
   void write_part(std::uint32_t p);
@@ -94,9 +103,12 @@ class TypeText {
   FloorImages& images_;
   Diagnostics& diagnostics_;
   StageText& text_;
+  std::vector<const DeviceSpec*> own_devices_;  // per part: see own_device()
+  std::vector<Inside> inside_;                  // per part: see struct Inside
 };
 
 void TypeText::write() {
+  find_models();
   const PartSpec& root = type_.parts.front();
   text_.at(root.where);
   text_.define(macro_.word, root.kind);
@@ -108,26 +120,41 @@ void TypeText::write() {
   text_.close();
 }
 
-const DeviceSpec* TypeText::own_device(std::uint32_t p) const {
-  const engine::ModelKind* model = registry_.model(type_.parts[p].kind);
+void TypeText::find_models() {
+  for (const DeviceSpec& device : type_.devices) {
+    const PartSpec& part = type_.parts[device.part];
+    const engine::ModelKind* model = registry_.model(part.kind);
+    const DeviceSpec*& own = own_devices_[device.part];
+    if (!own && model && device.name == part.name && (model->device == device.kind || is_wheels(device)))
+      own = &device;
+  }
+  std::unordered_map<std::int32_t, std::uint32_t> moving;  // joint -> the part that is itself its device
+  for (std::uint32_t p = 0; p < type_.parts.size(); ++p)
+    if (const DeviceSpec* own = own_device(p); own && own->moves == joint_of(p))
+      moving.try_emplace(own->moves, p);
+  // Returns the part in whose model a child of `part` must be written so that the child moves with `joint`.
+  // This is `part` if the joint moves its children, else the part that is itself the device with this joint.
+  // If there is no such part, it is `part`.
+  const auto carrier = [&](std::uint32_t part, std::int32_t joint) {
+    const auto found = joint_of(part) == joint ? moving.end() : moving.find(joint);
+    return found == moving.end() ? part : found->second;
+  };
   for (const DeviceSpec& device : type_.devices)
-    if (device.part == p && model && device.name == type_.parts[p].name &&
-        (model->device == device.kind || is_wheels(device)))
-      return &device;
-  return nullptr;
+    if (&device != own_device(device.part) && !is_property(device))
+      inside_[carrier(device.part, device.joint)].devices.push_back(&device);
+  for (std::uint32_t p = 1; p < type_.parts.size(); ++p) {
+    if (macro_.added[p] || is_brought(p)) continue;
+    const DeviceSpec* own = own_device(p);
+    const DeviceKind* kind = own ? kind_of(*own) : nullptr;
+    const std::int32_t joint = kind && moves_itself(*kind) ? own->joint : type_.parts[p].joint;
+    inside_[carrier(type_.parts[p].parent, joint)].parts.push_back(p);
+  }
 }
 
 std::int32_t TypeText::joint_of(std::uint32_t p) const {
   const DeviceSpec* own = own_device(p);
   const DeviceKind* kind = own ? kind_of(*own) : nullptr;
   return kind && moves_itself(*kind) ? own->moves : type_.parts[p].joint;
-}
-
-std::uint32_t TypeText::carrier(std::uint32_t part, std::int32_t joint) const {
-  if (joint_of(part) == joint) return part;
-  for (std::uint32_t p = 0; p < type_.parts.size(); ++p)
-    if (const DeviceSpec* own = own_device(p); own && own->moves == joint && joint_of(p) == joint) return p;
-  return part;
 }
 
 /// Whether the reader adds this part by itself because of the device of the parent part, as a gripper adds
@@ -282,8 +309,9 @@ void TypeText::write_controllers(std::uint32_t p) {
   std::vector<std::string> calls;
   double period_s = 0;
   for (const engine::ControllerSpec& controller : type_.controllers) {
+    if (controller.part != p) continue;
     const engine::ControllerKind* kind = registry_.controller(controller.kind);
-    if (controller.part != p || !kind) continue;
+    if (!kind) continue;
     const Result<std::string> call = stage_call(controller, *kind);
     if (!call)
       return lacks(controller.where,
@@ -301,8 +329,9 @@ void TypeText::write_controllers(std::uint32_t p) {
 /// Writes power packs and power contacts. In Stage, they are properties of the model that has them.
 void TypeText::write_power(std::uint32_t p) {
   for (const DeviceSpec& device : type_.devices) {
+    if (device.part != p) continue;
     const DeviceKind* kind = kind_of(device);
-    if (device.part != p || !kind) continue;
+    if (!kind) continue;
     const auto value = [&](std::string_view name) { return get(kind->params, device.params, name); };
     if (device.kind == "power_pack") {
       const double capacity = value("capacity").number();
@@ -326,17 +355,7 @@ void TypeText::write_power(std::uint32_t p) {
 }
 
 void TypeText::write_children(std::uint32_t p) {
-  std::vector<const DeviceSpec*> devices;
-  for (const DeviceSpec& device : type_.devices)
-    if (&device != own_device(device.part) && !is_property(device) && carrier(device.part, device.joint) == p)
-      devices.push_back(&device);
-  std::vector<std::uint32_t> parts;
-  for (std::uint32_t q = 1; q < type_.parts.size(); ++q) {
-    const DeviceSpec* own = own_device(q);
-    const DeviceKind* kind = own ? kind_of(*own) : nullptr;
-    const std::int32_t joint = kind && moves_itself(*kind) ? own->joint : type_.parts[q].joint;
-    if (!macro_.added[q] && !is_brought(q) && carrier(type_.parts[q].parent, joint) == p) parts.push_back(q);
-  }
+  const auto& [devices, parts] = inside_[p];
   if (devices.empty() && parts.empty()) return;
   text_.flag("stack_children", false);
   std::map<std::string, std::size_t> generated;

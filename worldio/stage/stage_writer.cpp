@@ -1,7 +1,9 @@
 #include "worldio/stage/stage_writer.hpp"
 
+#include "engine/spec/names.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/json/document_table.hpp"
+#include "worldio/json/fields_json.hpp"
 #include "worldio/load.hpp"
 #include "worldio/stage/stage_limits.hpp"
 #include "worldio/stage/stage_round_trip.hpp"
@@ -88,8 +90,8 @@ class WorldText {
   }
   void lacks(std::string_view key, std::string_view why) {
     const engine::Field& field = document_table<WorldDocument>().find(key)->field;
-    diagnostics_.error(where_of(key), fmt::format("a .world file cannot express this: \"{}{}\": {}", key,
-                                                  engine::unit_suffixes(field.unit).front().suffix, why));
+    diagnostics_.error(where_of(key),
+                       fmt::format("a .world file cannot express this: \"{}\": {}", key_of(field), why));
   }
   void refuse_what_stage_lacks();
   void write_settings();
@@ -181,8 +183,10 @@ void WorldText::write_types() {
     if (spec_.bodies[b].color != colors_[t]) has_many_colors[t] = true;
     is_used[t] = true;
   }
-  std::set<std::string> taken{"define", "include", "block", "sensor", "window", "laser", "sonar"};
-  for (const engine::ModelKind& kind : registry_.models) taken.emplace(kind.name);
+  engine::UniqueNames unique("_");
+  for (const std::string_view word : {"define", "include", "block", "sensor", "window", "laser", "sonar"})
+    unique.add(word);
+  for (const engine::ModelKind& kind : registry_.models) unique.add(kind.name);
   macros_.resize(spec_.types.size());
   std::vector<std::set<std::string>> global_parts(spec_.types.size());
   for (const auto& [name, place] : spec_.part_aliases)
@@ -190,9 +194,7 @@ void WorldText::write_types() {
   for (std::size_t t = 1; t < spec_.types.size(); ++t) {
     if (!is_used[t]) continue;
     const TypeSpec& type = spec_.types[t];
-    macros_[t] = word_of(type.name);
-    for (int n = 2; !taken.insert(macros_[t]).second; ++n)
-      macros_[t] = fmt::format("{}_{}", word_of(type.name), n);
+    macros_[t] = unique.add(word_of(type.name));
     const StageMacro macro{.word = macros_[t],
                            .color = colors_[t],
                            .has_many_colors = has_many_colors[t],
