@@ -354,9 +354,10 @@ void StudyReader::read_seeds(JsonObject& object) {
     study_.seeds.push_back(static_cast<std::uint64_t>(seeds->from + i));
 }
 
-/// Whether the list `measures` of a JSON world has an entry with the key `name`. `text` is that of the world.
-bool lists_measure(const std::optional<std::string>& text, std::string_view name) {
-  if (!text) return false;
+/// Whether the list `measures` of a JSON world may have an entry with the key `name`. `text` is that of the
+/// world. If the world cannot be read, only this is to be reported, when the world is loaded.
+bool may_list_measure(const std::optional<std::string>& text, std::string_view name) {
+  if (!text) return true;
   Diagnostics ignored;
   const std::optional<JsonNode> document = parse_json(*text, {}, true, ignored);
   const JsonNode* measures = document ? document->find("measures") : nullptr;
@@ -375,7 +376,7 @@ void StudyReader::read_measures(JsonObject& object) {
   each(object, "measures", [&](const JsonCursor& at) {
     const std::string* text = at.node().text();
     const bool is_of_world = text && !registry_.find_measure(text->substr(0, text->find(':'))) &&
-                             (study_.world.empty() || lists_measure(text_of_world(), *text));
+                             (study_.world.empty() || may_list_measure(text_of_world(), *text));
     if (!is_of_world && !read_measure(at, registry_)) return;
     study_.measures.push_back(at.node().text() ? *at.node().text() : option_text(at.node()));
   });
