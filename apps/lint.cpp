@@ -27,6 +27,7 @@ Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded, or its me
 Examples:
   troupe lint worlds/hospital.json
   troupe lint worlds/minimal.world
+  troupe lint worlds/crowd.json --set /populations/0/count=5000
   troupe lint room.json --controller my.py)";
 
 }  // namespace
@@ -38,12 +39,14 @@ void add_lint_options(CLI::App& lint, LintOptions& options) {
           "World file: Stage's .world, or .json")
       ->option_text(" ")
       ->required();
+  add_set_option(lint, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
   add_kind_options(lint, options.sources);
 }
 
 ExitCode lint_world(const LintOptions& options) {
   const std::filesystem::path& world = options.world;
   SimulationOptions simulation;
+  simulation.set = options.set;
   simulation.plugin_path = options.sources.plugin_path;
   simulation.scripts = options.sources.scripts;
   const std::vector<std::string> findings = lint(world, with_environment(std::move(simulation)));

@@ -634,6 +634,17 @@ TEST_F(LintTest, ReportsInterventionsAndFaultsThatSelectNoBody) {
                                  "40 bodies: the least share that selects a body is 0.0125")));
 }
 
+TEST_F(LintTest, ChecksTheWorldWithTheValuesThatAreSet) {
+  write("eye.json", json_world(R"({"kind": "ranger", "transducers": [{"range_max_m": 5}]})"));
+  const std::string range = "/types/bot/sensors/0/transducers/0/range_max_m";
+  const Outcome outcome = troupe({"lint", "eye.json", "--set", range + "=0.005"});
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("sees nothing: its beams of at most 0.005 m end inside its own body"));
+  const Outcome wrong = troupe({"lint", "eye.json", "--set", range + "=far"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, StartsWith("--set " + range + ": error: "));
+}
+
 TEST_F(LintTest, HelpTellsWhatIsReportedAndTheExitCodes) {
   const Outcome outcome = troupe({"lint", "--help"});
   EXPECT_EQ(outcome.code, 0);
