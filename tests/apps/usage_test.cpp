@@ -405,9 +405,11 @@ TEST_F(Describe, AMisspeltKeyBringsASuggestion) {
 
 TEST_F(Describe, ControllersShowWhatTheyNeed) {
   const std::string chain = troupe({"describe", "chain"}).out;
-  EXPECT_THAT(chain,
-              HasSubstr("\nneeds\n  no drive\n  a radio with a payload of 2 bytes or more\n  a scanner: a "
-                        "ranger with at least"));
+  EXPECT_THAT(
+      chain,
+      HasSubstr("\nneeds\n  a drive for the role \"robot\"\n  a radio with a payload of 2 bytes or more\n"
+                "  a scanner: a ranger with at least"));
+  EXPECT_THAT(troupe({"describe", "gradient"}).out, HasSubstr("\nneeds\n  no drive\n"));
   EXPECT_THAT(chain, HasSubstr("\n  uses, if the robot has them: led\n  one call decides for one robot\n"));
   EXPECT_THAT(troupe({"describe", "expand_swarm"}).out, HasSubstr("\nneeds\n  a drive\n  a ranger that"));
   EXPECT_THAT(troupe({"describe", "source"}).out,
