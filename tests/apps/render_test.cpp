@@ -193,6 +193,21 @@ TEST_F(Render, ColoursThatAreShownAreThoseOfTheRun) {
   EXPECT_EQ(pixels("p.png"), at_first);
 }
 
+// 4701 ticks of 3599.9 s end at 16923129.900000002 s in floating point.
+TEST_F(Render, AFrameOfARecordingIsFoundByItsTimeHoweverLate) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  write("slow.json", R"({"troupe": 1, "tick_s": 3599.9, "bounds_m": [[-5, -5], [5, 5]],
+    "types": {"bot": {"size_m": [0.3, 0.3, 0.3], "drive": {"kind": "diff"}}},
+    "models": [{"name": "r", "type": "bot"}]})");
+  const std::string end = "16923129.9";
+  ASSERT_EQ(
+      troupe({"run", "slow.json", "--for", end, "--quiet", "--record", "r.h5", "--record-every", end}).code,
+      0);
+  const Outcome outcome = draw({"r.h5", "--at", end});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(read("p.png"), HasSubstr(std::string("time_s\0", 7) + "16923129.900000002"));
+}
+
 TEST_F(Render, ARecordingCanBeFilmed) {
   record();
   if (IsSkipped()) return;
