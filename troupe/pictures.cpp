@@ -6,6 +6,7 @@
 #include "troupe/frame_history.hpp"
 #include "troupe/picture_source.hpp"
 #include "troupe/simulation_source.hpp"
+#include "worldio/files.hpp"
 #include "worldio/images/png.hpp"
 #include "worldio/whole_file.hpp"
 
@@ -398,7 +399,7 @@ struct Pictures::Impl {
     try {
       worldio::write_whole(to, {bytes});
     } catch (const std::system_error& error) {
-      fail_to_write(name, error.code().message());
+      fail_to_write(name, worldio::write_failure(name, error.code().message()));
     }
   }
 
