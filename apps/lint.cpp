@@ -34,11 +34,7 @@ Examples:
 
 void add_lint_options(CLI::App& lint, LintOptions& options) {
   lint.footer(k_lint_footer);
-  lint.add_option_function<std::string>(
-          "WORLD", [&options](const std::string& text) { options.world = text; },
-          "World file: Stage's .world, or .json")
-      ->option_text(" ")
-      ->required();
+  add_argument(lint, "WORLD", "World file: Stage's .world, or .json", options.world);
   add_set_option(lint, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
   add_kind_options(lint, options.sources);
 }

@@ -223,10 +223,11 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
   if (options.for_s) return *options.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
   const bool json = options.world.extension() == ".json";
-  throw InputError(fmt::format("{}: error: no end time: give --for SECONDS, or {}", options.world.string(),
-                               options.is_checkpoint ? "--set /quit_time_s=SECONDS"
-                               : json                ? "set quit_time_s in the world"
-                                                     : "set quit_time in the world"));
+  throw InputError(fmt::format("{}: error: no end time: give --for SECONDS{}", options.world.string(),
+                               options.is_checkpoint          ? ", or --set /quit_time_s=SECONDS"
+                               : simulation.resumed_at_tick() ? ""  // troupe render, which has no --set then
+                               : json                         ? ", or set quit_time_s in the world"
+                                                              : ", or set quit_time in the world"));
 }
 
 void add_simd_option(CLI::App& app) {

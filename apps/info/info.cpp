@@ -149,12 +149,7 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
 
 void add_info_options(CLI::App& command, InfoOptions& options) {
   command.footer(k_info_footer);
-  command
-      .add_option_function<std::string>(
-          "FILE", [&options](const std::string& text) { options.file = text; },
-          "World, result or other file of Troupe")
-      ->option_text(" ")
-      ->required();
+  add_argument(command, "FILE", "World, result or other file of Troupe", options.file);
   add_kind_options(command, options.sources);
 }
 

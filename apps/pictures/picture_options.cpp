@@ -230,7 +230,13 @@ void set_times(PictureFiles& pictures, const char* option, const std::string& te
 
 void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option) {
   const std::string name = pictures.snapshot.string();
-  if (pictures.snapshot_at_s.size() < 2 || name.find(k_time_mark) != name.npos) return;
+  const bool has_mark = name.find(k_time_mark) != name.npos;
+  if (has_mark && pictures.snapshot_at_s.empty())
+    throw CLI::ValidationError(
+        name_option, fmt::format("{} in the name of a picture is the time that {} gives: give {}, or "
+                                 "another name",
+                                 k_time_mark, times_option, times_option));
+  if (pictures.snapshot_at_s.size() < 2 || has_mark) return;
   throw CLI::ValidationError(
       times_option,
       fmt::format("several pictures need different names: write {} in the name, as in {} {}-{}.png",

@@ -97,6 +97,8 @@ TEST_F(Render, ACheckpointIsDrawnAsItWasSaved) {
   EXPECT_EQ(film.code, 2);
   EXPECT_EQ(film.err,
             "c.h5: error: --for 0.5: the checkpoint was saved at 1 s; give this time or a later one\n");
+  EXPECT_EQ(troupe({"render", "c.h5", "--film", "f%06d.png"}).err,
+            "c.h5: error: no end time: give --for SECONDS\n");
   EXPECT_FALSE(std::filesystem::exists(path("f000000.png")));
 }
 
@@ -382,6 +384,9 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render", "room.world", "-o", "q.png", "--at", "1,2"},
        "troupe render: error: --at: several pictures need different names: write {time} in the name, as in "
        "--output q-{time}.png; see"},
+      {{"render", "room.world", "-o", "q-{time}.png"},
+       "troupe render: error: --output: {time} in the name of a picture is the time that --at gives: give "
+       "--at, or another name; see"},
       {{"render", "nothing.world", "-o", "q.png"}, "nothing.world: error: "},
       {{"render", "room.world", "-o", "q.png", "--at", "1", "--for", "2"}, "--at excludes --for"},
       {{"render", "room.world", "-o", "q.png", "--for", "-2"}, "\"-2\" is not a time in seconds"},
