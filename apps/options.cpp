@@ -230,6 +230,14 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
                                                               : ", or set quit_time in the world"));
 }
 
+void check_end(const WorldOptions& options, const Simulation& simulation, double end_s) {
+  if (engine::ticks_until(end_s, simulation.tick_s()) >= simulation.tick()) return;
+  throw InputError(
+      fmt::format("{}: error: the checkpoint was saved at {:.10g} s, after the end of the run at {:.10g} "
+                  "s: give a later --for",
+                  options.world.string(), simulation.time_s(), end_s));
+}
+
 void add_simd_option(CLI::App& app) {
   add_value(app, "--simd", "scalar|ssse3|sse4|avx2|avx512|neon|sve",
             "Instruction set for range finding (default: environment variable TROUPE_SIMD, else the best)",

@@ -98,6 +98,9 @@ void refuse_across_options(const WorldOptions& options);
 /// Returns the end of the run in simulated time, s: the value of --for, or else the quit time
 /// that the world file gives. Throws InputError if neither is given.
 double end_of(const WorldOptions& options, const Simulation& simulation);
+/// Throws InputError if the simulation was resumed from a checkpoint that was saved after the end of the run
+/// at the simulated time `end_s`, s.
+void check_end(const WorldOptions& options, const Simulation& simulation, double end_s);
 /// Adds --simd, which names a SIMD instruction set. Parsing selects this set for range finding (the
 /// computation of the distances that sensors measure) in the whole process. Throws CLI::ValidationError,
 /// while parsing, if the name is unknown or the processor lacks the set.

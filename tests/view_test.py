@@ -65,6 +65,10 @@ class Steered(unittest.TestCase):
             refused = subprocess.run([TROUPE, "view", view.folder / "c.h5", "--seed", "7"], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
             self.assertIn("c.h5: error: --seed, --raytracer, --robots and --spare are only for world files", refused.stderr)
+            refused = subprocess.run([TROUPE, "view", view.folder / "c.h5", "--for", "1"], capture_output=True, text=True)
+            self.assertEqual((refused.returncode, refused.stdout), (2, ""))
+            self.assertIn("c.h5: error: the checkpoint was saved at 2 s, after the end of the run at 1 s: give a later --for",
+                          refused.stderr)
             refused = subprocess.run([TROUPE, "run", view.world, "--set", "/mortal=true", "--session", view.session],
                                      capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
