@@ -189,19 +189,21 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
               if (const Result<> known = check_background(text); !known)
                 throw CLI::ValidationError("--background", known.error().text);
             });
-  add_value(app, "--color-by", "COMPONENT.FIELD", "Colour robots by a field of the state",
-            [&look](const std::string& text) {
-              if (text.empty())
-                refuse("--color-by", text, "a field of the state, as in --color-by velocity.x");
-              look.color_by = text;
-            });
+  CLI::Option* const color_by =
+      add_value(app, "--color-by", "COMPONENT.FIELD", "Colour robots by a field of the state",
+                [&look](const std::string& text) {
+                  if (text.empty())
+                    refuse("--color-by", text, "a field of the state, as in --color-by velocity.x");
+                  look.color_by = text;
+                });
   add_value(app, "--color-range", "LOW,HIGH",
             "Values at the ends of the colour scale (default: smallest and largest of each picture)",
             [&look](const std::string& text) {
               look.color_range = two_numbers(text, false);
               if (!look.color_range || (*look.color_range)[0] >= (*look.color_range)[1])
                 refuse("--color-range", text, "two numbers, the lower first, as in --color-range 0,0.5");
-            });
+            })
+      ->needs(color_by);
 }
 
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text) {

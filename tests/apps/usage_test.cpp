@@ -225,6 +225,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--snapshot", "p.png", "--color-range", "2,1"}),
                    in_run("--color-range: \"2,1\" is not two numbers, the lower first, as in --color-range "
                           "0,0.5")},
+        WrongUsage{room({"--snapshot", "p.png", "--color-range", "0,1"}),
+                   in_run("--color-range requires --color-by")},
         WrongUsage{room({"--film", "crowd.avi"}),
                    in_run("--film: \"crowd.avi\" is not the name of a film, as in --film crowd.mp4 or "
                           "frames/%06d.png")},
