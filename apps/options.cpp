@@ -105,6 +105,22 @@ double positive_seconds(const char* option, const std::string& text, std::string
   return *seconds;
 }
 
+std::vector<std::string> items_of(const std::string& text) {
+  std::vector<std::string> items;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    items.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+  return items;
+}
+
+std::vector<std::string> names_in(const char* option, const std::string& text, std::string_view expected) {
+  std::vector<std::string> names = items_of(text);
+  if (std::ranges::count(names, "") > 0) refuse(option, text, expected);
+  return names;
+}
+
 unsigned thread_count(std::string_view text) {
   const auto threads = number_of<unsigned>(text);
   if (!threads || *threads < 1 || *threads > partition::Parallel::k_most_threads)

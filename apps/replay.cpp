@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -46,16 +45,6 @@ Examples:
 constexpr std::string_view k_mark = "@RECORDING@";
 constexpr double k_bytes_mb = 1e6;
 constexpr double k_most_mb = 500;  // because browsers limit the length of a string
-
-std::vector<std::string> names_of(const std::string& text) {
-  std::vector<std::string> names;
-  std::istringstream stream(text + ',');
-  for (std::string name; std::getline(stream, name, ',');) {
-    if (name.empty()) refuse("--fields", text, "a list of names, as in --fields stall,ranges");
-    names.push_back(name);
-  }
-  return names;
-}
 
 /// Returns an ordinal number as text: "2nd", "3rd", "11th".
 std::string ordinal(std::size_t n) {
@@ -125,7 +114,9 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
               options.max_mb = *mb;
             });
   add_value(command, "--fields", "A,B,...", "Fields to show in addition to poses (default: all recorded)",
-            [&options](const std::string& text) { options.fields = names_of(text); });
+            [&options](const std::string& text) {
+              options.fields = names_in("--fields", text, "a list of names, as in --fields stall,ranges");
+            });
 }
 
 std::string write_replay_page(const ReplayOptions& options) {

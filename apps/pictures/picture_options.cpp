@@ -216,15 +216,13 @@ void set_snapshot(PictureFiles& pictures, const char* option, const std::string&
 
 void set_times(PictureFiles& pictures, const char* option, const std::string& text) {
   std::vector<double>& times = pictures.snapshot_at_s;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::optional<double> time = finite_number_of(std::string_view(text).substr(start, end - start));
+  for (const std::string& item : items_of(text)) {
+    const std::optional<double> time = finite_number_of(item);
     if (!time || *time < 0 || *time > engine::k_most_seconds)
       refuse(option, text,
              fmt::format("a list of simulated times in seconds, each from 0 to {}, as in {} 0,60,600",
                          engine::k_most_seconds, option));
     times.push_back(*time);
-    start = end + 1;
   }
   std::ranges::sort(times);
   times.erase(std::unique(times.begin(), times.end()), times.end());
