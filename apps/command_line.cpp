@@ -118,7 +118,7 @@ ExitCode run_command(const CLI::App& app, std::vector<ProgramCommand>& commands,
     if (limit) limit(command.options);
     return command.run();
   }
-  fmt::print(stderr, "{}", app.help());
+  print_usage_error(app.help());
   return k_bad_input;
 }
 
@@ -165,7 +165,8 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
       std::ranges::reverse(arguments);  // as CLI11 expects them
       app.parse(std::move(arguments));
     } catch (const CLI::ParseError& error) {
-      if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return told(app.exit(error));
+      const bool is_help = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
+      if (is_help) return prints_for_all_ranks() ? told(app.exit(error)) : k_finished;
       print_usage_error(usage_text(app, error));
       return k_bad_input;
     } catch (const InputError& error) {

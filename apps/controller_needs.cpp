@@ -2,6 +2,7 @@
 
 #include "apps/example_params.hpp"
 #include "base/diagnostics.hpp"
+#include "engine/spec/world_spec.hpp"
 
 #include <fmt/format.h>
 
@@ -18,6 +19,9 @@ using engine::ControllerKind;
 using engine::DeviceKind;
 using engine::FieldTable;
 using engine::Record;
+
+constexpr std::string_view k_needs = "needs ";  // begins the errors that say what a controller lacks
+constexpr std::string_view k_no_drive = "no drive";
 
 /// A device of the robot with which a controller is tried.
 struct Device {
@@ -42,12 +46,8 @@ class Trial {
 
   /// Returns the devices that the controller uses of those in `given`.
   Result<std::vector<std::size_t>> used(const std::vector<std::size_t>& given) const {
-    std::vector<engine::DeviceInfo> infos;
-    for (const std::size_t d : given)
-      infos.push_back({devices_[d].kind, devices_[d].kind, devices_[d].prepared});
-    std::vector<bool> claimed(infos.size());
     try {
-      const Result<ControllerKind::Prepared> prepared = kind_.prepare(params_, infos, claimed);
+      const Result<ControllerKind::Prepared> prepared = prepare(given);
       if (!prepared) return prepared.error();
       std::vector<std::size_t> used;
       for (const std::size_t d : prepared->devices) used.push_back(given.at(d));
@@ -57,7 +57,35 @@ class Trial {
     }
   }
 
+  /// Returns which drive the controller needs: "no drive", or as in its error for a robot without a drive.
+  /// given: the devices that the controller needs. Not for a controller with ControllerKind::needs_drive.
+  std::string drive(const std::vector<std::size_t>& given) const {
+    if (kind_.needs_drive || !kind_.bind_world) return std::string(k_no_drive);
+    engine::WorldSpec world;
+    engine::TypeSpec& type = world.types.emplace_back();
+    type.name = "robot";
+    type.parts.emplace_back();
+    try {
+      Result<ControllerKind::Prepared> prepared = prepare(given);
+      const Result<> bound = prepared ? kind_.bind_world(prepared->data, world, type, 0) : Result<>();
+      const std::string error = bound ? "" : bound.error().text;
+      // After the comma, the text is about the robot: "needs a drive for the role "robot", but type ...".
+      if (error.starts_with("needs a drive"))
+        return error.substr(k_needs.size(), error.find(',') - k_needs.size());
+    } catch (...) {  // of a plug-in, which may throw anything
+    }
+    return std::string(k_no_drive);
+  }
+
  private:
+  Result<ControllerKind::Prepared> prepare(const std::vector<std::size_t>& given) const {
+    std::vector<engine::DeviceInfo> infos;
+    for (const std::size_t d : given)
+      infos.push_back({devices_[d].kind, devices_[d].kind, devices_[d].prepared});
+    std::vector<bool> claimed(infos.size());
+    return kind_.prepare(params_, infos, claimed);
+  }
+
   const ControllerKind& kind_;
   Record params_;
   std::deque<Device> devices_;
@@ -68,6 +96,7 @@ std::string head_of(const Error& error) { return error.text.substr(0, error.text
 
 /// What a controller uses.
 struct Needs {
+  std::string drive{k_no_drive};           ///< of a controller without ControllerKind::needs_drive
   std::vector<std::string> required;       ///< as in the errors of the controller, without "needs "
   std::vector<std::string_view> optional;  ///< kinds of further devices
   bool uses_all = false;                   ///< the controller uses all devices that it is given
@@ -78,7 +107,6 @@ Needs needs_of(const Trial& trial) {
   Needs needs;
   std::vector<std::size_t> given;
   Result<std::vector<std::size_t>> used = trial.used(given);
-  constexpr std::string_view k_needs = "needs ";
   while (!used) {
     const std::string error = head_of(used.error());
     if (!error.starts_with(k_needs)) return needs;
@@ -98,6 +126,7 @@ Needs needs_of(const Trial& trial) {
     }
     if (!is_found) return needs;
   }
+  needs.drive = trial.drive(given);
   for (std::size_t d = 0; d < trial.devices(); ++d) {
     if (std::ranges::count(given, d) > 0) continue;
     given.push_back(d);
@@ -120,7 +149,7 @@ std::string needs_text(const engine::Registry& registry, const ControllerKind& k
     if (named.is_complete) needs = std::move(named);
   }
   std::string text = "needs\n";
-  text += kind.needs_drive ? "  a drive\n" : "  no drive\n";
+  text += fmt::format("  {}\n", kind.needs_drive ? "a drive" : needs.drive);
   for (const std::string& need : needs.required) text += fmt::format("  {}\n", need);
   if (!needs.is_complete) text += "  devices that depend on its parameters\n";
   if (needs.uses_all)

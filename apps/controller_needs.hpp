@@ -11,8 +11,9 @@ namespace troupe::apps {
 /// table with the defaults of a preset.
 ///
 /// The devices are found by calls of ControllerKind::prepare for robots with one device of each of several
-/// kinds of `registry`. The devices have wide ranges of readings, so that they are of use to most
-/// controllers. The text contains no devices that a controller finds by their names.
+/// kinds of `registry`. A drive that only some parameters need is found by a call of
+/// ControllerKind::bind_world for a robot without a drive. The devices have wide ranges of readings, so that
+/// they are of use to most controllers. The text contains no devices that a controller finds by their names.
 std::string needs_text(const engine::Registry& registry, const engine::ControllerKind& kind,
                        const engine::FieldTable& params);
 

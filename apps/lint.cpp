@@ -18,8 +18,8 @@ namespace {
 constexpr const char* k_lint_footer = R"(
 Reports likely mistakes in a world: bodies that overlap at the start, robots in walls, sensors that can never detect
 anything, floor plans that block no robot, robots that can never drive or never stand still, unused types and macros,
-properties, interventions and faults without effect, and all warnings of loading. Each finding is one line with file and
-line number: maze.world:41: warning: ...
+properties, interventions and faults without effect, conditions with other parameters than a listed measure, and all
+warnings of loading. Each finding is one line with file and line number: maze.world:41: warning: ...
 
 Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded, or its measures or its recording have errors
 (errors on standard error).
@@ -27,23 +27,22 @@ Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded, or its me
 Examples:
   troupe lint worlds/hospital.json
   troupe lint worlds/minimal.world
+  troupe lint worlds/crowd.json --set /populations/0/count=5000
   troupe lint room.json --controller my.py)";
 
 }  // namespace
 
 void add_lint_options(CLI::App& lint, LintOptions& options) {
   lint.footer(k_lint_footer);
-  lint.add_option_function<std::string>(
-          "WORLD", [&options](const std::string& text) { options.world = text; },
-          "World file: Stage's .world, or .json")
-      ->option_text(" ")
-      ->required();
+  add_argument(lint, "WORLD", "World file: Stage's .world, or .json", options.world);
+  add_set_option(lint, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
   add_kind_options(lint, options.sources);
 }
 
 ExitCode lint_world(const LintOptions& options) {
   const std::filesystem::path& world = options.world;
   SimulationOptions simulation;
+  simulation.set = options.set;
   simulation.plugin_path = options.sources.plugin_path;
   simulation.scripts = options.sources.scripts;
   const std::vector<std::string> findings = lint(world, with_environment(std::move(simulation)));

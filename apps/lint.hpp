@@ -4,6 +4,9 @@
 #include "apps/options.hpp"
 
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
 class App;
@@ -13,8 +16,9 @@ namespace troupe::apps {
 
 /// Options of `troupe lint`.
 struct LintOptions {
-  std::filesystem::path world;  ///< world file to check
-  KindSources sources;          ///< plug-ins and scripts with which the world will run
+  std::filesystem::path world;                           ///< world file to check
+  std::vector<std::pair<std::string, std::string>> set;  ///< JSON pointers to values of the world, new values
+  KindSources sources;  ///< plug-ins and scripts with which the world will run
 };
 
 /// Adds the options of `lint`; parsing fills `options`, which must outlive `command`.

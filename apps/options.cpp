@@ -105,6 +105,22 @@ double positive_seconds(const char* option, const std::string& text, std::string
   return *seconds;
 }
 
+std::vector<std::string> items_of(const std::string& text) {
+  std::vector<std::string> items;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    items.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+  return items;
+}
+
+std::vector<std::string> names_in(const char* option, const std::string& text, std::string_view expected) {
+  std::vector<std::string> names = items_of(text);
+  if (std::ranges::count(names, "") > 0) refuse(option, text, expected);
+  return names;
+}
+
 unsigned thread_count(std::string_view text) {
   const auto threads = number_of<unsigned>(text);
   if (!threads || *threads < 1 || *threads > partition::Parallel::k_most_threads)
@@ -223,10 +239,19 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
   if (options.for_s) return *options.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
   const bool json = options.world.extension() == ".json";
-  throw InputError(fmt::format("{}: error: no end time: give --for SECONDS, or {}", options.world.string(),
-                               options.is_checkpoint ? "--set /quit_time_s=SECONDS"
-                               : json                ? "set quit_time_s in the world"
-                                                     : "set quit_time in the world"));
+  throw InputError(fmt::format("{}: error: no end time: give --for SECONDS{}", options.world.string(),
+                               options.is_checkpoint          ? ", or --set /quit_time_s=SECONDS"
+                               : simulation.resumed_at_tick() ? ""  // troupe render, which has no --set then
+                               : json                         ? ", or set quit_time_s in the world"
+                                                              : ", or set quit_time in the world"));
+}
+
+void check_end(const WorldOptions& options, const Simulation& simulation, double end_s) {
+  if (engine::ticks_until(end_s, simulation.tick_s()) >= simulation.tick()) return;
+  throw InputError(
+      fmt::format("{}: error: the checkpoint was saved at {:.10g} s, after the end of the run at {:.10g} "
+                  "s: give a later --for",
+                  options.world.string(), simulation.time_s(), end_s));
 }
 
 void add_simd_option(CLI::App& app) {

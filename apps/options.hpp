@@ -38,6 +38,13 @@ double seconds_from_zero(const char* option, const std::string& text);
 /// time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
+/// Returns the items of a list such as `pose,ranges`, in their order. Items are separated by commas and may
+/// be empty: the list `a,,b` has three items, and an empty text is a list with one empty item.
+std::vector<std::string> items_of(const std::string& text);
+/// Returns the items of `text`, the value of `option`. Throws CLI::ValidationError if an item is empty.
+/// expected: as in refuse().
+std::vector<std::string> names_in(const char* option, const std::string& text, std::string_view expected);
+
 /// Convert the text of an option value to a number. These values have the same form in every command. Throw
 /// CLI::ValidationError for other values.
 ///
@@ -98,6 +105,9 @@ void refuse_across_options(const WorldOptions& options);
 /// Returns the end of the run in simulated time, s: the value of --for, or else the quit time
 /// that the world file gives. Throws InputError if neither is given.
 double end_of(const WorldOptions& options, const Simulation& simulation);
+/// Throws InputError if the simulation was resumed from a checkpoint that was saved after the end of the run
+/// at the simulated time `end_s`, s.
+void check_end(const WorldOptions& options, const Simulation& simulation, double end_s);
 /// Adds --simd, which names a SIMD instruction set. Parsing selects this set for range finding (the
 /// computation of the distances that sensors measure) in the whole process. Throws CLI::ValidationError,
 /// while parsing, if the name is unknown or the processor lacks the set.

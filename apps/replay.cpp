@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -46,16 +45,6 @@ Examples:
 constexpr std::string_view k_mark = "@RECORDING@";
 constexpr double k_bytes_mb = 1e6;
 constexpr double k_most_mb = 500;  // because browsers limit the length of a string
-
-std::vector<std::string> names_of(const std::string& text) {
-  std::vector<std::string> names;
-  std::istringstream stream(text + ',');
-  for (std::string name; std::getline(stream, name, ',');) {
-    if (name.empty()) refuse("--fields", text, "a list of names, as in --fields stall,ranges");
-    names.push_back(name);
-  }
-  return names;
-}
 
 /// Returns an ordinal number as text: "2nd", "3rd", "11th".
 std::string ordinal(std::size_t n) {
@@ -114,10 +103,7 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
   add_argument(command, "RECORDING", "A recording", options.recording);
   add_value(command, "-o,--output", "FILE.html",
             "Page to write (default: the name of the recording, ending in .html)",
-            [&options](const std::string& text) {
-              if (text.empty() || text.starts_with('-')) refuse("--output", text, "a file name");
-              options.page = text;
-            });
+            [&options](const std::string& text) { options.page = file_name("--output", text); });
   command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
   add_value(command, "--max-mb", "MB", "Largest size of the page, in megabytes (default: 25)",
             [&options](const std::string& text) {
@@ -128,7 +114,9 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
               options.max_mb = *mb;
             });
   add_value(command, "--fields", "A,B,...", "Fields to show in addition to poses (default: all recorded)",
-            [&options](const std::string& text) { options.fields = names_of(text); });
+            [&options](const std::string& text) {
+              options.fields = names_in("--fields", text, "a list of names, as in --fields stall,ranges");
+            });
 }
 
 std::string write_replay_page(const ReplayOptions& options) {

@@ -152,6 +152,7 @@ ExitCode view_checked(const ViewOptions& options) {
         fmt::format("{}: error: there is no such folder: create it, or name an existing folder with --out",
                     options.folder.string()));
   Simulation simulation = load(options);
+  if (options.for_s) check_end(options, simulation, *options.for_s);
   for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
   stop_on_signals();
   const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())

@@ -215,7 +215,8 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     parser_->header_limit(k_most_header);
     parser_->body_limit(0);
     http::async_read(socket_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) {
-      if (error) return self->close();
+      // A body, such as that of a POST request, is not read. The parser has the header by then.
+      if (error && error != http::error::body_limit) return self->close();
       self->answer(self->parser_->get());
     });
   }
@@ -256,6 +257,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     response_->set(http::field::content_type, type);
     response_->set(http::field::cache_control, "no-store");
     response_->set(http::field::connection, "close");
+    if (status == http::status::method_not_allowed) response_->set(http::field::allow, "GET");
     if (status == http::status::ok)
       response_->set("Content-Security-Policy", policy(host_, server_.is_proxy(host_)));
     response_->set("Referrer-Policy", "no-referrer");

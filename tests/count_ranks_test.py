@@ -53,7 +53,8 @@ class Tables(unittest.TestCase):
         for arguments, text in ((("--ranks", "4"), "expected two or more numbers of ranks"),
                                 (("--ranks", "1,2"), "each at least 2"),
                                 (("--ranks", "2,x"), "expected two or more numbers of ranks"),
-                                (("--robots", "0"), "--robots 0: expected")):
+                                (("--robots", "0"), "--robots 0: expected"),
+                                (("--program", "none"), "there is no program none; build it with scripts/build release")):
             done = self.call(*arguments)
             self.assertEqual(done.returncode, 2, arguments)
             self.assertIn(text, done.stderr)

@@ -6,6 +6,7 @@ import importlib.machinery
 import importlib.util
 import json
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -49,6 +50,16 @@ class Shipped(unittest.TestCase):
         self.assertTrue(scenes)
         for scene in scenes.values():
             self.assertIn(scene.world, shipped())
+
+
+class Scripts(unittest.TestCase):
+    def test_only_needs_the_beginning_of_a_name(self):
+        for name, known in (("scenes", "known: beeclust, coverage, "), ("gallery", "known: hospital, cave, ")):
+            done = subprocess.run([sys.executable, ROOT / "scripts" / name, "--only", "nowhere", "--into", "/dev/null/nothing"],
+                                  capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn("--only nowhere: the name of no ", done.stderr)
+            self.assertIn(known, done.stderr)
 
 
 class Refused(unittest.TestCase):

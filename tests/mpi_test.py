@@ -336,6 +336,13 @@ class OnProcesses:
     def test_wrong_usage_is_reported_once(self):
         self.refused(self.run_on(2, "run", "room.json", "--thread", 3), 'unknown option "--thread"')
 
+    def test_the_help_and_the_version_are_printed_once(self):
+        for arguments, text in ((("--version",), "troupe "), (("run", "--help"), "Usage: "), (("--help",), "Usage: ")):
+            done = self.run_on(2, *arguments)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(sum(line.startswith(text) for line in done.stdout.splitlines()), 1, done.stdout)
+        self.refused(self.run_on(2), "Usage: ")
+
     def test_controllers_in_python_are_refused(self):
         done = self.run_on(2, "run", "room.json", "--controller", "my.py")
         self.assertEqual(done.returncode, 2, done.stdout + done.stderr)

@@ -65,6 +65,10 @@ class Steered(unittest.TestCase):
             refused = subprocess.run([TROUPE, "view", view.folder / "c.h5", "--seed", "7"], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
             self.assertIn("c.h5: error: --seed, --raytracer, --robots and --spare are only for world files", refused.stderr)
+            refused = subprocess.run([TROUPE, "view", view.folder / "c.h5", "--for", "1"], capture_output=True, text=True)
+            self.assertEqual((refused.returncode, refused.stdout), (2, ""))
+            self.assertIn("c.h5: error: the checkpoint was saved at 2 s, after the end of the run at 1 s: give a later --for",
+                          refused.stderr)
             refused = subprocess.run([TROUPE, "run", view.world, "--set", "/mortal=true", "--session", view.session],
                                      capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
@@ -854,6 +858,10 @@ for file in ("/proc/{view.process.pid}/cmdline", "/proc/{view.process.pid}/envir
         self.assertEqual(self.get("/../../etc/passwd")[0], 404)
         self.assertEqual(self.get("/rooms.json")[0], 404)
         self.assertEqual(self.get(method="POST")[0], 405)
+        for body in ("Content-Length: 5\r\n\r\nhello", "Transfer-Encoding: chunked\r\n\r\n5\r\nhello\r\n0\r\n\r\n"):
+            answer = request(self.view.port, f"POST / HTTP/1.1\r\nHost: 127.0.0.1\r\n{body}")
+            self.assertIn(b" 405 ", answer[:20])
+            self.assertIn(b"\r\nAllow: GET\r\n", answer)
         request(self.view.port, b"\x16\x03\x01\x02\x00" + os.urandom(200))
         request(self.view.port, "GET / HTTP/1.1\r\n" + "x: y\r\n" * 5000 + "\r\n")
         status, answer = self.get()

@@ -542,6 +542,30 @@ void Lint::check_selections() {
   }
 }
 
+/// Warns of conditions with the default parameters of a measure to which the world's list of measures gives
+/// others: such a condition and the column of its name differ.
+void check_conditions(const engine::WorldSpec& spec, const engine::Registry& registry,
+                      Diagnostics& diagnostics) {
+  for (const engine::StopSpec& condition : spec.experiment.stop_when) {
+    const engine::MeasureSpec& measure = condition.measure;
+    const std::string name = engine::measure_name(measure);
+    const auto kind = registry.find_measure(measure.kind);
+    if (!kind || measure.params != (*kind)->params.defaults()) continue;
+    for (std::size_t i = 0; i < spec.measures.size(); ++i) {
+      const engine::MeasureSpec& listed = spec.measures[i];
+      if (engine::measure_name(listed) != name || listed.kind != measure.kind || listed.of != measure.of ||
+          listed.params == measure.params)
+        continue;
+      diagnostics.warning(
+          measure.where,
+          fmt::format("the condition on \"{}\" has the default parameters, not those of /measures/{}: to "
+                      "give it the same parameters, give that entry a \"name\" of its own, and use the name "
+                      "in the condition",
+                      name, i));
+    }
+  }
+}
+
 /// Reports the errors that a run with the measures, the stop conditions and the recording of the world would
 /// report.
 void check_outputs(engine::World& world, const engine::Registry& registry, Diagnostics& diagnostics) {
@@ -582,6 +606,7 @@ std::vector<std::string> lint(const std::filesystem::path& file, const Simulatio
   check_outputs(world, registry, diagnostics);
   diagnostics.throw_if_errors();
   Lint(world, base_types, diagnostics).check();
+  check_conditions(world.spec(), registry, diagnostics);
 
   std::vector<Finding> findings(diagnostics.findings().begin(), diagnostics.findings().end());
   std::ranges::stable_sort(findings, {},

@@ -20,6 +20,7 @@ namespace troupe {
 /// - floor plans (walls from an image, a ROS map or a list of points) that block no robot;
 /// - drives that cannot stand still, power packs that can hold no energy, and controllers that react to
 ///   obstacles beyond the range of their ranger;
+/// - conditions in `stop_when` that do not have the parameters which the list `measures` gives their measure;
 /// - unused definitions, and properties, interventions and faults without effect.
 ///
 /// At most 100 overlaps of bodies are listed, and at most 100 robots that start inside walls of a floor plan

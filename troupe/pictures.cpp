@@ -6,6 +6,7 @@
 #include "troupe/frame_history.hpp"
 #include "troupe/picture_source.hpp"
 #include "troupe/simulation_source.hpp"
+#include "worldio/files.hpp"
 #include "worldio/images/png.hpp"
 #include "worldio/whole_file.hpp"
 
@@ -202,7 +203,7 @@ std::optional<render::VectorFormat> vector_format(const fs::path& file) {
 }
 
 /// Throws std::invalid_argument if a number in the options cannot be drawn, or if the range of colours is
-/// empty or reversed.
+/// empty, reversed or of no use.
 void check_picture_numbers(const PictureOptions& options) {
   if (const auto across = options.across_m;
       across && !(*across >= k_least_across_m && std::isfinite(*across)))
@@ -214,6 +215,9 @@ void check_picture_numbers(const PictureOptions& options) {
     if (pair && !(std::isfinite((*pair)[0]) && std::isfinite((*pair)[1])))
       throw std::invalid_argument(
           fmt::format("{} is ({}, {}): give two finite numbers", name, (*pair)[0], (*pair)[1]));
+  if (options.color_range && options.color_by.empty())
+    throw std::invalid_argument(
+        "color_range has no effect without color_by: give color_by, or leave out color_range");
   if (const auto range = options.color_range; range && (*range)[0] >= (*range)[1])
     throw std::invalid_argument(fmt::format(
         "color_range is ({}, {}): give two different numbers, the lower first", (*range)[0], (*range)[1]));
@@ -398,7 +402,7 @@ struct Pictures::Impl {
     try {
       worldio::write_whole(to, {bytes});
     } catch (const std::system_error& error) {
-      fail_to_write(name, error.code().message());
+      fail_to_write(name, worldio::write_failure(name, error.code().message()));
     }
   }
 

@@ -54,7 +54,7 @@ struct PictureOptions {
   /// of the world file.
   std::string color_by = {};
   /// Values at the two ends of the colour scale, in the unit of the value that `color_by` names: the lower
-  /// value first. Not given: the smallest and the largest value in each picture.
+  /// value first. Not given: the smallest and the largest value in each picture. An error without `color_by`.
   std::optional<std::array<double, 2>> color_range = {};
   /// Background: `paper` (warm white), `white`, `dark`, or `transparent` (opaque only where something is
   /// drawn).
@@ -99,8 +99,8 @@ class Pictures {
   /// Throws InputError for unknown cameras, layers and backgrounds. Also throws InputError if the options
   /// name something that the world does not have: a body to follow, an entry `window`, or a field to colour
   /// by. Throws std::invalid_argument if a number in the options is not finite, if `across_m` is too small,
-  /// or if the first number of `color_range` is not below the second. Throws std::runtime_error if the build
-  /// has no renderer.
+  /// if the first number of `color_range` is not below the second, or if `color_range` is given without
+  /// `color_by`. Throws std::runtime_error if the build has no renderer.
   Pictures(const Simulation& simulation, PictureOptions options);
   /// Draws pictures of a recording or of another source (troupe/picture_source.hpp is the interface of
   /// sources). Throws as the constructor for a simulation does, and InputError also for layers and values

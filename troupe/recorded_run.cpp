@@ -32,9 +32,13 @@ using worldio::RecordedScene;
 using worldio::RecordingReader;
 using Array = RecordingReader::Array;
 
-// Times that differ by less than this count as equal, s: because of rounding, 3 ticks of 0.1 s may end
-// slightly later than 0.3 s.
-constexpr double k_same_s = 1e-9;
+/// Returns by how much a time may differ from `time_s` and still count as equal, s: because of rounding, 3
+/// ticks of 0.1 s may end slightly later than 0.3 s. Above 10 days, neighbouring doubles differ by up to
+/// 1e-9.
+double tolerance_s(double time_s) {
+  constexpr double k_share = 1e-15;  // of `time_s`: 4 to 9 neighbouring doubles
+  return std::max(1e-9, k_share * std::abs(time_s));
+}
 
 template <class T>
 T number_in(const RecordingReader& reader, const std::string& key, T fallback) {
@@ -359,16 +363,17 @@ void RecordedRun::go_to_frame(std::size_t frame) { impl_->frame = std::min(frame
 
 std::size_t RecordedRun::first_within(double history_s) const {
   const std::span<const double> times = times_s();
-  const auto first = std::ranges::lower_bound(times, time_s() - history_s - k_same_s);
+  const auto first = std::ranges::lower_bound(times, time_s() - history_s - tolerance_s(time_s()));
   return std::min(static_cast<std::size_t>(first - times.begin()), frame_index());
 }
 
 void RecordedRun::go_to(double time_s) {
   const std::span<const double> times = impl_->reader.times_s();
-  if (times.front() > time_s + k_same_s || times.back() < time_s - k_same_s)
+  const double tolerance = tolerance_s(time_s);
+  if (times.front() > time_s + tolerance || times.back() < time_s - tolerance)
     impl_->refuse(fmt::format("{:.10g} s is not recorded: the recording contains {:.10g} s to {:.10g} s",
                               time_s, times.front(), times.back()));
-  const auto later = std::ranges::upper_bound(times, time_s + k_same_s);
+  const auto later = std::ranges::upper_bound(times, time_s + tolerance);
   go_to_frame(static_cast<std::size_t>(later - times.begin()) - 1);
 }
 

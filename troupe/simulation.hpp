@@ -560,8 +560,8 @@ class Simulation {
   /// Steps until `seconds` more of simulated time have passed, or until a stop condition ends the run
   /// (stopped()). The time is rounded up to whole ticks, but with a tolerance for rounding errors: 0.07 s are
   /// 7 ticks of 0.01 s, although 0.07 / 0.01 is slightly above 7 in floating point. The tolerance is 1e-9 of
-  /// `seconds` or of a tick, whichever is longer. Makes no step if a stop condition already holds. Throws
-  /// std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
+  /// `seconds` or of a tick, whichever is longer, but at most half a tick. Makes no step if a stop condition
+  /// already holds. Throws std::invalid_argument if `seconds` is negative, NaN or more than 1e12.
   void run_for(double seconds);
   /// Makes steps, and calls `done` after each step. Returns true as soon as `done` returns true. Returns
   /// false if `at_most_s` seconds of simulated time (rounded as in run_for()) pass first, or if a stop

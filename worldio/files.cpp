@@ -39,6 +39,14 @@ std::string error_about(std::string_view message, const std::filesystem::path& f
   return to.string().append(message.substr(from.string().size()));
 }
 
+std::string write_failure(const std::filesystem::path& file, const std::string& reason) {
+  std::error_code ignored;
+  const std::filesystem::path folder = file.parent_path();
+  const bool is_missing = !folder.empty() && std::filesystem::status(folder, ignored).type() ==
+                                                 std::filesystem::file_type::not_found;
+  return is_missing ? fmt::format("there is no folder {}", folder.string()) : reason;
+}
+
 std::filesystem::path resolved_path(const std::filesystem::path& file) {
   constexpr int k_most_links = 40;  // as on Linux: more symbolic links in a row are an error
   std::error_code ignored;

@@ -27,6 +27,10 @@ Result<> check_readable(const std::filesystem::path& file,
 std::string error_about(std::string_view message, const std::filesystem::path& from,
                         const std::filesystem::path& to);
 
+/// Returns why a file cannot be written, for messages: "there is no folder DIR" if the folder of the file is
+/// missing, otherwise `reason`, the text that the system gives.
+std::string write_failure(const std::filesystem::path& file, const std::string& reason);
+
 /// Returns the absolute path of a file without symbolic links, also if the file or the file to which a link
 /// points does not exist.
 std::filesystem::path resolved_path(const std::filesystem::path& file);

@@ -2,9 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <string>
-#include <string_view>
 
 namespace troupe::apps {
 namespace {
@@ -52,16 +50,6 @@ Examples:
   troupe check worlds/failures.json --for 20 --threads 1 --tile-size auto --amnesia
   troupe check worlds/cave-simple.json --for 5 --threads 2 --tile-size auto --controllers)";
 
-/// Calls `each` with every item of a list such as 1,2,8.
-template <class Each>
-void split(const std::string& text, Each&& each) {
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    each(std::string_view(text).substr(start, end - start));
-    start = end + 1;
-  }
-}
-
 }  // namespace
 
 void add_check_options(CLI::App& check, CheckOptions& options) {
@@ -70,20 +58,19 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
   add_value(check, "--threads", "N,...", "Numbers of worker threads to compare (default: 1,2,8)",
             [&options](const std::string& text) {
               options.threads.clear();
-              split(text, [&](std::string_view item) { options.threads.push_back(thread_count(item)); });
+              for (const std::string& item : items_of(text)) options.threads.push_back(thread_count(item));
             });
   add_value(check, "--tile-size", "M,...",
             "Edge lengths of tiles to compare, m; auto: Troupe chooses (default: auto,1.7)",
             [&options](const std::string& text) {
               options.tile_sizes_m.clear();
-              split(text, [&](std::string_view item) {
+              for (const std::string& item : items_of(text))
                 options.tile_sizes_m.push_back(item == "auto" ? 0 : tile_size_m(item));
-              });
             });
   add_value(check, "--ranks", "N,...", "Numbers of ranks to compare (default: 1)",
             [&options](const std::string& text) {
               options.ranks.clear();
-              split(text, [&](std::string_view item) { options.ranks.push_back(rank_count(item)); });
+              for (const std::string& item : items_of(text)) options.ranks.push_back(rank_count(item));
               options.gives_ranks = true;
             });
   add_distribute_option(check, options);

@@ -132,8 +132,9 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
   if (start.starts_with(k_measures_mark)) return summary_of_measures(file);
   constexpr std::string_view k_profile_line = k_profile_mark.substr(0, k_profile_mark.find('\n'));
   if (start.starts_with(k_profile_line)) return summary_of_profile(file);
-  if (start.starts_with(k_series_mark)) return summary_of_series(file);
+  // First: the name of a parameter, such as time_step, may begin like the column time_s of the series.
   if (is_start_of_results(start)) return summary_of_results(file);
+  if (start.starts_with(k_series_mark)) return summary_of_series(file);
   if (start.starts_with(k_journal_mark)) return summary_of_journal(file);
   if (file.extension() == ".json" && worldio::is_utf16(start))
     throw InputError(fmt::format("{}: error: {}", file.string(), worldio::k_is_utf16));
@@ -149,12 +150,7 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
 
 void add_info_options(CLI::App& command, InfoOptions& options) {
   command.footer(k_info_footer);
-  command
-      .add_option_function<std::string>(
-          "FILE", [&options](const std::string& text) { options.file = text; },
-          "World, result or other file of Troupe")
-      ->option_text(" ")
-      ->required();
+  add_argument(command, "FILE", "World, result or other file of Troupe", options.file);
   add_kind_options(command, options.sources);
 }
 

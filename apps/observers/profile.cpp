@@ -199,6 +199,11 @@ void Profile::flush() {
 }
 
 std::string Profile::warning() const {
+  if (tick_ > start_tick_ && (limits_.first_tick > tick_ || limits_.last_tick <= start_tick_))
+    return fmt::format(
+        "{}: warning: the profile has no tick: --profile-ticks selects the ticks {} to {}, but the run had "
+        "the ticks {} to {}",
+        file_.string(), limits_.first_tick, limits_.last_tick, start_tick_ + 1, tick_);
   if (left_out_.empty()) return {};
   return fmt::format(
       "{}: warning: to keep the file small, the profile omits: {} (--profile-ticks selects the ticks to "

@@ -43,8 +43,9 @@ OpenOutput prepare_recorder(const RunOptions& options, const Simulation& simulat
   if (file.empty()) {
     if (options.recording.every_s > 0 || !options.recording.fields.empty())
       throw InputError(
-          "troupe run: error: --record-every and --record-fields need a recording, but the world file has no "
-          "\"record\": give --record FILE.h5");
+          fmt::format("troupe {}: error: --record-every and --record-fields need a recording, but the world "
+                      "has no \"record\": give --record FILE.h5",
+                      options.is_checkpoint ? "resume" : "run"));
     return nullptr;
   }
   RecordingOptions recording = options.recording;

@@ -230,14 +230,10 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
       names_.push_back(text);
       return;
     }
-    for (std::size_t start = 0; start <= text.size();) {
-      const std::size_t end = std::min(text.find(',', start), text.size());
-      if (end == start)
-        refuse("--measure", text,
-               "a list of measures, as in --measure coverage,stalls; `troupe describe` lists them");
-      names_.push_back(text.substr(start, end - start));
-      start = end + 1;
-    }
+    for (std::string& name :
+         names_in("--measure", text,
+                  "a list of measures, as in --measure coverage,stalls; `troupe describe` lists them"))
+      names_.push_back(std::move(name));
   }
 
   fs::path file_;

@@ -189,19 +189,21 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
               if (const Result<> known = check_background(text); !known)
                 throw CLI::ValidationError("--background", known.error().text);
             });
-  add_value(app, "--color-by", "COMPONENT.FIELD", "Colour robots by a field of the state",
-            [&look](const std::string& text) {
-              if (text.empty())
-                refuse("--color-by", text, "a field of the state, as in --color-by velocity.x");
-              look.color_by = text;
-            });
+  CLI::Option* const color_by =
+      add_value(app, "--color-by", "COMPONENT.FIELD", "Colour robots by a field of the state",
+                [&look](const std::string& text) {
+                  if (text.empty())
+                    refuse("--color-by", text, "a field of the state, as in --color-by velocity.x");
+                  look.color_by = text;
+                });
   add_value(app, "--color-range", "LOW,HIGH",
             "Values at the ends of the colour scale (default: smallest and largest of each picture)",
             [&look](const std::string& text) {
               look.color_range = two_numbers(text, false);
               if (!look.color_range || (*look.color_range)[0] >= (*look.color_range)[1])
                 refuse("--color-range", text, "two numbers, the lower first, as in --color-range 0,0.5");
-            });
+            })
+      ->needs(color_by);
 }
 
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text) {
@@ -214,15 +216,13 @@ void set_snapshot(PictureFiles& pictures, const char* option, const std::string&
 
 void set_times(PictureFiles& pictures, const char* option, const std::string& text) {
   std::vector<double>& times = pictures.snapshot_at_s;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::optional<double> time = finite_number_of(std::string_view(text).substr(start, end - start));
+  for (const std::string& item : items_of(text)) {
+    const std::optional<double> time = finite_number_of(item);
     if (!time || *time < 0 || *time > engine::k_most_seconds)
       refuse(option, text,
              fmt::format("a list of simulated times in seconds, each from 0 to {}, as in {} 0,60,600",
                          engine::k_most_seconds, option));
     times.push_back(*time);
-    start = end + 1;
   }
   std::ranges::sort(times);
   times.erase(std::unique(times.begin(), times.end()), times.end());
@@ -230,7 +230,13 @@ void set_times(PictureFiles& pictures, const char* option, const std::string& te
 
 void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option) {
   const std::string name = pictures.snapshot.string();
-  if (pictures.snapshot_at_s.size() < 2 || name.find(k_time_mark) != name.npos) return;
+  const bool has_mark = name.find(k_time_mark) != name.npos;
+  if (has_mark && pictures.snapshot_at_s.empty())
+    throw CLI::ValidationError(
+        name_option, fmt::format("{} in the name of a picture is the time that {} gives: give {}, or "
+                                 "another name",
+                                 k_time_mark, times_option, times_option));
+  if (pictures.snapshot_at_s.size() < 2 || has_mark) return;
   throw CLI::ValidationError(
       times_option,
       fmt::format("several pictures need different names: write {} in the name, as in {} {}-{}.png",

@@ -59,8 +59,9 @@ void add_film_options(CLI::App& app, PictureFiles& pictures);
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text);
 void set_times(PictureFiles& pictures, const char* option, const std::string& text);
 /// Checks that snapshots of different times get different names. Throws CLI::ValidationError if `pictures`
-/// has two or more times, but the name of the snapshots does not contain {time} (k_time_mark). times_option,
-/// name_option: names of the two options, for the error.
+/// has two or more times, but the name of the snapshots does not contain {time} (k_time_mark), or if it has
+/// no times, but the name contains {time}. times_option, name_option: names of the two options, for the
+/// error.
 void check_names(const PictureFiles& pictures, const char* times_option, const char* name_option);
 
 /// Returns a text for the help of a command, which lists all cameras and layers. Cameras are views of the

@@ -258,7 +258,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   command.footer(fmt::format("{}\n{}{}", k_render_footer, picture_help(), k_examples));
   add_argument(command, "INPUT", "World file, checkpoint or recording", options.world);
   add_value(command, "-o,--output", "FILE",
-            "Picture to write, a .png, .svg or .pdf; {time} in FILE is replaced by the simulated time",
+            "Picture to write, a .png, .svg or .pdf; {time} in FILE is replaced by the time of --at",
             [&options](const std::string& text) { set_snapshot(options.pictures, "--output", text); });
   CLI::Option* const at =
       add_value(command, "--at", "T,...", "Simulated times to draw, s",

@@ -436,6 +436,13 @@ bool is_refused_on_ranks(std::string_view command) {
   return true;
 }
 
+bool prints_for_all_ranks() try {
+  const std::optional<Launcher> launcher = find_launcher();
+  return !launcher || launcher->rank == 0;
+} catch (const InputError&) {  // srun without MPI
+  return true;
+}
+
 void print_usage_error(std::string_view text) {
   if (const std::optional<Launcher> launcher = find_launcher())
     print_error_of_host(*launcher, text);

@@ -47,6 +47,10 @@ ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<Exit
 /// command: name of the command, for the error.
 bool is_refused_on_ranks(std::string_view command);
 
+/// Whether this process prints texts that are equal on all processes of a launcher, such as the help: it has
+/// rank 0, or no launcher that connects the processes started it.
+bool prints_for_all_ranks();
+
 /// Prints the text of an error of usage, which usually occurs on all processes of a launcher: rank 0 prints
 /// it. The other ranks wait for two seconds first, because a launcher ends all processes as soon as one has
 /// failed. Then the first rank of each other computer prints the text too: an error may occur on some

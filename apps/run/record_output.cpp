@@ -6,19 +6,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
-#include <sstream>
 #include <string>
 
 namespace troupe::apps {
 namespace {
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> words;
-  std::istringstream stream(text + separator);
-  for (std::string word; std::getline(stream, word, separator);) words.push_back(word);
-  return words;
-}
 
 class RecordOutput : public ClonedOutput<RecordOutput> {
  public:
@@ -32,9 +23,8 @@ class RecordOutput : public ClonedOutput<RecordOutput> {
     add_value(app, "--record-fields", "A,B,...",
               "Recorded fields: pose, velocity, ranges, ... (docs/recordings.md), or all (default: pose)",
               [&options](const std::string& text) {
-                options.recording.fields = split(text, ',');
-                if (std::ranges::count(options.recording.fields, "") > 0)
-                  refuse("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
+                options.recording.fields =
+                    names_in("--record-fields", text, "a list of names, as in --record-fields pose,ranges");
               });
   }
   std::vector<std::filesystem::path*> names(RunOptions& options) override { return {&options.record}; }

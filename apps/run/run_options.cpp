@@ -22,7 +22,8 @@ namespace {
 constexpr const char* k_run_footer = R"(
 End: --for S is a simulated time in seconds, counted from tick 0. It overrides the quit_time of the world;
 one of the two must be given. The run ends with the first tick whose time is S or later. To allow for rounding, the
-time may be earlier by one billionth of a tick or of S: --for 0.7 ends at tick 7 of 0.1 s, and --for 1e-10 at tick 0.
+time may be earlier by one billionth of a tick or of S, but not by more than half a tick: --for 0.7 ends at tick 7 of
+0.1 s, and --for 1e-10 at tick 0.
 
 --session repeats a session of troupe view: the actions of its users (moving, removing or steering robots) are applied
 at the same ticks as in the session. Without --for the run ends at the tick at which the session ended. The program

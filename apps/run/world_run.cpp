@@ -174,12 +174,8 @@ WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulatio
   report_.tick_s = simulation_.tick_s();
   report_.end_s = end_of_run(options_, simulation_, session_.get());
   report_.rate = rate_of(options_, simulation_);
+  check_end(options_, simulation_, report_.end_s);
   ticks_ = engine::ticks_until(report_.end_s, report_.tick_s);
-  if (ticks_ < report_.first_tick)
-    throw InputError(
-        fmt::format("{}: error: the checkpoint was saved at {:.10g} s, after the end of the run at {:.10g} "
-                    "s: give a later --for",
-                    options_.world.string(), simulation_.time_s(), report_.end_s));
   report_.threads = simulation_.threads();
   report_.checkpoint = options_.checkpoint.string();
 }

@@ -11,6 +11,7 @@
 #include "apps/sweep/parallel_runs.hpp"
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
+#include "worldio/files.hpp"
 #include "worldio/json/study.hpp"
 #include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -160,7 +161,11 @@ Study checked_study(const SweepOptions& options, Diagnostics& diagnostics) {
 void check_replaced_tables(const fs::path& folder, bool has_series) {
   constexpr std::string_view k_name = "a table of results (troupe sweep)";
   constexpr std::string_view k_choose = "folder with -o";
-  check_replaced(csv_file(folder), {.name = k_name, .mark = k_results_mark, .choose = k_choose});
+  const ReplacedType results{.name = k_name, .mark = k_results_mark, .choose = k_choose};
+  check_replaced(csv_file(folder), results);
+  if (const std::optional<std::string> text = worldio::read_file(csv_file(folder));
+      text && text->size() >= k_results_mark.size() && !is_start_of_results(*text))
+    refuse_other_type(csv_file(folder), results);
   if (has_series)
     check_replaced(folder / "series.csv", {.name = k_name, .mark = k_series_mark, .choose = k_choose});
   const fs::path file = hdf5_file(folder);

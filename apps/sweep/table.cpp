@@ -159,7 +159,12 @@ void write_csv(const SweepTable& table, const fs::path& file) {
 }
 
 bool is_start_of_results(std::string_view start) {
-  const std::string_view columns = start.substr(0, start.find('\n'));
+  bool is_quoted = false;  // names of columns in quotes may have line breaks
+  const auto is_end = [&](char c) {
+    if (c == '"') is_quoted = !is_quoted;
+    return c == '\n' && !is_quoted;
+  };
+  const std::string_view columns(start.begin(), std::ranges::find_if(start, is_end));
   return columns.starts_with(k_results_mark) && columns.find(",seed,ticks,time_s,") != columns.npos;
 }
 

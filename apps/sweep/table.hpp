@@ -38,7 +38,7 @@ void write_csv(const SweepTable& table, const std::filesystem::path& file);
 /// The text with which a table of write_csv() begins.
 inline constexpr std::string_view k_results_mark = "run,";
 /// Whether a file that begins with the text `start` is a table of write_csv(). The text must contain the
-/// first line of the file.
+/// line of column names.
 bool is_start_of_results(std::string_view start);
 /// The text with which a table of write_series() begins.
 inline constexpr std::string_view k_series_mark = "run,time_s";

@@ -6,7 +6,7 @@ namespace troupe::engine {
 std::uint64_t ticks_until(double end_s, double tick_s) {
   const double quotient = end_s / tick_s;
   if (quotient >= static_cast<double>(k_most_ticks)) return k_most_ticks;
-  const double ticks = quotient - 1e-9 * std::max(1.0, quotient);
+  const double ticks = quotient - std::min(1e-9 * std::max(1.0, quotient), 0.5);
   if (!(ticks > 0)) return 0;
   const auto whole = static_cast<std::uint64_t>(ticks);
   return static_cast<double>(whole) < ticks ? whole + 1 : whole;

@@ -24,8 +24,9 @@ std::uint64_t period_ticks(double period_s, double tick_s);
 /// steps of the length `tick_s`, s, counted from 1: tick n ends at n * tick_s. `tick_s` must be above 0.
 ///
 /// A tick that ends slightly before `end_s` counts as well. The tolerance is 1e-9 times the larger of
-/// `tick_s` and `end_s`. So 0.07 s is 7 ticks of 0.01 s, although 0.07 / 0.01 is slightly above 7 in floating
-/// point. The result is 0 if `end_s` is NaN or at most the tolerance, and never more than k_most_ticks.
+/// `tick_s` and `end_s`, but at most half a tick. So 0.07 s is 7 ticks of 0.01 s, although 0.07 / 0.01 is
+/// slightly above 7 in floating point. The result is 0 if `end_s` is NaN or at most the tolerance, and never
+/// more than k_most_ticks.
 std::uint64_t ticks_until(double end_s, double tick_s);
 
 }  // namespace troupe::engine

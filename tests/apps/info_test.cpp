@@ -206,6 +206,8 @@ TEST_F(Info, OfAStudyAndItsTables) {
   EXPECT_THAT(info("table"),
               ElementsAre("table", "kind table of the results of a sweep", columns,
                           "runs 2, of which 1 failed: see the column \"error\"", "complete yes"));
+  write("table", "run,time_step,seed,ticks,time_s,stalls,stopped_by,state_hash,error\n0,0.5,4,10,1,0,,aa,\n");
+  EXPECT_THAT(info("table"), Contains("kind table of the results of a sweep"));
   write("table", columns.substr(8) + "\n0,0.5,4,10,1,0,,aa,\n1,0.5");
   EXPECT_THAT(info("table"), AllOf(Contains("runs 1"), Contains("complete no: cut off in line 3")));
   write("series", "run,time_s,stalls\n0,0,0\n0,1,0\n2,0,0\n");

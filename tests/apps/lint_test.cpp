@@ -604,6 +604,30 @@ TEST_F(LintTest, ReportsPowerPacksThatCanHoldNoEnergy) {
   expect_nothing("stage.json", world(R"(, "when_empty": "nothing")"));
 }
 
+TEST_F(LintTest, ReportsAConditionWithOtherParametersThanTheListedMeasure) {
+  const auto world = [](const std::string& measure, const std::string& condition) {
+    return R"({ "troupe": 1, "bounds_m": [[-5, -5], [5, 5]],
+  "types": {"dog": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}}},
+  "models": [{"name": "rex", "type": "dog"}],
+  "measures": ["stalls", )" +
+           measure + R"(],
+  "stop_when": ["stalls > 9", )" +
+           condition + "] }";
+  };
+  const std::string fine = R"({"kind": "coverage", "cell_m": 0.5})";
+  EXPECT_THAT(findings("w.json", world(fine, R"("coverage >= 0.9")")),
+              ElementsAre("w.json:5: warning: the condition on \"coverage\" has the default parameters, not "
+                          "those of /measures/1: to give it the same parameters, give that entry a \"name\" "
+                          "of its own, and use the name in the condition",
+                          "w.json: 1 finding"));
+  expect_nothing("usual.json", world(R"("coverage")", R"("coverage >= 0.9")"));
+  expect_nothing("of.json", world(fine, R"("coverage:rex >= 0.9")"));
+  expect_nothing("own.json",
+                 world(fine, R"({"measure": {"kind": "coverage", "cell_m": 2}, "is": ">= 0.9"})"));
+  expect_nothing("named.json",
+                 world(R"({"kind": "coverage", "cell_m": 0.5, "name": "fine"})", R"("fine >= 0.9")"));
+}
+
 TEST_F(LintTest, ReportsInterventionsAndFaultsThatSelectNoBody) {
   const auto world = [](const std::string& keys) {
     return R"({ "troupe": 1, "tick_s": 0.1,
@@ -632,6 +656,17 @@ TEST_F(LintTest, ReportsInterventionsAndFaultsThatSelectNoBody) {
   EXPECT_THAT(findings("never.json", disable("0.012")),
               Contains(HasSubstr("this entry of \"at\" has no effect: its \"share\" of 0.012 selects none of "
                                  "40 bodies: the least share that selects a body is 0.0125")));
+}
+
+TEST_F(LintTest, ChecksTheWorldWithTheValuesThatAreSet) {
+  write("eye.json", json_world(R"({"kind": "ranger", "transducers": [{"range_max_m": 5}]})"));
+  const std::string range = "/types/bot/sensors/0/transducers/0/range_max_m";
+  const Outcome outcome = troupe({"lint", "eye.json", "--set", range + "=0.005"});
+  EXPECT_EQ(outcome.code, 1) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("sees nothing: its beams of at most 0.005 m end inside its own body"));
+  const Outcome wrong = troupe({"lint", "eye.json", "--set", range + "=far"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, StartsWith("--set " + range + ": error: "));
 }
 
 TEST_F(LintTest, HelpTellsWhatIsReportedAndTheExitCodes) {

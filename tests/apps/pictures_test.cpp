@@ -284,6 +284,9 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
       {{"--snapshot", "p.png", "--snapshot-at", "0.2,0.3"},
        "troupe run: error: --snapshot-at: several pictures need different names: write {time} in the name, "
        "as in --snapshot p-{time}.png; see"},
+      {{"--snapshot", "p-{time}.png"},
+       "troupe run: error: --snapshot: {time} in the name of a picture is the time that --snapshot-at gives: "
+       "give --snapshot-at, or another name; see"},
       {{"--film", "none/%06d.png"}, "none/%06d.png: error: cannot be written: there is no folder none"},
       {{"--snapshot", "none/p.png"}, "none/p.png: error: cannot be written: there is no folder none"},
       {{"--snapshot", "none/p.svg"}, "none/p.svg: error: cannot be written: there is no folder none"},

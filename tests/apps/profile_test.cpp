@@ -170,6 +170,17 @@ TEST_F(Profiles, ShowTheTicksThatWereAskedFor) {
   EXPECT_THAT(trace({"--for", "0.1", "--profile-ticks", "7:7"}).ticks, IsEmpty());
 }
 
+TEST_F(Profiles, WithoutTheTicksThatWereAskedForAreReported) {
+  write("room.world", k_room);
+  const auto warning = [&](const std::string& ticks) {
+    return troupe({"run", "room.world", "--for", "0.5", "--profile", "trace.json", "--profile-ticks", ticks})
+        .err;
+  };
+  EXPECT_THAT(warning("7:9"), HasSubstr("trace.json: warning: the profile has no tick: --profile-ticks "
+                                        "selects the ticks 7 to 9, but the run had the ticks 1 to 5\n"));
+  EXPECT_THAT(warning("5:9"), IsEmpty());
+}
+
 TEST_F(Profiles, ChangeNoResult) {
   trace({"--for", "0.5", "--hash-log", "with.log"});
   EXPECT_EQ(troupe({"run", k_hospital, "--robots", "300", "--for", "0.5", "--hash-log", "without.log"}).code,

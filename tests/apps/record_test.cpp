@@ -215,7 +215,7 @@ TEST_F(Record, WrongInputIsRefusedBeforeAnythingIsWritten) {
   EXPECT_THAT(with({"run.h5", "--record-fields", "speed", "--hash-log", "run.log"}),
               HasSubstr("unknown field"));
   EXPECT_THAT(error_of({"run", "room.world", "--for", "1", "--record-every", "1"}),
-              HasSubstr("need a recording, but the world file has no \"record\": give --record FILE.h5"));
+              HasSubstr("need a recording, but the world has no \"record\": give --record FILE.h5"));
   EXPECT_THAT(with({"none/run.h5"}),
               HasSubstr("none/run.h5: error: cannot be written: there is no folder none"));
   EXPECT_THAT(with({"room.world"}), HasSubstr("room.world: error: cannot be written: it is the world, which "

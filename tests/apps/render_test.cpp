@@ -97,6 +97,8 @@ TEST_F(Render, ACheckpointIsDrawnAsItWasSaved) {
   EXPECT_EQ(film.code, 2);
   EXPECT_EQ(film.err,
             "c.h5: error: --for 0.5: the checkpoint was saved at 1 s; give this time or a later one\n");
+  EXPECT_EQ(troupe({"render", "c.h5", "--film", "f%06d.png"}).err,
+            "c.h5: error: no end time: give --for SECONDS\n");
   EXPECT_FALSE(std::filesystem::exists(path("f000000.png")));
 }
 
@@ -191,6 +193,21 @@ TEST_F(Render, ColoursThatAreShownAreThoseOfTheRun) {
   EXPECT_EQ(pixels("p.png"), of_world);
   ASSERT_EQ(draw({"g.h5", "--at", "0", "--layers=-stalls"}).code, 0);
   EXPECT_EQ(pixels("p.png"), at_first);
+}
+
+// 4701 ticks of 3599.9 s end at 16923129.900000002 s in floating point.
+TEST_F(Render, AFrameOfARecordingIsFoundByItsTimeHoweverLate) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  write("slow.json", R"({"troupe": 1, "tick_s": 3599.9, "bounds_m": [[-5, -5], [5, 5]],
+    "types": {"bot": {"size_m": [0.3, 0.3, 0.3], "drive": {"kind": "diff"}}},
+    "models": [{"name": "r", "type": "bot"}]})");
+  const std::string end = "16923129.9";
+  ASSERT_EQ(
+      troupe({"run", "slow.json", "--for", end, "--quiet", "--record", "r.h5", "--record-every", end}).code,
+      0);
+  const Outcome outcome = draw({"r.h5", "--at", end});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(read("p.png"), HasSubstr(std::string("time_s\0", 7) + "16923129.900000002"));
 }
 
 TEST_F(Render, ARecordingCanBeFilmed) {
@@ -367,6 +384,9 @@ TEST_F(Render, BadInputIsOneLine) {
       {{"render", "room.world", "-o", "q.png", "--at", "1,2"},
        "troupe render: error: --at: several pictures need different names: write {time} in the name, as in "
        "--output q-{time}.png; see"},
+      {{"render", "room.world", "-o", "q-{time}.png"},
+       "troupe render: error: --output: {time} in the name of a picture is the time that --at gives: give "
+       "--at, or another name; see"},
       {{"render", "nothing.world", "-o", "q.png"}, "nothing.world: error: "},
       {{"render", "room.world", "-o", "q.png", "--at", "1", "--for", "2"}, "--at excludes --for"},
       {{"render", "room.world", "-o", "q.png", "--for", "-2"}, "\"-2\" is not a time in seconds"},

@@ -302,6 +302,8 @@ TEST_F(Resume, BadInputIsOneMessageAndWritesNothing) {
       {{"resume"}, "troupe resume: error: CHECKPOINT is required"},
       {{"resume", "no.h5", "--for", "2"}, "no.h5: error: there is no such file"},
       {{"resume", "room.world", "--for", "2"}, "room.world: error: this is not a checkpoint"},
+      {{"resume", "c.h5", "--for", "9", "--record-every", "1"},
+       "troupe resume: error: --record-every and --record-fields need a recording"},
       {{"resume", "c.h5"}, "c.h5: error: no end time: give --for SECONDS, or --set /quit_time_s=SECONDS"},
       {{"resume", "c.h5", "--for", "0.5"},
        "c.h5: error: the checkpoint was saved at 1 s, after the end of the run at 0.5 s"},

@@ -250,6 +250,7 @@ TEST_F(Sweep, ReplacesOnlyItsOwnTables) {
     std::filesystem::remove(path(name));
   };
   refused("out/table.csv", "robots,coverage\n2,0.5\n");
+  refused("out/table.csv", "run,coverage\n2,0.5\n");
   refused("out/series.csv", "time,coverage\n0,0.5\n");
   if (worldio::has_hdf5()) {
     refused("out/table.h5", "my data, in another format\n");
@@ -263,6 +264,17 @@ TEST_F(Sweep, ReplacesOnlyItsOwnTables) {
   }
   ASSERT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
   EXPECT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);  // replaces the tables
+}
+
+TEST_F(Sweep, ReplacesATableWithALineBreakInTheNameOfAColumn) {
+  std::string study(k_study);
+  study.replace(study.find("\"robots\""), 8, R"("number\nof robots")");
+  write("study.json", study);
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  EXPECT_THAT(table("out"), StartsWith("run,\"number\nof robots\",seed,ticks,time_s,"));
+  const Outcome again = troupe({"sweep", "study.json", "-o", "out"});
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_THAT(troupe({"info", "out/table.csv"}).out, HasSubstr("table of the results of a sweep"));
 }
 
 // Run 0 does not read the file that has changed.
@@ -579,9 +591,11 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
   study.replace(study.find("\"for_s\": 1,"), 11, "");
   write("study.json", study);
   refused({"sweep", "study.json", "-o", "out"}, "error: no end time: give \"for_s\" in the study");
-  write("study.json", "{\"troupe_study\": 1,\n\"world\": \"wurld.json\", \"for_s\": 1}");
-  refused({"sweep", "study.json", "-o", "out"},
-          "study.json:2: error: /world: wurld.json: there is no such file\n");
+  write("study.json",
+        "{\"troupe_study\": 1,\n\"world\": \"wurld.json\", \"for_s\": 1, \"measures\": [\"in_nest\"]}");
+  const std::string missing = "study.json:2: error: /world: wurld.json: there is no such file\n";
+  refused({"sweep", "study.json", "-o", "out"}, missing);
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).err, missing);
 }
 
 }  // namespace

@@ -225,6 +225,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{room({"--snapshot", "p.png", "--color-range", "2,1"}),
                    in_run("--color-range: \"2,1\" is not two numbers, the lower first, as in --color-range "
                           "0,0.5")},
+        WrongUsage{room({"--snapshot", "p.png", "--color-range", "0,1"}),
+                   in_run("--color-range requires --color-by")},
         WrongUsage{room({"--film", "crowd.avi"}),
                    in_run("--film: \"crowd.avi\" is not the name of a film, as in --film crowd.mp4 or "
                           "frames/%06d.png")},
@@ -405,9 +407,11 @@ TEST_F(Describe, AMisspeltKeyBringsASuggestion) {
 
 TEST_F(Describe, ControllersShowWhatTheyNeed) {
   const std::string chain = troupe({"describe", "chain"}).out;
-  EXPECT_THAT(chain,
-              HasSubstr("\nneeds\n  no drive\n  a radio with a payload of 2 bytes or more\n  a scanner: a "
-                        "ranger with at least"));
+  EXPECT_THAT(
+      chain,
+      HasSubstr("\nneeds\n  a drive for the role \"robot\"\n  a radio with a payload of 2 bytes or more\n"
+                "  a scanner: a ranger with at least"));
+  EXPECT_THAT(troupe({"describe", "gradient"}).out, HasSubstr("\nneeds\n  no drive\n"));
   EXPECT_THAT(chain, HasSubstr("\n  uses, if the robot has them: led\n  one call decides for one robot\n"));
   EXPECT_THAT(troupe({"describe", "expand_swarm"}).out, HasSubstr("\nneeds\n  a drive\n  a ranger that"));
   EXPECT_THAT(troupe({"describe", "source"}).out,

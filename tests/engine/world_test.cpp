@@ -163,6 +163,9 @@ TEST(World, TimesRoundUpToTicksWhateverTheirQuotientRoundsTo) {
   EXPECT_EQ(ticks_until(1e-10, 0.1), 0u);  // one billionth of a tick
   EXPECT_EQ(ticks_until(2e-10, 0.1), 1u);
   EXPECT_EQ(ticks_until(60, 0.1), 600u);
+  EXPECT_EQ(ticks_until(1e8, 0.1), 1000000000u);
+  EXPECT_EQ(ticks_until(1e12, 0.1), 10000000000000u);
+  EXPECT_EQ(ticks_until(123456789.3, 0.01), 12345678930u);
   EXPECT_EQ(ticks_until(1e300, 1e-300), 1000000000000000u);
 }
 

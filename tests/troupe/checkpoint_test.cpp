@@ -568,7 +568,7 @@ TEST_F(Checkpoint, ThatHasNoFolderIsAnError) {
     simulation.save(folder_ / "no" / "run.h5");
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("No such file or directory"));
+    EXPECT_THAT(error.what(), HasSubstr("there is no folder " + (folder_ / "no").string()));
     EXPECT_THAT(error.what(), StartsWith((folder_ / "no" / "run.h5").string() + ": error: "));
   }
 }

@@ -313,6 +313,8 @@ TEST_F(PicturesTest, NumbersThatCannotBeDrawnAreErrors) {
   refused({.center_m = {{0, k_nan}}}, "center_m is (0, nan): give two finite numbers");
   refused({.color_by = "velocity.x", .color_range = {{k_nan, 1}}},
           "color_range is (nan, 1): give two finite numbers");
+  refused({.color_range = {{0, 1}}},
+          "color_range has no effect without color_by: give color_by, or leave out color_range");
   Pictures smallest(simulation, {.width = 320, .height = 240, .across_m = k_least_across_m});
   EXPECT_EQ(smallest.draw(smallest.take(simulation)).size(), 320U * 240 * 4);
   for (const double high : {2.0, 1.5})
@@ -327,7 +329,7 @@ TEST_F(PicturesTest, ErrorsOfWritingNameThePicture) {
   for (const char* name : {"none/p.png", "none/p.svg", "none/p.pdf"}) {
     const std::filesystem::path file = folder_ / name;
     const auto expected = ::testing::ThrowsMessage<std::runtime_error>(
-        file.string() + ": error: cannot be written: No such file or directory");
+        file.string() + ": error: cannot be written: there is no folder " + (folder_ / "none").string());
     EXPECT_THAT([&] { pictures.rehearse(file); }, expected);
     EXPECT_THAT([&] { pictures.write(shot, file); }, expected);
   }

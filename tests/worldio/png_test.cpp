@@ -147,8 +147,8 @@ TEST_F(WritePng, ReplacesWhatWasThere) {
 
 TEST_F(WritePng, SaysThatTheFolderIsMissing) {
   const fs::path file = folder_ / "nowhere" / "a.png";
-  EXPECT_EQ(error_of(file, noise(2, 2)),
-            file.string() + ": error: cannot be written: No such file or directory");
+  EXPECT_EQ(error_of(file, noise(2, 2)), file.string() + ": error: cannot be written: there is no folder " +
+                                             (folder_ / "nowhere").string());
   EXPECT_THAT(names(), ::testing::IsEmpty());
 }
 

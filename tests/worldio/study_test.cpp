@@ -262,13 +262,14 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
       wrong(std::string(k_end) + R"(, "for_ms": 5)"),
       ElementsAre("study.json:2: error: /parameters/0: \"/quit_time_s\" has no effect, because \"for_s\" of "
                   "the study sets the end of each run: remove this parameter or \"for_s\""));
-  EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
+  EXPECT_THAT(wrong(R"("measures": ["fine"])"), IsEmpty());  // of a world that does not exist
   std::filesystem::create_directory(file_.parent_path() / "w");
   std::ofstream(file_.parent_path() / "w/hall.json")
       << R"({"troupe": 1, "measures": ["stalls", {"kind": "coverage", "name": "fine"}]})";
   EXPECT_EQ(study(R"("measures": ["fine", "stalls"])").measures,
             (std::vector<std::string>{"fine", "stalls"}));
   EXPECT_THAT(findings(diagnostics_), IsEmpty());
+  EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
   EXPECT_THAT(wrong(R"("measures": ["finer"])"),
               ElementsAre(HasSubstr("study.json:2: error: /measures/0: unknown measure \"finer\"")));
   {

@@ -1,5 +1,6 @@
 #include "worldio/images/png.hpp"
 
+#include "worldio/files.hpp"
 #include "worldio/whole_file.hpp"
 
 #include <fmt/format.h>
@@ -144,8 +145,8 @@ void write_rows(const std::filesystem::path& file, const Rows& image,
   try {
     write_whole(file, {encode(image, text)});
   } catch (const std::system_error& error) {
-    throw std::runtime_error(
-        fmt::format("{}: error: cannot be written: {}", file.string(), error.code().message()));
+    throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(),
+                                         write_failure(file, error.code().message())));
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", file.string(), error.what()));
   }

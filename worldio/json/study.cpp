@@ -355,10 +355,10 @@ void StudyReader::read_seeds(JsonObject& object) {
 }
 
 /// Returns the values of the key `name` in the list `measures` of a JSON world. `text` is that of the world.
-std::set<std::string> measure_names(const std::optional<std::string>& text) {
+std::set<std::string> measure_names(const std::string& text) {
   std::set<std::string> names;
   Diagnostics ignored;
-  const std::optional<JsonNode> document = text ? parse_json(*text, {}, true, ignored) : std::nullopt;
+  const std::optional<JsonNode> document = parse_json(text, {}, true, ignored);
   const JsonNode* measures = document ? document->find("measures") : nullptr;
   if (measures && measures->list())
     for (const JsonNode& entry : *measures->list())
@@ -372,13 +372,17 @@ void StudyReader::read_measures(JsonObject& object) {
   };
   not_empty("measures", "the measures of the world");
   not_empty("statistics", "the last values");
-  std::optional<std::set<std::string>> names;  // of the measures of the world, which is read only if needed
+  // The names of the measures of the world, which is read only if needed. They are not known if it cannot be
+  // read: only this is then reported, when the world is loaded.
+  std::optional<std::set<std::string>> names;
+  bool has_looked = false;
   each(object, "measures", [&](const JsonCursor& at) {
     const std::string* text = at.node().text();
     bool is_of_world = text && !registry_.find_measure(text->substr(0, text->find(':')));
     if (is_of_world && !study_.world.empty()) {
-      if (!names) names = measure_names(text_of_world());
-      is_of_world = names->contains(*text);
+      if (!std::exchange(has_looked, true))
+        if (const std::optional<std::string> world = text_of_world()) names = measure_names(*world);
+      is_of_world = !names || names->contains(*text);
     }
     if (!is_of_world && !read_measure(at, registry_)) return;
     study_.measures.push_back(at.node().text() ? *at.node().text() : option_text(at.node()));

@@ -841,7 +841,7 @@ Hdf5Id made(const fs::path& file, std::size_t user_block, hid_t access) {
   const Hdf5Id creation = creation_properties(H5P_FILE_CREATE);
   H5Pset_userblock(creation.get(), user_block);
   Hdf5Id made(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation.get(), access), H5Fclose);
-  if (!made.valid()) fail_with(file, fmt::format("cannot be written: {}", reason()));
+  if (!made.valid()) fail_with(file, fmt::format("cannot be written: {}", write_failure(file, reason())));
   return made;
 }
 

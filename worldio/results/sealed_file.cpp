@@ -90,7 +90,7 @@ void write_sealed(const fs::path& file, std::string_view kind, unsigned layout,
     out.write(rest);
     out.commit_to_disk();
   } catch (const std::system_error& error) {
-    refuse(error.code().message());
+    refuse(write_failure(file, error.code().message()));
   }
 }
 
