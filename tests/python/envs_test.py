@@ -500,6 +500,75 @@ class Vector(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, rf"must have the shape \(3, 2, 2\), found \(3, 2, {columns}\)"):
                 batch.step([np.ones((3, 2, columns), np.int64)])
 
+    def test_observed_columns_of_the_task_are_not_broadcast(self):
+        class Observing(Short):
+            def observe(self, batch, team, name):
+                return self.columns(batch)
+
+        def make(columns, robots=2):
+            task = Observing(robots)
+            task.columns = columns
+            return troupe.envs.Batch(task, 3, threads=1)
+
+        for robots, columns, found in (
+            (2, np.zeros((2, 3)), "(2, 3)"),  # without the axis of copies
+            (3, np.zeros((3, 3)), "(3, 3)"),  # without the axis of columns, in as many copies as robots
+            (2, np.zeros((3, 1, 1)), "(3, 1, 1)"),
+            (2, 1.0, "()"),
+        ):
+            with self.subTest(found), self.assertRaises(ValueError) as raised:
+                make(lambda batch, columns=columns: columns, robots)
+            self.assertEqual(
+                str(raised.exception),
+                f'Observing.observe(), team "team0": must return an array of the shape (3, {robots}, any) (copies, robots, columns '
+                f'of "observation"), found {found}',
+            )
+        batch = make(lambda batch: np.full((batch.copies, 2, 1), 0.5).tolist())
+        batch.reset()
+        self.assertTrue((batch.observations()[..., -1] == 0.5).all())
+        self.assertTrue(batch.observation_spaces[0].contains(batch.observations()[0, 0]))
+        for columns, found in ((lambda batch: np.zeros((batch.copies, 2, 2)), r"\(3, 2, 2\)"), (lambda batch: None, "None")):
+            batch.task.columns = columns
+            with self.assertRaisesRegex(ValueError, rf'of the shape \(3, 2, 1\) \(copies, robots, columns of "observation"\), found {found}$'):
+                batch.observations()
+
+        class Seeing(Looker):
+            def observe(self, batch, team, name):
+                return np.zeros((batch.copies, 3, 1))
+
+        with self.assertRaises(ValueError) as raised:
+            troupe.envs.VectorEnv(Seeing(), 3)
+        self.assertEqual(
+            str(raised.exception),
+            'Seeing.observe(), team "team0": must return None for the array "picture", which has a part with a "shape" and can '
+            "have no other columns",
+        )
+
+    def test_results_of_the_task_are_real_numbers_and_bools(self):
+        class Returning(Short):
+            commands = gains = marks = None
+
+            def act(self, batch, team, actions):
+                return actions if self.commands is None else self.commands
+
+            def reward(self, batch, team):
+                return self.gains
+
+            def terminated(self, batch, team):
+                return self.marks
+
+        for member, values, text in (
+            ("commands", np.full((1, 2, 2), 1j), 'act(), team "team0": must return real numbers, found elements of the type complex128'),
+            ("gains", np.full((1, 2), None), 'reward(), team "team0": must return real numbers, found elements of the type object'),
+            ("marks", np.zeros((1, 2)), 'terminated(), team "team0": must return bools, found elements of the type float64'),
+        ):
+            batch = troupe.envs.Batch(Returning(2), 1, threads=1)
+            batch.reset()
+            setattr(batch.task, member, values)
+            with self.assertRaises(ValueError) as raised:
+                batch.step([np.zeros((1, 2, 2))])
+            self.assertEqual(str(raised.exception), f"Returning.{text}")
+
     def test_a_step_that_an_exception_has_ended_needs_a_reset(self):
         class Failing(Short):
             error = None

@@ -17,6 +17,8 @@ from .task import Task, Team, action_space, check_task, check_team, commands_of,
 Flags = npt.NDArray[np.bool_]
 _ONLY = "observation"  # name of the array of a team whose observation is a single Box
 _OF_SPACE = ("low", "high", "shape")  # members of a part that define its observation space
+_BOOLS, _NUMBERS = "b", "biuf"  # kinds of NumPy's types
+_KINDS = {_BOOLS: "bools", _NUMBERS: "real numbers"}
 
 
 class Batch:
@@ -64,6 +66,7 @@ class Batch:
         #: Data that a task stores about the copies, such as which robots have a load. State hashes do not cover them.
         self.memory: Dict[str, Any] = {}
         self.names = [self.core.names(index) for index in range(len(self.teams))]
+        self._columns_added: Dict[Tuple[int, str], int] = {}  # by Task.observe(), for each team and observed array
         self.observation_spaces: List[spaces.Space[Any]] = [
             self._observation_space(index, simulation) for index in range(len(self.teams))
         ]
@@ -120,7 +123,7 @@ class Batch:
             if found != shape:
                 raise ValueError(f'actions of team "{team.name}": must have the shape {shape}, found {found}')
             commands = self.task.act(self, index, commands_of(team, actions[index]))
-            self._check_result("act", team, commands, target.shape, "copies, robots, commands")
+            self._check_result("act", team, commands, target.shape, "copies, robots, commands", _NUMBERS)
             target[...] = commands
         self._needs_reset[:] = True
         try:
@@ -136,25 +139,30 @@ class Batch:
                 counts &= ~begins[:, np.newaxis]
             more = self.task.reward(self, index)
             if more is not None:
-                self._check_result("reward", team, more, counts.shape, "copies, robots")
+                self._check_result("reward", team, more, counts.shape, "copies, robots", _NUMBERS)
                 gained = np.where(counts, more, 0.0)
                 self._check_finite(team, index, gained)
                 self.core.rewards(index)[...] += gained
             ends = self.task.terminated(self, index)
             if ends is not None:
-                self._check_result("terminated", team, ends, counts.shape, "copies, robots")
+                self._check_result("terminated", team, ends, counts.shape, "copies, robots", _BOOLS)
                 self.core.terminated(index)[...] |= ends & counts
         if begins is not None and begins.any():
             self.task.begin(self, begins)
         self._needs_reset[:] = False
 
-    def _check_result(self, function: str, team: Team, result: Any, shape: Tuple[int, ...], axes: str) -> None:
-        """Raises ValueError if a function of the task returned an array of another shape, which NumPy would broadcast."""
-        if np.shape(result) != shape:
+    def _check_result(self, function: str, team: Team, result: Any, shape: Sequence[Optional[int]], axes: str, kinds: str) -> None:
+        """Raises ValueError if a function of the task returned an array of another shape, which NumPy would broadcast, or
+        of another kind of elements. shape: a number per axis; None: any number."""
+        found = np.asarray(result)
+        of = f'{type(self.task).__name__}.{function}(), team "{team.name}"'
+        if found.ndim != len(shape) or any(size not in (None, own) for size, own in zip(shape, found.shape)):
+            wanted = ", ".join("any" if size is None else str(size) for size in shape)
             raise ValueError(
-                f'{type(self.task).__name__}.{function}(), team "{team.name}": must return an array of the shape {shape} '
-                f"({axes}), found {np.shape(result)}"
+                f"{of}: must return an array of the shape ({wanted}) ({axes}), found {found.shape if result is not None else None}"
             )
+        if found.dtype.kind not in kinds:
+            raise ValueError(f"{of}: must return {_KINDS[kinds]}, found elements of the type {found.dtype}")
 
     def _check_finite(self, team: Team, index: int, rewards: npt.NDArray[np.float64]) -> None:
         """Raises ValueError if a reward, copies x robots, is infinite or NaN."""
@@ -177,12 +185,27 @@ class Batch:
 
     def _observed(self, name: str, parts: List[Dict[str, Any]], team: int) -> npt.NDArray[Any]:
         own = self.core.array(name, team)
-        more = self.task.observe(self, team, name)
+        more = self._added(name, parts, team, self._columns_added[team, name])
         if more is not None:
             there = self.core.alive(team)[..., np.newaxis]
             return np.concatenate([own, np.where(there, more, 0.0).astype(np.float32)], axis=-1)
         shape = _shape_of(parts)
         return own.copy() if shape is None else own.reshape(own.shape[:2] + shape).copy()
+
+    def _added(self, name: str, parts: List[Dict[str, Any]], team: int, columns: Optional[int]) -> Any:
+        """Returns the columns that Task.observe() adds to an observed array, copies x robots x columns, or None if there
+        are none. columns: their number; None: any number. Raises ValueError if the function returns anything else."""
+        more = self.task.observe(self, team, name)
+        if more is None and not columns:
+            return None
+        if _shape_of(parts) is not None:
+            raise ValueError(
+                f'{type(self.task).__name__}.observe(), team "{self.teams[team].name}": must return None for the array "{name}", '
+                'which has a part with a "shape" and can have no other columns'
+            )
+        axes = f'copies, robots, columns of "{name}"'
+        self._check_result("observe", self.teams[team], more, (self.copies, len(self.names[team]), columns), axes, _NUMBERS)
+        return more
 
     def _observation_space(self, team: int, simulation: Simulation) -> "spaces.Space[Any]":
         observation = self.teams[team].observation
@@ -192,6 +215,8 @@ class Batch:
 
     def _box(self, name: str, parts: List[Dict[str, Any]], team: int, simulation: Simulation) -> spaces.Box:
         array = self.core.array(name, team)
+        more = self._added(name, parts, team, None)
+        columns = self._columns_added[team, name] = 0 if more is None else np.shape(more)[-1]
         shape = _shape_of(parts)
         if shape is not None:
             info: Any = np.iinfo(array.dtype) if array.dtype.kind in "iu" else np.finfo(array.dtype)
@@ -203,8 +228,6 @@ class Batch:
             low, high = _bounds(part, simulation, self.names[team])
             lows += low
             highs += high
-        more = self.task.observe(self, team, name)
-        columns = 0 if more is None else more.shape[-1]
         low, high = -_rounded_up(-np.array(lows + [-1.0] * columns)), _rounded_up(np.array(highs + [1.0] * columns))
         return spaces.Box(low, high, dtype=np.float32)
 

@@ -97,14 +97,15 @@ class Task:
     def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:
         """Returns which robots are finished in addition to those of Team.ends: bools, copies x robots, or None for no
         robots. Called once per step, after reward(). True for a robot that is not in the world has no effect. A result
-        of another shape makes the step raise ValueError."""
+        of another shape, or of another type than bool, makes the step raise ValueError."""
         return None
 
     def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
         """Returns columns to append to the observed array `name` (a key of Team.observation, or "observation" if that
         is a list), copies x robots x columns, or None for no columns. In the observation space, these columns have the
         bounds -1 and 1. In the rows of robots that are not in the world, the columns are replaced by 0. Also called
-        before the first episode, to find the number of columns."""
+        before the first episode, to find the number of columns, which must not change later. A result of another shape,
+        and any result but None for an array whose part has a "shape", raises ValueError."""
         return None
 
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
