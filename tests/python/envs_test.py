@@ -391,6 +391,45 @@ class Vector(unittest.TestCase):
                 troupe.envs.VectorEnv(task, 3)
             self.assertEqual(str(raised.exception), text)
 
+    def test_the_space_of_a_part_is_checked(self):
+        eye = {"device": "eye", "field": "color"}
+        for part, error, text in (
+            ({**eye, "shape": (4, 8, 3)}, ValueError,
+             'array "observation" of team "team0": the field "color" has 128 elements, which do not fill the shape (4, 8, 3)'),
+            ({**eye, "shape": 128}, TypeError, 'Team.observation[0]: the value 128 of the member "shape" must be a list of whole numbers from 1'),
+            ({**eye, "shape": (-4, -8, 4)}, TypeError,
+             'Team.observation[0]: the value (-4, -8, 4) of the member "shape" must be a list of whole numbers from 1'),
+            ({"of": "speed", "shape": [3]}, ValueError,
+             'Team.observation[0]: a part "speed" has no shape: only a part with the member "field" can have one'),
+            ({**lidar(), "low": [0] * 12}, TypeError, f'Team.observation[0]: the value {[0] * 12} of the member "low" must be a number'),
+            ({**lidar(), "high": None}, TypeError, 'Team.observation[0]: the value None of the member "high" must be a number'),
+            ({**lidar(), "high": float("nan")}, TypeError, 'Team.observation[0]: the value nan of the member "high" must be a number'),
+            ({**lidar(), "low": 5, "high": 1}, ValueError,
+             'Team.observation[0]: "low" is 5, "high" is 1: the lower bound must not exceed the upper one'),
+        ):
+            task = Looker()
+            task.teams = [dataclasses.replace(task.teams[0], observation=[part])]
+            with self.subTest(part), self.assertRaises(error) as raised:
+                troupe.envs.VectorEnv(task, 3)
+            self.assertEqual(str(raised.exception), text)
+        task = Looker()
+        task.teams = [dataclasses.replace(task.teams[0], observation=[{**eye, "shape": np.array([4, 32]), "high": np.int64(200)}])]
+        env = troupe.envs.VectorEnv(task, 3)
+        self.assertEqual(env.reset(seed=1)[0].shape, (3, 4, 32))
+        self.assertEqual(env.single_observation_space, gymnasium.spaces.Box(0, 200, (4, 32), np.uint8))
+
+    def test_teams_and_measures_of_a_task_are_lists(self):
+        for member, wrong, text in (
+            ("teams", Short(2).teams[0], "Short.teams: must be a list of troupe.envs.Team, found Team("),
+            ("teams", [{"robots": "r"}], "Short.teams: must be a list of troupe.envs.Team, found [{'robots': 'r'}]"),
+            ("measures", "stalls", "Short.measures: must be a list of names of measures, found 'stalls'"),
+        ):
+            for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
+                task = Short(2)
+                setattr(task, member, wrong)
+                with self.assertRaisesRegex(TypeError, "^" + re.escape(text)):
+                    make(task)
+
     def test_a_negative_scale_has_bounds_in_order(self):
         task = Short(2)
         task.teams = [dataclasses.replace(task.teams[0], observation=[lidar(-1.0)], rewards=[], ends=[], arrays={})]

@@ -219,6 +219,11 @@ class Batch:
         columns = self._columns_added[team, name] = 0 if more is None else np.shape(more)[-1]
         shape = _shape_of(parts)
         if shape is not None:
+            if np.prod(shape) != array.shape[-1]:
+                raise ValueError(
+                    f'array "{name}" of team "{self.teams[team].name}": the field "{parts[0]["field"]}" has {array.shape[-1]} '
+                    f"elements, which do not fill the shape {shape}"
+                )
             info: Any = np.iinfo(array.dtype) if array.dtype.kind in "iu" else np.finfo(array.dtype)
             low, high = parts[0].get("low", info.min), parts[0].get("high", info.max)
             return spaces.Box(low, high, shape, array.dtype.type)
@@ -244,7 +249,7 @@ def one_copy(task: Task, **options: Any) -> Batch:
 
 
 def _shape_of(parts: List[Dict[str, Any]]) -> Any:
-    return tuple(parts[0]["shape"]) if len(parts) == 1 and "shape" in parts[0] else None
+    return tuple(map(int, parts[0]["shape"])) if len(parts) == 1 and "shape" in parts[0] else None
 
 
 def _team_spec(team: Team, robot: str) -> Dict[str, Any]:
