@@ -140,6 +140,27 @@ class Checkers(unittest.TestCase):
                 self.assertGreater(len(np.unique(picture.reshape(-1, 3), axis=0)), 2)
                 env.close()
 
+    def test_films_of_all_environments_run_in_real_time(self):
+        class Slow(Short):
+            ticks = 4  # of 0.1 s
+
+        for task, rate in ((Short(2), 10), (Slow(2), 2.5), (Walkers(), 5)):
+            made = [troupe.envs.ParallelEnv(task)]
+            if len(task.teams) == 1:
+                made += [troupe.envs.Env(task), troupe.envs.VectorEnv(task, 2)]
+            for env in made:
+                self.assertAlmostEqual(env.metadata["render_fps"], rate)
+
+    def test_the_size_of_pictures_is_checked_at_once(self):
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task, **options: troupe.envs.VectorEnv(task, 4, **options)):
+            for size in (64, (64,), (64, 64, 3), (0, 64), (64, -1), (64.5, 64), "ab", None):
+                with self.subTest(size), self.assertRaises(ValueError) as raised:
+                    make(Short(2), render_mode="rgb_array", render_size=size)
+                self.assertEqual(
+                    str(raised.exception), f"render_size={size!r}: give the width and the height of pictures, whole numbers of pixels from 1"
+                )
+            self.assertEqual(make(Short(2), render_size=np.array([64, 48])).renderer.size, (64, 48))
+
     def test_missing_libraries_for_pictures_are_reported_at_once(self):
         """Pictures need OSMesa, which a wheel does not contain. The error comes with the environment, not with a picture."""
 
@@ -737,6 +758,10 @@ class Vector(unittest.TestCase):
                     self.assertEqual(text, f"seed: found {seed}: give a whole number from 0 to {2**64 - 1}")
                 else:
                     self.assertEqual(text, "seed: found 1.5: give a whole number, or a list with one seed per copy")
+        for wrong in (4.0, "4", None, True):
+            with self.assertRaisesRegex(TypeError, re.escape(f"num_envs={wrong!r}: give a whole number")):
+                troupe.envs.VectorEnv(Short(2), wrong)
+        self.assertIs(type(troupe.envs.VectorEnv(Short(2), np.int64(4)).num_envs), int)
         env = troupe.envs.VectorEnv(Short(2), 4)
         env.reset(seed=1)
         with self.assertRaisesRegex(ValueError, r"actions: must have the shape \(4, 2\), found \(2, 2\)"):

@@ -63,6 +63,7 @@ class Batch:
         }
         self.core = BatchEnv(simulation, spec)
         self.copies = copies
+        self.step_s = task.ticks * simulation.tick_s  #: simulated time of a step, s
         #: Data that a task stores about the copies, such as which robots have a load. State hashes do not cover them.
         self.memory: Dict[str, Any] = {}
         self.names = [self.core.names(index) for index in range(len(self.teams))]

@@ -10,7 +10,7 @@ from gymnasium import spaces
 from pettingzoo import ParallelEnv as _ParallelEnv
 
 from .batch import one_copy
-from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer
+from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer, render_metadata
 from .single import checked, first_of
 from .task import Task, require_task
 
@@ -34,7 +34,8 @@ class ParallelEnv(OneCopy, _ParallelEnv):
                  close()
     """
 
-    metadata = {"name": "troupe_v0", "render_modes": RENDER_MODES, "render_fps": 10, "is_parallelizable": True}
+    # render_fps of an object: that of its world
+    metadata = {"name": "troupe_v0", "render_modes": RENDER_MODES, "render_fps": 10.0, "is_parallelizable": True}
 
     def __init__(
         self,
@@ -49,6 +50,7 @@ class ParallelEnv(OneCopy, _ParallelEnv):
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
         self._batch = one_copy(task, **options)
+        self.metadata = {**self.metadata, **render_metadata(self._batch)}
         self._places: Dict[str, Tuple[int, int]] = {}  # team and row of each agent
         for team, names in enumerate(self._batch.names):
             for row, name in enumerate(names):

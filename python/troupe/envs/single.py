@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from .._core import _seed_of
 from .batch import one_copy
-from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer
+from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer, render_metadata
 from .task import Task, require_task
 
 
@@ -47,7 +47,7 @@ class Env(OneCopy, gymnasium.Env[Any, Any]):
                  the name `robot`; RuntimeError after close()
     """
 
-    metadata = {"render_modes": RENDER_MODES, "render_fps": 10}
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 10.0}  # render_fps of an object: that of its world
 
     def __init__(
         self,
@@ -65,6 +65,7 @@ class Env(OneCopy, gymnasium.Env[Any, Any]):
         if not robot:
             robot = one_copy(task, **options).names[0][0]
         self._batch = one_copy(task, robot=robot, **options)
+        self.metadata = {**self.metadata, **render_metadata(self._batch)}
         self.robot = robot
         self.observation_space = self._batch.observation_spaces[0]
         self.action_space = self._batch.action_spaces[0]

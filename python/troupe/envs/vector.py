@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -12,7 +13,7 @@ from gymnasium.vector.utils import batch_space
 
 from .._core import _seed_of
 from .batch import Batch, Flags
-from .render import RENDER_MODES, RENDER_SIZE, Copies, Renderer
+from .render import RENDER_SIZE, Copies, Renderer, render_metadata
 from .single import checked
 from .task import Task, require_task
 
@@ -40,7 +41,7 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
                     with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
                     the same seed. The seeds of later episodes of the copy are derived from this seed
-    errors          TypeError if `task` is not a Task; ValueError if the task does not have exactly one team, or if
+    errors          TypeError if `task` is not a Task or num_envs is not a whole number; ValueError if the task does not have exactly one team, or if
                     num_envs is not a positive multiple of the number of robots that learn in each copy; RuntimeError
                     after close(), and from step() with AutoresetMode.DISABLED if the episode of a copy has ended
     """
@@ -63,6 +64,9 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
                 f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
                 "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
             )
+        if isinstance(num_envs, bool) or not isinstance(num_envs, numbers.Integral):
+            raise TypeError(f"num_envs={num_envs!r}: give a whole number")
+        num_envs = int(num_envs)
         if num_envs < 1:
             raise ValueError(f"num_envs={num_envs}: give 1 or more")
         robots = 1
@@ -78,11 +82,7 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {
-            "render_modes": RENDER_MODES,
-            "render_fps": 10,
-            "autoreset_mode": self.autoreset_mode,
-        }
+        self.metadata = {**render_metadata(self._batch), "autoreset_mode": self.autoreset_mode}
         self.single_observation_space = self._batch.observation_spaces[0]
         self.single_action_space = self._batch.action_spaces[0]
         self.observation_space = batch_space(self.single_observation_space, num_envs)
