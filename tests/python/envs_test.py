@@ -3,8 +3,11 @@ checkers of these packages, and by comparing their vector environment with that 
 
 import ast
 import contextlib
+import copy
 import dataclasses
+import gc
 import io
+import pickle
 import re
 import sys
 import tempfile
@@ -276,6 +279,29 @@ class Checkers(unittest.TestCase):
             for call in (env.render, env.reset):
                 with self.assertRaisesRegex(RuntimeError, "this environment was closed: create another one"):
                     call()
+
+    def test_environments_can_be_copied_and_pickled(self):
+        for make in (
+            lambda: troupe.envs.Env(Short(3), robot="r1", seed=5),
+            lambda: troupe.envs.ParallelEnv(Short(3), seed=5),
+            lambda: troupe.envs.VectorEnv(Short(3), 6, autoreset_mode="SameStep", threads=1, seed=5),
+        ):
+            env = make()
+            actions = {} if isinstance(env, troupe.envs.ParallelEnv) else np.full(env.action_space.shape, 0.5)
+            first = env.reset()
+            env.step(actions)
+            for copied in (pickle.loads(pickle.dumps(env)), copy.deepcopy(env)):
+                self.assertIs(type(copied), type(env))
+                gc.collect()  # objects that only made the copy must not close it
+                with self.assertRaisesRegex(RuntimeError, r"call reset\(\) before the first step"):
+                    copied.step(actions)
+                self.assertTrue(data_equivalence(copied.reset(), first, exact=True))
+                self.assertEqual(copied.metadata, env.metadata)
+                copied.close()
+            again = make()
+            again.reset()
+            again.step(actions)
+            self.assertTrue(data_equivalence(env.step(actions), again.step(actions), exact=True), "the copied environment goes on")
 
     def test_the_task_is_an_object(self):
         for task in ("Navigation", troupe.envs.Navigation):
@@ -711,9 +737,9 @@ class Vector(unittest.TestCase):
                 again, _ = per_env.reset(seed=[each for each in listed for _ in range(2)])
                 self.assertTrue(np.array_equal(first, again))
                 self.assertEqual(np.array_equal(first[:2], first[4:]), listed[0] == listed[2])
-                for copy, each in enumerate(listed):
+                for index, each in enumerate(listed):
                     if each is not None:
-                        self.assertEqual(of_all.batch.core.seeds[copy], each)
+                        self.assertEqual(of_all.batch.core.seeds[index], each)
         env = troupe.envs.VectorEnv(Short(2), 6)
         for wrong, text in (
             ([1, 2], "seed: found a list of 2 seeds: give 3, one per copy, or 6, one per environment"),

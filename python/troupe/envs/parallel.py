@@ -7,6 +7,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 from gymnasium import spaces
+from gymnasium.utils import EzPickle
 from pettingzoo import ParallelEnv as _ParallelEnv
 
 from .batch import one_copy
@@ -17,7 +18,7 @@ from .task import Task, require_task
 _PerAgent = Dict[str, Any]
 
 
-class ParallelEnv(OneCopy, _ParallelEnv):
+class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
     """An environment in which each robot of each team of a task is an agent. The name of an agent is the name of its
     robot. Agents of different teams may have different observation and action spaces.
 
@@ -30,6 +31,8 @@ class ParallelEnv(OneCopy, _ParallelEnv):
                  episode becomes an agent at that time
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
+    pickle       a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
+                 needs a reset()
     errors       TypeError if `task` is not a Task; ValueError if two robots have the same name; RuntimeError after
                  close()
     """
@@ -45,6 +48,7 @@ class ParallelEnv(OneCopy, _ParallelEnv):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
+        EzPickle.__init__(self, task, render_mode=render_mode, render_size=render_size, **options)
         require_task(task)
         self.task = task
         self.render_mode = render_mode

@@ -7,6 +7,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
+from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector import VectorEnv as _VectorEnv
 from gymnasium.vector.utils import batch_space
@@ -18,7 +19,7 @@ from .single import checked
 from .task import Task, require_task
 
 
-class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
+class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
     """Many copies of the world of a task. Each robot of each copy is one environment: num_envs is copies * robots, and
     environment c * robots + i is robot i of copy c.
 
@@ -35,15 +36,18 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
                     learn in each copy, step() returns infos["finished"] and infos["alive"], one bool per environment.
                     From the step in which a robot is finished to the end of the episode, infos["finished"] is True for
                     the robot. Its rewards in the steps after that step are 0. With AutoresetMode.SAME_STEP, the step
-                    that ends an episode returns these two infos of the ended episode in infos["final_info"]. If a robot has not been born yet,
-                    infos["alive"] is False for the robot, its observation and its rewards are 0, and its episode ends
-                    with that of its copy
+                    that ends an episode returns these two infos of the ended episode in infos["final_info"]. If a robot
+                    has not been born yet, infos["alive"] is False for the robot, its observation and its rewards are 0,
+                    and its episode ends with that of its copy
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
                     with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
                     the same seed. The seeds of later episodes of the copy are derived from this seed
-    errors          TypeError if `task` is not a Task or num_envs is not a whole number; ValueError if the task does not have exactly one team, or if
-                    num_envs is not a positive multiple of the number of robots that learn in each copy; RuntimeError
-                    after close(), and from step() with AutoresetMode.DISABLED if the episode of a copy has ended
+    pickle          a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
+                    needs a reset()
+    errors          TypeError if `task` is not a Task or num_envs is not a whole number; ValueError if the task does not
+                    have exactly one team, or if num_envs is not a positive multiple of the number of robots that learn in
+                    each copy; RuntimeError after close(), and from step() with AutoresetMode.DISABLED if the episode of a
+                    copy has ended
     """
 
     def __init__(
@@ -58,6 +62,9 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
+        EzPickle.__init__(
+            self, task, num_envs, robot=robot, autoreset_mode=autoreset_mode, threads=threads, render_mode=render_mode,
+            render_size=render_size, **options)
         require_task(task)
         if task.teams and len(task.teams) != 1:
             raise ValueError(
