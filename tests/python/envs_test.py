@@ -248,6 +248,16 @@ class Checkers(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "is a model of another simulation"):
             world.swarm(troupe.Simulation(task.world, threads=1).find("near"))
 
+    def test_a_step_does_not_search_the_list_of_agents_for_each_agent(self):
+        class Unsearched(list):
+            def __contains__(self, agent):
+                raise AssertionError(f"the list of agents is searched for {agent}")
+
+        env = troupe.envs.ParallelEnv(Short(3))
+        env.reset(seed=1)
+        env.agents = Unsearched(env.agents)
+        self.assertEqual([*env.step({"r1": np.zeros(2)})[0]], ["r0", "r1", "r2"])
+
     def test_one_copy_uses_one_thread(self):
         for make in (troupe.envs.Env, troupe.envs.ParallelEnv):
             with self.assertRaisesRegex(TypeError, "uses one thread: omit threads, or use VectorEnv"):

@@ -106,7 +106,8 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
             team, row = self._places[agent]
             tables[team][0, row] = checked(action, batch.action_spaces[team], f"action of {agent}")
         batch.step(tables)
-        told = [agent for agent in self.possible_agents if agent in self.agents or self._is_born(agent)]
+        before = set(self.agents)
+        told = [agent for agent in self.possible_agents if agent in before or self._is_born(agent)]
         truncated = bool(batch.core.truncated[0])
         rewards, terminations = {}, {}
         for agent in told:
