@@ -794,8 +794,8 @@ class Vector(unittest.TestCase):
                     self.assertEqual(text, f"seed: found {seed}: give a whole number from 0 to {2**64 - 1}")
                 else:
                     self.assertEqual(text, "seed: found 1.5: give a whole number, or a list with one seed per copy")
-        for wrong in (4.0, "4", None, True):
-            with self.assertRaisesRegex(TypeError, re.escape(f"num_envs={wrong!r}: give a whole number")):
+        for wrong in (4.0, "4", None, True, 0):
+            with self.assertRaisesRegex(ValueError, re.escape(f"num_envs={wrong!r}: give a whole number above 0")):
                 troupe.envs.VectorEnv(Short(2), wrong)
         self.assertIs(type(troupe.envs.VectorEnv(Short(2), np.int64(4)).num_envs), int)
         env = troupe.envs.VectorEnv(Short(2), 4)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numbers
 import sys
 import tempfile
 from typing import Any, Dict, Optional, Tuple
@@ -12,6 +11,7 @@ import numpy.typing as npt
 
 from .._core import BatchView, Simulation
 from .batch import Batch
+from .task import is_whole
 
 RENDER_MODES = ["human", "rgb_array"]
 RENDER_SIZE = (480, 480)
@@ -35,7 +35,7 @@ def _check_pictures() -> None:
 def _checked_size(size: Any) -> Tuple[int, int]:
     """Returns the argument `render_size`, width and height, as whole numbers. Raises ValueError for any other value."""
     sides = list(size) if isinstance(size, (list, tuple, np.ndarray)) else []
-    if len(sides) != 2 or not all(isinstance(side, numbers.Integral) and side > 0 for side in sides):
+    if len(sides) != 2 or not all(map(is_whole, sides)):
         raise ValueError(f"render_size={size!r}: give the width and the height of pictures, whole numbers of pixels from 1")
     return int(sides[0]), int(sides[1])
 

@@ -117,6 +117,11 @@ class Task:
 _LISTS = (list, tuple, np.ndarray)
 
 
+def is_whole(value: Any) -> bool:
+    """Whether a value is a whole number of Python or NumPy above 0."""
+    return isinstance(value, numbers.Integral) and not isinstance(value, bool) and int(value) > 0
+
+
 def require_task(task: Any) -> None:
     """Raises TypeError if the argument `task` of an environment is not a Task, or if its teams are not a list of Teams."""
     if not isinstance(task, Task):
@@ -194,7 +199,7 @@ def _check_space_of(what: str, part: Part) -> None:
     if "shape" not in part:
         return
     shape = part["shape"]
-    if not isinstance(shape, _LISTS) or not all(isinstance(size, numbers.Integral) and size > 0 for size in shape):
+    if not isinstance(shape, _LISTS) or not all(map(is_whole, shape)):
         raise TypeError(f'{what}: the value {shape!r} of the member "shape" must be a list of whole numbers from 1')
     if part.get("of", "reading") != "reading":
         raise ValueError(f'{what}: a part "{part["of"]}" has no shape: only a part with the member "field" can have one')

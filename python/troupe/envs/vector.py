@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numbers
 from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -16,7 +15,7 @@ from .._core import _seed_of
 from .batch import Batch, Flags
 from .render import RENDER_SIZE, Copies, Renderer, render_metadata
 from .single import checked
-from .task import Task, require_task
+from .task import Task, is_whole, require_task
 
 
 class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
@@ -44,10 +43,9 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
                     the same seed. The seeds of later episodes of the copy are derived from this seed
     pickle          a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
                     needs a reset()
-    errors          TypeError if `task` is not a Task or num_envs is not a whole number; ValueError if the task does not
-                    have exactly one team, or if num_envs is not a positive multiple of the number of robots that learn in
-                    each copy; RuntimeError after close(), and from step() with AutoresetMode.DISABLED if the episode of a
-                    copy has ended
+    errors          TypeError if `task` is not a Task; ValueError if the task does not have exactly one team, or if
+                    num_envs is not a positive multiple of the number of robots that learn in each copy; RuntimeError
+                    after close(), and from step() with AutoresetMode.DISABLED if the episode of a copy has ended
     """
 
     def __init__(
@@ -71,11 +69,9 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
                 f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
                 "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
             )
-        if isinstance(num_envs, bool) or not isinstance(num_envs, numbers.Integral):
-            raise TypeError(f"num_envs={num_envs!r}: give a whole number")
+        if not is_whole(num_envs):
+            raise ValueError(f"num_envs={num_envs!r}: give a whole number above 0")
         num_envs = int(num_envs)
-        if num_envs < 1:
-            raise ValueError(f"num_envs={num_envs}: give 1 or more")
         robots = 1
         if not robot:
             robots = len(Batch(task, 1, threads=1, **options).names[0])
