@@ -7,8 +7,10 @@ import copy
 import dataclasses
 import gc
 import io
+import pathlib
 import pickle
 import re
+import subprocess
 import sys
 import tempfile
 import threading
@@ -257,6 +259,15 @@ class Checkers(unittest.TestCase):
         env.reset(seed=1)
         env.agents = Unsearched(env.agents)
         self.assertEqual([*env.step({"r1": np.zeros(2)})[0]], ["r0", "r1", "r2"])
+
+    def test_an_older_gymnasium_is_an_error_that_names_the_version(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "gymnasium").mkdir()
+            (pathlib.Path(folder) / "gymnasium" / "__init__.py").write_text('from . import vector\n__version__ = "0.29.1"\n')
+            (pathlib.Path(folder) / "gymnasium" / "vector.py").write_text("")
+            program = f"import sys; sys.path.insert(0, {folder!r}); import troupe.envs"
+            done = subprocess.run([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
+        self.assertIn("ImportError: troupe.envs needs Gymnasium 1.1 or later, found 0.29.1: pip install --upgrade gymnasium", done.stderr)
 
     def test_one_copy_uses_one_thread(self):
         for make in (troupe.envs.Env, troupe.envs.ParallelEnv):
@@ -776,7 +787,10 @@ class Vector(unittest.TestCase):
         for wrong, text in (
             (lambda: troupe.envs.Env(teamless), "Short has no teams: set its member `teams`"),
             (lambda: troupe.envs.VectorEnv(teamless, 2), "Short has no teams: set its member `teams`"),
-            (lambda: troupe.envs.Navigation(size=0), "size=0: give the length of a side of the room, above 0.2 m"),
+            (lambda: room(0.2, [], {}), "size=0.2: give the length of a side of the room, above 0.2 m"),
+            *((lambda size=size: troupe.envs.Dispersion(size=size),
+               f"^size={size}: give the length of a side of the room, at least 1 m, because bodies are placed 0.5 m from its sides$")
+              for size in (0, 0.9, float("nan"))),
             (lambda: troupe.envs.VectorEnv(Short(2), 2).reset(seed=2**64), "seed: found 18446744073709551616: give a whole number from 0 to"),
             (lambda: troupe.envs.Env(Short(2)).reset(seed=2**64), "seed: found 18446744073709551616: give a whole number from 0 to"),
             (lambda: troupe.envs.VectorEnv(Short(2), 3), "2 robots learn in each copy: give a multiple of 2"),
