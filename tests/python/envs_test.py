@@ -710,6 +710,27 @@ class Vector(unittest.TestCase):
                 one.step(np.full(one.action_space.shape, np.nan))  # an error before the copies have made their step
             self.assertTrue(data_equivalence(one.step(action), other.step(action), exact=True))
 
+    def test_wrong_arguments_of_a_batch_change_nothing(self):
+        batch, other = (troupe.envs.Batch(Short(2), 3, threads=1) for _ in range(2))
+        still = [np.zeros((3, 2, 2))]
+        for each in (batch, other):
+            each.reset(seeds=(4, 5, 6))
+        for call, error, text in (
+            (lambda: batch.reset([True]), ValueError, "which: found [True]: give one bool for each of the 3 copies"),
+            (lambda: batch.reset(np.ones(3, int)), ValueError, "which: found array([1, 1, 1]): give one bool for each of the 3 copies"),
+            (lambda: batch.reset(seeds=[1, 2]), ValueError, "seeds: found a list of 2 seeds: give 3, one per copy"),
+            (lambda: batch.reset(seeds=7), TypeError, "seeds: found 7: give a list with one seed or None per copy"),
+            (lambda: batch.step(still, [0, 1, 0]), ValueError, "begins: found [0, 1, 0]: give one bool for each of the 3 copies"),
+        ):
+            with self.subTest(text), self.assertRaises(error) as raised:
+                call()
+            self.assertEqual(str(raised.exception), text)
+        for each, begins in ((batch, [False, True, False]), (other, np.array([False, True, False]))):
+            each.step(still)
+            each.step(still, begins)
+            each.reset(begins)
+        self.assertTrue(np.array_equal(batch.observations(), other.observations()))
+
     def test_rewards_are_finite(self):
         class Rewarding(Short):
             wrong = np.nan

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import secrets
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,7 @@ from .._core import BatchEnv, Simulation, _seed_of
 from .task import Task, Team, action_space, check_task, check_team, commands_of, require_task
 
 Flags = npt.NDArray[np.bool_]
+FlagsLike = Union[Flags, Sequence[bool]]
 _ONLY = "observation"  # name of the array of a team whose observation is a single Box
 _OF_SPACE = ("low", "high", "shape")  # members of a part that define its observation space
 _BOOLS, _NUMBERS = "b", "biuf"  # kinds of NumPy's types
@@ -83,17 +84,29 @@ class Batch:
         Team.observation is a list. Raises LookupError for an unknown name."""
         return self.core.array(name, team)
 
-    def reset(self, which: Optional[Flags] = None, seeds: Sequence[Optional[int]] = ()) -> None:
+    def reset(self, which: Optional[FlagsLike] = None, seeds: Sequence[Optional[int]] = ()) -> None:
         """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all copies.
         seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
         derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy).
-        Raises TypeError for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1."""
+        Raises TypeError for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1 and
+        for a list of another length than the number of copies; the copies then remain as they are."""
+        if isinstance(seeds, str) or not hasattr(seeds, "__iter__"):
+            raise TypeError(f"seeds: found {seeds!r}: give a list with one seed or None per copy")
         own_seeds = [None if seed is None else _seed_of(seed) for seed in seeds]
-        begins = np.ones(self.copies, np.bool_) if which is None else which
+        if own_seeds and len(own_seeds) != self.copies:
+            raise ValueError(f"seeds: found a list of {len(own_seeds)} seeds: give {self.copies}, one per copy")
+        begins = np.ones(self.copies, np.bool_) if which is None else self._flags_of("which", which)
         self._needs_reset |= begins
-        self.core.reset(which, own_seeds)
+        self.core.reset(begins, own_seeds)
         self.task.begin(self, begins)
         self._needs_reset &= ~begins
+
+    def _flags_of(self, name: str, given: Any) -> Flags:
+        """Returns an argument with one bool per copy as an array. Raises ValueError for any other value."""
+        flags = np.array(given)
+        if flags.dtype.kind != "b" or flags.shape != (self.copies,):
+            raise ValueError(f"{name}: found {given!r}: give one bool for each of the {self.copies} copies")
+        return flags
 
     def require_reset(self) -> None:
         """Raises RuntimeError if the copies cannot make a step, because they have not begun an episode or because an
@@ -104,7 +117,7 @@ class Batch:
                 f"({self._needs_reset.sum()} of {self.copies} copies need a reset)"
             )
 
-    def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
+    def step(self, actions: Sequence[Any], begins: Optional[FlagsLike] = None) -> None:
         """Advances all copies by one step. actions: one array per team, copies x robots x the shape of an action.
         begins: one bool per copy; copies with True begin their next episode instead of making a step. Raises ValueError
         for actions of another number or shape, if Task.act() returns commands of another shape than copies x robots x
@@ -114,6 +127,7 @@ class Batch:
         that was raised when copies had already made their step, such as KeyboardInterrupt, all copies need a reset()
         before the next step; until then, step() raises RuntimeError."""
         self.require_reset()
+        marks = None if begins is None else self._flags_of("begins", begins)
         if len(actions) != len(self.teams):
             raise ValueError(f"actions: found {len(actions)}: give {len(self.teams)}, one array per team")
         finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
@@ -128,7 +142,7 @@ class Batch:
             target[...] = commands
         self._needs_reset[:] = True
         try:
-            self.core.step(begins)
+            self.core.step(marks)
         except ValueError:
             # An action that is not finite is reported before any copy has made a step.
             self._needs_reset[:] = all(np.isfinite(self.core.actions(index)).all() for index in range(len(self.teams)))
@@ -136,8 +150,8 @@ class Batch:
         for index, team in enumerate(self.teams):
             # As with Team.rewards and Team.ends, a robot that is finished or not in the world gets no reward and no end.
             counts = ~finished[index] & self.core.alive(index)
-            if begins is not None:
-                counts &= ~begins[:, np.newaxis]
+            if marks is not None:
+                counts &= ~marks[:, np.newaxis]
             more = self.task.reward(self, index)
             if more is not None:
                 self._check_result("reward", team, more, counts.shape, "copies, robots", _NUMBERS)
@@ -148,8 +162,8 @@ class Batch:
             if ends is not None:
                 self._check_result("terminated", team, ends, counts.shape, "copies, robots", _BOOLS)
                 self.core.terminated(index)[...] |= ends & counts
-        if begins is not None and begins.any():
-            self.task.begin(self, begins)
+        if marks is not None and marks.any():
+            self.task.begin(self, marks)
         self._needs_reset[:] = False
 
     def _check_result(self, function: str, team: Team, result: Any, shape: Sequence[Optional[int]], axes: str, kinds: str) -> None:
