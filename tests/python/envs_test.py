@@ -851,6 +851,11 @@ class Vector(unittest.TestCase):
         task.second = 5.0
         with self.assertWarnsRegex(UserWarning, 'Short has the attribute "second", which Task does not use: did you mean "seconds"'):
             troupe.envs.Env(task)
+        for wrong in (0, 1, ""):
+            for make in (troupe.envs.Env, lambda task, robot: troupe.envs.VectorEnv(task, 2, robot=robot)):
+                with self.assertRaises(TypeError) as raised:
+                    make(Short(2), robot=wrong)
+                self.assertEqual(str(raised.exception), f'robot: found {wrong!r}: give the name of a robot, such as "r0"')
         with self.assertRaisesRegex(LookupError, 'no model "robot" in '):  # it is the name of the type
             troupe.envs.Env(Short(2), robot="robot")
         with self.assertRaisesRegex(LookupError, 'has no device "lidr"; it has: lidar'):

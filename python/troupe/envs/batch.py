@@ -41,7 +41,9 @@ class Batch:
         if not task.teams:
             raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
         self.teams = [dataclasses.replace(team) for team in task.teams]
-        if robot:
+        if robot is not None:
+            if not isinstance(robot, str) or not robot:
+                raise TypeError(f'robot: found {robot!r}: give the name of a robot, such as "r0"')
             if len(self.teams) != 1:
                 raise ValueError(
                     f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}: "

@@ -66,7 +66,7 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
-        if not robot:
+        if robot is None:
             robot = one_copy(task, **options).names[0][0]
         self._batch = one_copy(task, robot=robot, **options)
         self.metadata = {**self.metadata, **render_metadata(self._batch)}

@@ -73,7 +73,7 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
             raise ValueError(f"num_envs={num_envs!r}: give a whole number above 0")
         num_envs = int(num_envs)
         robots = 1
-        if not robot:
+        if robot is None:
             robots = len(Batch(task, 1, threads=1, **options).names[0])
         if num_envs % robots:
             raise ValueError(f"num_envs={num_envs}: {robots} robots learn in each copy: give a multiple of {robots}")
