@@ -165,7 +165,18 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
     values["payload"] = copy;
     return values;
   }
-  const py::array rows = py::module_::import("numpy").attr("ascontiguousarray")(message);
+  const py::module_ numpy = py::module_::import("numpy");
+  if (is_of_bytes(message)) {  // NumPy would pad the messages to the length of the longest
+    py::list lengths;
+    for (const py::handle each : message) lengths.append(py::len(bytes_copy(each)));
+    if (static_cast<py::ssize_t>(lengths.size()) != robots)
+      refuse("message", py::array(numpy.attr("asarray")(lengths)), static_cast<std::size_t>(robots),
+             "a bytes object, or a list of one such object per robot");
+    values["length"] = lengths;
+    values["payload"] = padded(*field, message);
+    return values;
+  }
+  const py::array rows = numpy.attr("ascontiguousarray")(message);
   if (rows.dtype().kind() == 'U')
     throw py::value_error(fmt::format("message: found the text {}: give bytes, as in text.encode()",
                                       std::string(py::repr(message))));

@@ -92,13 +92,13 @@ void refuse_nan(const engine::StateField& field, const py::array& rows,
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
 
 /// Returns the command that makes radios send `message`, as a dict from names of fields to values. message: a
-/// Python `bytes`, `bytearray` or `memoryview` object, which all robots send, or an array with one row per
-/// robot. In an array, the bytes of a row are the message of the robot. fields: all fields of the command of
-/// the radios. device: name of the radios, for the text of errors.
+/// Python `bytes`, `bytearray` or `memoryview` object, which all robots send, a list of one such object per
+/// robot, or an array with one row per robot. In an array, the bytes of a row are the message of the robot.
+/// fields: all fields of the command of the radios. device: name of the radios, for the text of errors.
 ///
 /// Throws std::out_of_range if `fields` contains no payload, because the device is not a radio. If `message`
-/// is an array, throws ValueError if it does not have one row per robot, if its elements are Python objects
-/// or texts, or if a row is longer than the payload of a message.
+/// is a list or an array, throws ValueError if it does not have one row per robot, if the elements of the
+/// array are Python objects or texts, or if a message is longer than the payload.
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots);
 /// Returns the messages that radios received, as Swarm.heard() in Python does. The result is a pair of arrays

@@ -229,11 +229,9 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            py::arg("where") = py::none(),
            "Sets the messages that the radios named `device` send in each tick from the next one on, until "
            "another command\nreplaces them. message: a bytes, bytearray or memoryview object, which is the "
-           "message "
-           "of all robots, or an array with one\nrow per robot, whose bytes are the message of the robot. "
-           "command(device, "
-           "mode=2) makes radios silent. Raises ValueError for a message of\nmore bytes than the parameter "
-           "`payload` of the radios allows.")
+           "message of all robots, a list of one such\nobject per robot, or an array with one row per robot, "
+           "whose bytes are the message of the robot. command(device, mode=2)\nmakes radios silent. Raises "
+           "ValueError for a message of more bytes than the parameter `payload` of the radios allows.")
       .def("heard", &heard, py::arg("dtype"), py::arg("device") = "radio",
            "The messages that the radios named `device` heard in the last tick, as two arrays of shape (n, "
            "most_heard): the messages\nas elements of the NumPy type `dtype`, and bools, True where there is "

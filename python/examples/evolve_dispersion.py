@@ -67,6 +67,10 @@ def main():
     parser.add_argument("--reach", type=float, default=50.0, help="least mean return in the test of the last generation; if a seed gets less, the exit code is 1 (50)")
     parser.add_argument("--out", type=pathlib.Path, help="folder for the results")
     options = parser.parse_args()
+    if not all(0 < seed < 2**32 for seed in options.seeds):
+        parser.error("--seeds: give whole numbers from 1 to 4294967295 (cma would take a seed from the clock for 0)")
+    if options.generations < 1:
+        parser.error(f"--generations: found {options.generations}: give 1 or more")
     rows, missed = [], []
     for seed in options.seeds:
         for generation, (seconds, returns, weights) in enumerate(evolve(seed, options.generations)):

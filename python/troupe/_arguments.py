@@ -1,6 +1,7 @@
 """Messages about calls of the package's C++ functions with unsuitable arguments."""
 
 import difflib
+import operator
 import os
 import re
 import reprlib
@@ -63,6 +64,8 @@ def _words(kind: str) -> str:
         return f"a list of {numbers[1]} numbers"
     if kind.startswith(("Union[", "Optional[")):
         return " or ".join([*map(_words, _inside(kind)), *(["None"] if kind.startswith("Optional[") else [])])
+    if kind == "numpy.ndarray":
+        return "a NumPy array"
     if kind.startswith("numpy.ndarray"):
         return "an array of numbers"
     other = "a list" if kind.startswith("List[") else kind.replace("troupe._core.", "a troupe.")
@@ -82,7 +85,11 @@ def _fits(kind: str, value: Any) -> Optional[bool]:
         if "[float[" in kind or not isinstance(value, (list, tuple)):
             return None
         return all(_fits(_inside(kind)[0], each) is not False for each in value)
+    if kind == "numpy.ndarray":  # without an element type, pybind11 converts no list
+        return isinstance(value, np.ndarray)
     if kind.startswith("numpy.ndarray"):
+        if value is None:  # NaN for NumPy
+            return False
         try:
             return np.asarray(value, dtype=float) is not None
         except (TypeError, ValueError):
@@ -92,6 +99,8 @@ def _fits(kind: str, value: Any) -> Optional[bool]:
         "str": isinstance(value, (str, bytes)), "bool": isinstance(value, bool), "dict": isinstance(value, dict),
         "os.PathLike": isinstance(value, (str, bytes, os.PathLike)), "list": isinstance(value, list),
         "tuple": isinstance(value, tuple), "function": callable(value)}
+    if kind == "troupe._core.Pose" and isinstance(value, tuple):  # pybind11 converts it
+        return len(value) == 3 and all(_fits("float", each) for each in value)
     if kind.startswith("troupe._core."):
         return kind.rpartition(".")[2] in [each.__name__ for each in type(value).__mro__]
     return simple.get(kind)
@@ -119,7 +128,11 @@ def _fault(name: str, signature: _Signature, given: Sequence[Any], named: Mappin
             return f'{name}() needs the argument "{parameter.name}": give {_words(parameter.kind)}'
     fits = {each: _fits(parameters[each].kind, values[each]) for each in values if each in parameters}
     unsuitable = [each for each in fits if fits[each] is False] or [each for each in fits if fits[each] is None]
-    if not unsuitable or (fits[unsuitable[0]] is None and len(unsuitable) > 1):
+    if not unsuitable:  # only whole numbers can have a suitable type and still not fit, such as -1 for an index
+        extreme = [each for each in fits if parameters[each].kind == "int" and not 0 <= operator.index(values[each]) < 1 << 16]
+        found = ", ".join(f"{each}: found {values[each]}" for each in extreme)
+        return f"{found}: {'the number' if len(extreme) == 1 else 'one of these numbers'} is out of range" if found else None
+    if fits[unsuitable[0]] is None and len(unsuitable) > 1:
         return None
     wrong = unsuitable[0]
     return f"{wrong}: found {reprlib.repr(values[wrong])}: give {_words(parameters[wrong].kind)}"

@@ -3,9 +3,14 @@ checkers of these packages, and by comparing their vector environment with that 
 
 import ast
 import contextlib
+import copy
 import dataclasses
+import gc
 import io
+import pathlib
+import pickle
 import re
+import subprocess
 import sys
 import tempfile
 import threading
@@ -140,6 +145,27 @@ class Checkers(unittest.TestCase):
                 self.assertGreater(len(np.unique(picture.reshape(-1, 3), axis=0)), 2)
                 env.close()
 
+    def test_films_of_all_environments_run_in_real_time(self):
+        class Slow(Short):
+            ticks = 4  # of 0.1 s
+
+        for task, rate in ((Short(2), 10), (Slow(2), 2.5), (Walkers(), 5)):
+            made = [troupe.envs.ParallelEnv(task)]
+            if len(task.teams) == 1:
+                made += [troupe.envs.Env(task), troupe.envs.VectorEnv(task, 2)]
+            for env in made:
+                self.assertAlmostEqual(env.metadata["render_fps"], rate)
+
+    def test_the_size_of_pictures_is_checked_at_once(self):
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task, **options: troupe.envs.VectorEnv(task, 4, **options)):
+            for size in (64, (64,), (64, 64, 3), (0, 64), (64, -1), (64.5, 64), "ab", None):
+                with self.subTest(size), self.assertRaises(ValueError) as raised:
+                    make(Short(2), render_mode="rgb_array", render_size=size)
+                self.assertEqual(
+                    str(raised.exception), f"render_size={size!r}: give the width and the height of pictures, whole numbers of pixels from 1"
+                )
+            self.assertEqual(make(Short(2), render_size=np.array([64, 48])).renderer.size, (64, 48))
+
     def test_missing_libraries_for_pictures_are_reported_at_once(self):
         """Pictures need OSMesa, which a wheel does not contain. The error comes with the environment, not with a picture."""
 
@@ -224,6 +250,25 @@ class Checkers(unittest.TestCase):
         with self.assertRaisesRegex(RuntimeError, "is a model of another simulation"):
             world.swarm(troupe.Simulation(task.world, threads=1).find("near"))
 
+    def test_a_step_does_not_search_the_list_of_agents_for_each_agent(self):
+        class Unsearched(list):
+            def __contains__(self, agent):
+                raise AssertionError(f"the list of agents is searched for {agent}")
+
+        env = troupe.envs.ParallelEnv(Short(3))
+        env.reset(seed=1)
+        env.agents = Unsearched(env.agents)
+        self.assertEqual([*env.step({"r1": np.zeros(2)})[0]], ["r0", "r1", "r2"])
+
+    def test_an_older_gymnasium_is_an_error_that_names_the_version(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "gymnasium").mkdir()
+            (pathlib.Path(folder) / "gymnasium" / "__init__.py").write_text('from . import vector\n__version__ = "0.29.1"\n')
+            (pathlib.Path(folder) / "gymnasium" / "vector.py").write_text("")
+            program = f"import sys; sys.path.insert(0, {folder!r}); import troupe.envs"
+            done = subprocess.run([sys.executable, "-c", program], stderr=subprocess.PIPE, text=True)
+        self.assertIn("ImportError: troupe.envs needs Gymnasium 1.1 or later, found 0.29.1: pip install --upgrade gymnasium", done.stderr)
+
     def test_one_copy_uses_one_thread(self):
         for make in (troupe.envs.Env, troupe.envs.ParallelEnv):
             with self.assertRaisesRegex(TypeError, "uses one thread: omit threads, or use VectorEnv"):
@@ -255,6 +300,29 @@ class Checkers(unittest.TestCase):
             for call in (env.render, env.reset):
                 with self.assertRaisesRegex(RuntimeError, "this environment was closed: create another one"):
                     call()
+
+    def test_environments_can_be_copied_and_pickled(self):
+        for make in (
+            lambda: troupe.envs.Env(Short(3), robot="r1", seed=5),
+            lambda: troupe.envs.ParallelEnv(Short(3), seed=5),
+            lambda: troupe.envs.VectorEnv(Short(3), 6, autoreset_mode="SameStep", threads=1, seed=5),
+        ):
+            env = make()
+            actions = {} if isinstance(env, troupe.envs.ParallelEnv) else np.full(env.action_space.shape, 0.5)
+            first = env.reset()
+            env.step(actions)
+            for copied in (pickle.loads(pickle.dumps(env)), copy.deepcopy(env)):
+                self.assertIs(type(copied), type(env))
+                gc.collect()  # objects that only made the copy must not close it
+                with self.assertRaisesRegex(RuntimeError, r"call reset\(\) before the first step"):
+                    copied.step(actions)
+                self.assertTrue(data_equivalence(copied.reset(), first, exact=True))
+                self.assertEqual(copied.metadata, env.metadata)
+                copied.close()
+            again = make()
+            again.reset()
+            again.step(actions)
+            self.assertTrue(data_equivalence(env.step(actions), again.step(actions), exact=True), "the copied environment goes on")
 
     def test_the_task_is_an_object(self):
         for task in ("Navigation", troupe.envs.Navigation):
@@ -391,6 +459,45 @@ class Vector(unittest.TestCase):
                 troupe.envs.VectorEnv(task, 3)
             self.assertEqual(str(raised.exception), text)
 
+    def test_the_space_of_a_part_is_checked(self):
+        eye = {"device": "eye", "field": "color"}
+        for part, error, text in (
+            ({**eye, "shape": (4, 8, 3)}, ValueError,
+             'array "observation" of team "team0": the field "color" has 128 elements, which do not fill the shape (4, 8, 3)'),
+            ({**eye, "shape": 128}, TypeError, 'Team.observation[0]: the value 128 of the member "shape" must be a list of whole numbers from 1'),
+            ({**eye, "shape": (-4, -8, 4)}, TypeError,
+             'Team.observation[0]: the value (-4, -8, 4) of the member "shape" must be a list of whole numbers from 1'),
+            ({"of": "speed", "shape": [3]}, ValueError,
+             'Team.observation[0]: a part "speed" has no shape: only a part with the member "field" can have one'),
+            ({**lidar(), "low": [0] * 12}, TypeError, f'Team.observation[0]: the value {[0] * 12} of the member "low" must be a number'),
+            ({**lidar(), "high": None}, TypeError, 'Team.observation[0]: the value None of the member "high" must be a number'),
+            ({**lidar(), "high": float("nan")}, TypeError, 'Team.observation[0]: the value nan of the member "high" must be a number'),
+            ({**lidar(), "low": 5, "high": 1}, ValueError,
+             'Team.observation[0]: "low" is 5, "high" is 1: the lower bound must not exceed the upper one'),
+        ):
+            task = Looker()
+            task.teams = [dataclasses.replace(task.teams[0], observation=[part])]
+            with self.subTest(part), self.assertRaises(error) as raised:
+                troupe.envs.VectorEnv(task, 3)
+            self.assertEqual(str(raised.exception), text)
+        task = Looker()
+        task.teams = [dataclasses.replace(task.teams[0], observation=[{**eye, "shape": np.array([4, 32]), "high": np.int64(200)}])]
+        env = troupe.envs.VectorEnv(task, 3)
+        self.assertEqual(env.reset(seed=1)[0].shape, (3, 4, 32))
+        self.assertEqual(env.single_observation_space, gymnasium.spaces.Box(0, 200, (4, 32), np.uint8))
+
+    def test_teams_and_measures_of_a_task_are_lists(self):
+        for member, wrong, text in (
+            ("teams", Short(2).teams[0], "Short.teams: must be a list of troupe.envs.Team, found Team("),
+            ("teams", [{"robots": "r"}], "Short.teams: must be a list of troupe.envs.Team, found [{'robots': 'r'}]"),
+            ("measures", "stalls", "Short.measures: must be a list of names of measures, found 'stalls'"),
+        ):
+            for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
+                task = Short(2)
+                setattr(task, member, wrong)
+                with self.assertRaisesRegex(TypeError, "^" + re.escape(text)):
+                    make(task)
+
     def test_a_negative_scale_has_bounds_in_order(self):
         task = Short(2)
         task.teams = [dataclasses.replace(task.teams[0], observation=[lidar(-1.0)], rewards=[], ends=[], arrays={})]
@@ -500,6 +607,75 @@ class Vector(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, rf"must have the shape \(3, 2, 2\), found \(3, 2, {columns}\)"):
                 batch.step([np.ones((3, 2, columns), np.int64)])
 
+    def test_observed_columns_of_the_task_are_not_broadcast(self):
+        class Observing(Short):
+            def observe(self, batch, team, name):
+                return self.columns(batch)
+
+        def make(columns, robots=2):
+            task = Observing(robots)
+            task.columns = columns
+            return troupe.envs.Batch(task, 3, threads=1)
+
+        for robots, columns, found in (
+            (2, np.zeros((2, 3)), "(2, 3)"),  # without the axis of copies
+            (3, np.zeros((3, 3)), "(3, 3)"),  # without the axis of columns, in as many copies as robots
+            (2, np.zeros((3, 1, 1)), "(3, 1, 1)"),
+            (2, 1.0, "()"),
+        ):
+            with self.subTest(found), self.assertRaises(ValueError) as raised:
+                make(lambda batch, columns=columns: columns, robots)
+            self.assertEqual(
+                str(raised.exception),
+                f'Observing.observe(), team "team0": must return an array of the shape (3, {robots}, any) (copies, robots, columns '
+                f'of "observation"), found {found}',
+            )
+        batch = make(lambda batch: np.full((batch.copies, 2, 1), 0.5).tolist())
+        batch.reset()
+        self.assertTrue((batch.observations()[..., -1] == 0.5).all())
+        self.assertTrue(batch.observation_spaces[0].contains(batch.observations()[0, 0]))
+        for columns, found in ((lambda batch: np.zeros((batch.copies, 2, 2)), r"\(3, 2, 2\)"), (lambda batch: None, "None")):
+            batch.task.columns = columns
+            with self.assertRaisesRegex(ValueError, rf'of the shape \(3, 2, 1\) \(copies, robots, columns of "observation"\), found {found}$'):
+                batch.observations()
+
+        class Seeing(Looker):
+            def observe(self, batch, team, name):
+                return np.zeros((batch.copies, 3, 1))
+
+        with self.assertRaises(ValueError) as raised:
+            troupe.envs.VectorEnv(Seeing(), 3)
+        self.assertEqual(
+            str(raised.exception),
+            'Seeing.observe(), team "team0": must return None for the array "picture", which has a part with a "shape" and can '
+            "have no other columns",
+        )
+
+    def test_results_of_the_task_are_real_numbers_and_bools(self):
+        class Returning(Short):
+            commands = gains = marks = None
+
+            def act(self, batch, team, actions):
+                return actions if self.commands is None else self.commands
+
+            def reward(self, batch, team):
+                return self.gains
+
+            def terminated(self, batch, team):
+                return self.marks
+
+        for member, values, text in (
+            ("commands", np.full((1, 2, 2), 1j), 'act(), team "team0": must return real numbers, found elements of the type complex128'),
+            ("gains", np.full((1, 2), None), 'reward(), team "team0": must return real numbers, found elements of the type object'),
+            ("marks", np.zeros((1, 2)), 'terminated(), team "team0": must return bools, found elements of the type float64'),
+        ):
+            batch = troupe.envs.Batch(Returning(2), 1, threads=1)
+            batch.reset()
+            setattr(batch.task, member, values)
+            with self.assertRaises(ValueError) as raised:
+                batch.step([np.zeros((1, 2, 2))])
+            self.assertEqual(str(raised.exception), f"Returning.{text}")
+
     def test_a_step_that_an_exception_has_ended_needs_a_reset(self):
         class Failing(Short):
             error = None
@@ -533,6 +709,27 @@ class Vector(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "is nan: give finite numbers"):
                 one.step(np.full(one.action_space.shape, np.nan))  # an error before the copies have made their step
             self.assertTrue(data_equivalence(one.step(action), other.step(action), exact=True))
+
+    def test_wrong_arguments_of_a_batch_change_nothing(self):
+        batch, other = (troupe.envs.Batch(Short(2), 3, threads=1) for _ in range(2))
+        still = [np.zeros((3, 2, 2))]
+        for each in (batch, other):
+            each.reset(seeds=(4, 5, 6))
+        for call, error, text in (
+            (lambda: batch.reset([True]), ValueError, "which: found [True]: give one bool for each of the 3 copies"),
+            (lambda: batch.reset(np.ones(3, int)), ValueError, "which: found array([1, 1, 1]): give one bool for each of the 3 copies"),
+            (lambda: batch.reset(seeds=[1, 2]), ValueError, "seeds: found a list of 2 seeds: give 3, one per copy"),
+            (lambda: batch.reset(seeds=7), TypeError, "seeds: found 7: give a list with one seed or None per copy"),
+            (lambda: batch.step(still, [0, 1, 0]), ValueError, "begins: found [0, 1, 0]: give one bool for each of the 3 copies"),
+        ):
+            with self.subTest(text), self.assertRaises(error) as raised:
+                call()
+            self.assertEqual(str(raised.exception), text)
+        for each, begins in ((batch, [False, True, False]), (other, np.array([False, True, False]))):
+            each.step(still)
+            each.step(still, begins)
+            each.reset(begins)
+        self.assertTrue(np.array_equal(batch.observations(), other.observations()))
 
     def test_rewards_are_finite(self):
         class Rewarding(Short):
@@ -582,9 +779,9 @@ class Vector(unittest.TestCase):
                 again, _ = per_env.reset(seed=[each for each in listed for _ in range(2)])
                 self.assertTrue(np.array_equal(first, again))
                 self.assertEqual(np.array_equal(first[:2], first[4:]), listed[0] == listed[2])
-                for copy, each in enumerate(listed):
+                for index, each in enumerate(listed):
                     if each is not None:
-                        self.assertEqual(of_all.batch.core.seeds[copy], each)
+                        self.assertEqual(of_all.batch.core.seeds[index], each)
         env = troupe.envs.VectorEnv(Short(2), 6)
         for wrong, text in (
             ([1, 2], "seed: found a list of 2 seeds: give 3, one per copy, or 6, one per environment"),
@@ -611,7 +808,10 @@ class Vector(unittest.TestCase):
         for wrong, text in (
             (lambda: troupe.envs.Env(teamless), "Short has no teams: set its member `teams`"),
             (lambda: troupe.envs.VectorEnv(teamless, 2), "Short has no teams: set its member `teams`"),
-            (lambda: troupe.envs.Navigation(size=0), "size=0: give the length of a side of the room, above 0.2 m"),
+            (lambda: room(0.2, [], {}), "size=0.2: give the length of a side of the room, above 0.2 m"),
+            *((lambda size=size: troupe.envs.Dispersion(size=size),
+               f"^size={size}: give the length of a side of the room, at least 1 m, because bodies are placed 0.5 m from its sides$")
+              for size in (0, 0.9, float("nan"))),
             (lambda: troupe.envs.VectorEnv(Short(2), 2).reset(seed=2**64), "seed: found 18446744073709551616: give a whole number from 0 to"),
             (lambda: troupe.envs.Env(Short(2)).reset(seed=2**64), "seed: found 18446744073709551616: give a whole number from 0 to"),
             (lambda: troupe.envs.VectorEnv(Short(2), 3), "2 robots learn in each copy: give a multiple of 2"),
@@ -629,6 +829,10 @@ class Vector(unittest.TestCase):
                     self.assertEqual(text, f"seed: found {seed}: give a whole number from 0 to {2**64 - 1}")
                 else:
                     self.assertEqual(text, "seed: found 1.5: give a whole number, or a list with one seed per copy")
+        for wrong in (4.0, "4", None, True, 0):
+            with self.assertRaisesRegex(ValueError, re.escape(f"num_envs={wrong!r}: give a whole number above 0")):
+                troupe.envs.VectorEnv(Short(2), wrong)
+        self.assertIs(type(troupe.envs.VectorEnv(Short(2), np.int64(4)).num_envs), int)
         env = troupe.envs.VectorEnv(Short(2), 4)
         env.reset(seed=1)
         with self.assertRaisesRegex(ValueError, r"actions: must have the shape \(4, 2\), found \(2, 2\)"):
@@ -647,6 +851,11 @@ class Vector(unittest.TestCase):
         task.second = 5.0
         with self.assertWarnsRegex(UserWarning, 'Short has the attribute "second", which Task does not use: did you mean "seconds"'):
             troupe.envs.Env(task)
+        for wrong in (0, 1, ""):
+            for make in (troupe.envs.Env, lambda task, robot: troupe.envs.VectorEnv(task, 2, robot=robot)):
+                with self.assertRaises(TypeError) as raised:
+                    make(Short(2), robot=wrong)
+                self.assertEqual(str(raised.exception), f'robot: found {wrong!r}: give the name of a robot, such as "r0"')
         with self.assertRaisesRegex(LookupError, 'no model "robot" in '):  # it is the name of the type
             troupe.envs.Env(Short(2), robot="robot")
         with self.assertRaisesRegex(LookupError, 'has no device "lidr"; it has: lidar'):

@@ -154,6 +154,7 @@ class Loading(InAFolder):
 
     def test_arguments_that_do_not_fit_are_one_clear_message(self):
         world = troupe.Simulation(ROOM)
+        batch = troupe.BatchEnv(world, {"teams": [{"name": "bots", "robots": "bot"}]})
         known = "file, width, height, camera, layers, center_m, angle_rad, across_m, color_by, color_range, background"
         for call, text in (
             (lambda: troupe.Simulation(7), "world: found 7: give a dict or a path"),
@@ -170,6 +171,14 @@ class Loading(InAFolder):
             (lambda: troupe.Measures(world, 3), "wanted: found 3: give a list"),
             (lambda: world.spawn("r", (1, 2)), "pose: found (1, 2): give a troupe.Pose"),
             (lambda: troupe.Simulation.from_text(3), "text: found 3: give a text"),
+            (lambda: world.cast((0, 0, 0), "far"), "range_max: found 'far': give a number"),
+            (lambda: world.swarm().set_poses(None), "poses: found None: give an array of numbers"),
+            (lambda: world.model(-1), "id: found -1: the number is out of range"),
+            (lambda: world.view(port=70000), "port: found 70000: the number is out of range"),
+            (lambda: batch.picture(-1, 64), "copy: found -1: the number is out of range"),
+            (lambda: batch.picture(-1, -64), "copy: found -1, width: found -64: one of these numbers is out of range"),
+            (lambda: batch.reset([True]), "which: found [True]: give a NumPy array or None"),
+            (lambda: batch.step(True), "begins: found True: give a NumPy array or None"),
             (lambda: troupe.Pose("a"),
              "Pose() takes (x: a number, y: a number, heading: a number, z: a number) or (x_y_heading: a tuple); found ('a')"),
         ):

@@ -69,6 +69,11 @@ class Devices(unittest.TestCase):
             self.world.step(2)
             heard, there = self.swarm.heard("S5")
             self.assertEqual(set(heard[there].tolist()), {bytes(message)})
+        self.swarm.say([b"hi", bytearray(b"hello"), memoryview(b""), b"a\0", b"hi", b"hello"])
+        self.assertEqual(self.swarm.commands("radio")["length"].tolist(), [2, 5, 0, 2, 2, 5])
+        self.world.step(2)
+        heard, there = self.swarm.heard("S2")
+        self.assertEqual(set(heard[there].tolist()), {b"hi", b"a"})
         self.swarm.command("radio", mode=1, length=np.arange(6), payload=[bytearray(b"ab"[: i % 3]) for i in range(6)])
         self.world.step(2)
         self.assertEqual(self.swarm.readings("length")[0, 0], 1)
@@ -103,6 +108,9 @@ class Devices(unittest.TestCase):
             (ValueError, "a message of 16 bytes is longer than the payload",
              lambda: self.swarm.say(np.zeros((6, 2)))),
             (ValueError, "message has shape .5,.", lambda: self.swarm.say(np.zeros(5))),
+            (ValueError, "message has shape .1,.; for a swarm of 6 robots give a bytes object, or a list of one such object per robot",
+             lambda: self.swarm.say([b"a"])),
+            (ValueError, '"payload" takes at most 8 bytes, found 9', lambda: self.swarm.say([b"a"] * 5 + [b"a" * 9])),
             (ValueError, "^message: found the text 'hello': give bytes, as in text.encode", lambda: self.swarm.say("hello")),
             (ValueError, "^message: found the text array", lambda: self.swarm.say(np.array(["a"] * 6))),
             (ValueError, "message: the elements of the array are Python objects",

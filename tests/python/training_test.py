@@ -20,6 +20,15 @@ class Training(InAFolder):
         self.assertEqual(done.returncode, 1)
         self.assertIn("the mean return of the last test is below 1000.0 for the seeds [7]", done.stdout)
 
+    def test_options(self):
+        for options, text in (
+            (("--seeds", 1, 0), "error: --seeds: give whole numbers from 1 to 4294967295"),
+            (("--generations", 0), "error: --generations: found 0: give 1 or more"),
+        ):
+            done = train("evolve_dispersion.py", "--generations", 1, *options)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(text, done.stdout)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -18,6 +18,10 @@ try:
     import gymnasium as _gymnasium
 except ImportError as _error:
     raise ImportError("troupe.envs needs the package gymnasium: pip install gymnasium pettingzoo") from _error
+if not hasattr(_gymnasium.vector, "AutoresetMode"):
+    raise ImportError(
+        f"troupe.envs needs Gymnasium 1.1 or later, found {_gymnasium.__version__}: pip install --upgrade gymnasium"
+    )
 
 from .batch import Batch
 from .single import Env

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import secrets
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -15,8 +15,11 @@ from .._core import BatchEnv, Simulation, _seed_of
 from .task import Task, Team, action_space, check_task, check_team, commands_of, require_task
 
 Flags = npt.NDArray[np.bool_]
+FlagsLike = Union[Flags, Sequence[bool]]
 _ONLY = "observation"  # name of the array of a team whose observation is a single Box
 _OF_SPACE = ("low", "high", "shape")  # members of a part that define its observation space
+_BOOLS, _NUMBERS = "b", "biuf"  # kinds of NumPy's types
+_KINDS = {_BOOLS: "bools", _NUMBERS: "real numbers"}
 
 
 class Batch:
@@ -38,7 +41,9 @@ class Batch:
         if not task.teams:
             raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
         self.teams = [dataclasses.replace(team) for team in task.teams]
-        if robot:
+        if robot is not None:
+            if not isinstance(robot, str) or not robot:
+                raise TypeError(f'robot: found {robot!r}: give the name of a robot, such as "r0"')
             if len(self.teams) != 1:
                 raise ValueError(
                     f"robot={robot!r} needs a task with one team, but {type(task).__name__} has {len(self.teams)}: "
@@ -61,9 +66,11 @@ class Batch:
         }
         self.core = BatchEnv(simulation, spec)
         self.copies = copies
+        self.step_s = task.ticks * simulation.tick_s  #: simulated time of a step, s
         #: Data that a task stores about the copies, such as which robots have a load. State hashes do not cover them.
         self.memory: Dict[str, Any] = {}
         self.names = [self.core.names(index) for index in range(len(self.teams))]
+        self._columns_added: Dict[Tuple[int, str], int] = {}  # by Task.observe(), for each team and observed array
         self.observation_spaces: List[spaces.Space[Any]] = [
             self._observation_space(index, simulation) for index in range(len(self.teams))
         ]
@@ -79,17 +86,29 @@ class Batch:
         Team.observation is a list. Raises LookupError for an unknown name."""
         return self.core.array(name, team)
 
-    def reset(self, which: Optional[Flags] = None, seeds: Sequence[Optional[int]] = ()) -> None:
+    def reset(self, which: Optional[FlagsLike] = None, seeds: Sequence[Optional[int]] = ()) -> None:
         """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all copies.
         seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
         derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy).
-        Raises TypeError for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1."""
+        Raises TypeError for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1 and
+        for a list of another length than the number of copies; the copies then remain as they are."""
+        if isinstance(seeds, str) or not hasattr(seeds, "__iter__"):
+            raise TypeError(f"seeds: found {seeds!r}: give a list with one seed or None per copy")
         own_seeds = [None if seed is None else _seed_of(seed) for seed in seeds]
-        begins = np.ones(self.copies, np.bool_) if which is None else which
+        if own_seeds and len(own_seeds) != self.copies:
+            raise ValueError(f"seeds: found a list of {len(own_seeds)} seeds: give {self.copies}, one per copy")
+        begins = np.ones(self.copies, np.bool_) if which is None else self._flags_of("which", which)
         self._needs_reset |= begins
-        self.core.reset(which, own_seeds)
+        self.core.reset(begins, own_seeds)
         self.task.begin(self, begins)
         self._needs_reset &= ~begins
+
+    def _flags_of(self, name: str, given: Any) -> Flags:
+        """Returns an argument with one bool per copy as an array. Raises ValueError for any other value."""
+        flags = np.array(given)
+        if flags.dtype.kind != "b" or flags.shape != (self.copies,):
+            raise ValueError(f"{name}: found {given!r}: give one bool for each of the {self.copies} copies")
+        return flags
 
     def require_reset(self) -> None:
         """Raises RuntimeError if the copies cannot make a step, because they have not begun an episode or because an
@@ -100,7 +119,7 @@ class Batch:
                 f"({self._needs_reset.sum()} of {self.copies} copies need a reset)"
             )
 
-    def step(self, actions: Sequence[Any], begins: Optional[Flags] = None) -> None:
+    def step(self, actions: Sequence[Any], begins: Optional[FlagsLike] = None) -> None:
         """Advances all copies by one step. actions: one array per team, copies x robots x the shape of an action.
         begins: one bool per copy; copies with True begin their next episode instead of making a step. Raises ValueError
         for actions of another number or shape, if Task.act() returns commands of another shape than copies x robots x
@@ -110,6 +129,7 @@ class Batch:
         that was raised when copies had already made their step, such as KeyboardInterrupt, all copies need a reset()
         before the next step; until then, step() raises RuntimeError."""
         self.require_reset()
+        marks = None if begins is None else self._flags_of("begins", begins)
         if len(actions) != len(self.teams):
             raise ValueError(f"actions: found {len(actions)}: give {len(self.teams)}, one array per team")
         finished = [self.core.terminated(index).copy() for index in range(len(self.teams))]
@@ -120,11 +140,11 @@ class Batch:
             if found != shape:
                 raise ValueError(f'actions of team "{team.name}": must have the shape {shape}, found {found}')
             commands = self.task.act(self, index, commands_of(team, actions[index]))
-            self._check_result("act", team, commands, target.shape, "copies, robots, commands")
+            self._check_result("act", team, commands, target.shape, "copies, robots, commands", _NUMBERS)
             target[...] = commands
         self._needs_reset[:] = True
         try:
-            self.core.step(begins)
+            self.core.step(marks)
         except ValueError:
             # An action that is not finite is reported before any copy has made a step.
             self._needs_reset[:] = all(np.isfinite(self.core.actions(index)).all() for index in range(len(self.teams)))
@@ -132,29 +152,34 @@ class Batch:
         for index, team in enumerate(self.teams):
             # As with Team.rewards and Team.ends, a robot that is finished or not in the world gets no reward and no end.
             counts = ~finished[index] & self.core.alive(index)
-            if begins is not None:
-                counts &= ~begins[:, np.newaxis]
+            if marks is not None:
+                counts &= ~marks[:, np.newaxis]
             more = self.task.reward(self, index)
             if more is not None:
-                self._check_result("reward", team, more, counts.shape, "copies, robots")
+                self._check_result("reward", team, more, counts.shape, "copies, robots", _NUMBERS)
                 gained = np.where(counts, more, 0.0)
                 self._check_finite(team, index, gained)
                 self.core.rewards(index)[...] += gained
             ends = self.task.terminated(self, index)
             if ends is not None:
-                self._check_result("terminated", team, ends, counts.shape, "copies, robots")
+                self._check_result("terminated", team, ends, counts.shape, "copies, robots", _BOOLS)
                 self.core.terminated(index)[...] |= ends & counts
-        if begins is not None and begins.any():
-            self.task.begin(self, begins)
+        if marks is not None and marks.any():
+            self.task.begin(self, marks)
         self._needs_reset[:] = False
 
-    def _check_result(self, function: str, team: Team, result: Any, shape: Tuple[int, ...], axes: str) -> None:
-        """Raises ValueError if a function of the task returned an array of another shape, which NumPy would broadcast."""
-        if np.shape(result) != shape:
+    def _check_result(self, function: str, team: Team, result: Any, shape: Sequence[Optional[int]], axes: str, kinds: str) -> None:
+        """Raises ValueError if a function of the task returned an array of another shape, which NumPy would broadcast, or
+        of another kind of elements. shape: a number per axis; None: any number."""
+        found = np.asarray(result)
+        of = f'{type(self.task).__name__}.{function}(), team "{team.name}"'
+        if found.ndim != len(shape) or any(size not in (None, own) for size, own in zip(shape, found.shape)):
+            wanted = ", ".join("any" if size is None else str(size) for size in shape)
             raise ValueError(
-                f'{type(self.task).__name__}.{function}(), team "{team.name}": must return an array of the shape {shape} '
-                f"({axes}), found {np.shape(result)}"
+                f"{of}: must return an array of the shape ({wanted}) ({axes}), found {found.shape if result is not None else None}"
             )
+        if found.dtype.kind not in kinds:
+            raise ValueError(f"{of}: must return {_KINDS[kinds]}, found elements of the type {found.dtype}")
 
     def _check_finite(self, team: Team, index: int, rewards: npt.NDArray[np.float64]) -> None:
         """Raises ValueError if a reward, copies x robots, is infinite or NaN."""
@@ -177,12 +202,27 @@ class Batch:
 
     def _observed(self, name: str, parts: List[Dict[str, Any]], team: int) -> npt.NDArray[Any]:
         own = self.core.array(name, team)
-        more = self.task.observe(self, team, name)
+        more = self._added(name, parts, team, self._columns_added[team, name])
         if more is not None:
             there = self.core.alive(team)[..., np.newaxis]
             return np.concatenate([own, np.where(there, more, 0.0).astype(np.float32)], axis=-1)
         shape = _shape_of(parts)
         return own.copy() if shape is None else own.reshape(own.shape[:2] + shape).copy()
+
+    def _added(self, name: str, parts: List[Dict[str, Any]], team: int, columns: Optional[int]) -> Any:
+        """Returns the columns that Task.observe() adds to an observed array, copies x robots x columns, or None if there
+        are none. columns: their number; None: any number. Raises ValueError if the function returns anything else."""
+        more = self.task.observe(self, team, name)
+        if more is None and not columns:
+            return None
+        if _shape_of(parts) is not None:
+            raise ValueError(
+                f'{type(self.task).__name__}.observe(), team "{self.teams[team].name}": must return None for the array "{name}", '
+                'which has a part with a "shape" and can have no other columns'
+            )
+        axes = f'copies, robots, columns of "{name}"'
+        self._check_result("observe", self.teams[team], more, (self.copies, len(self.names[team]), columns), axes, _NUMBERS)
+        return more
 
     def _observation_space(self, team: int, simulation: Simulation) -> "spaces.Space[Any]":
         observation = self.teams[team].observation
@@ -192,8 +232,15 @@ class Batch:
 
     def _box(self, name: str, parts: List[Dict[str, Any]], team: int, simulation: Simulation) -> spaces.Box:
         array = self.core.array(name, team)
+        more = self._added(name, parts, team, None)
+        columns = self._columns_added[team, name] = 0 if more is None else np.shape(more)[-1]
         shape = _shape_of(parts)
         if shape is not None:
+            if np.prod(shape) != array.shape[-1]:
+                raise ValueError(
+                    f'array "{name}" of team "{self.teams[team].name}": the field "{parts[0]["field"]}" has {array.shape[-1]} '
+                    f"elements, which do not fill the shape {shape}"
+                )
             info: Any = np.iinfo(array.dtype) if array.dtype.kind in "iu" else np.finfo(array.dtype)
             low, high = parts[0].get("low", info.min), parts[0].get("high", info.max)
             return spaces.Box(low, high, shape, array.dtype.type)
@@ -203,8 +250,6 @@ class Batch:
             low, high = _bounds(part, simulation, self.names[team])
             lows += low
             highs += high
-        more = self.task.observe(self, team, name)
-        columns = 0 if more is None else more.shape[-1]
         low, high = -_rounded_up(-np.array(lows + [-1.0] * columns)), _rounded_up(np.array(highs + [1.0] * columns))
         return spaces.Box(low, high, dtype=np.float32)
 
@@ -221,7 +266,7 @@ def one_copy(task: Task, **options: Any) -> Batch:
 
 
 def _shape_of(parts: List[Dict[str, Any]]) -> Any:
-    return tuple(parts[0]["shape"]) if len(parts) == 1 and "shape" in parts[0] else None
+    return tuple(map(int, parts[0]["shape"])) if len(parts) == 1 and "shape" in parts[0] else None
 
 
 def _team_spec(team: Team, robot: str) -> Dict[str, Any]:

@@ -7,17 +7,18 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 from gymnasium import spaces
+from gymnasium.utils import EzPickle
 from pettingzoo import ParallelEnv as _ParallelEnv
 
 from .batch import one_copy
-from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer
+from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer, render_metadata
 from .single import checked, first_of
 from .task import Task, require_task
 
 _PerAgent = Dict[str, Any]
 
 
-class ParallelEnv(OneCopy, _ParallelEnv):
+class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
     """An environment in which each robot of each team of a task is an agent. The name of an agent is the name of its
     robot. Agents of different teams may have different observation and action spaces.
 
@@ -30,11 +31,14 @@ class ParallelEnv(OneCopy, _ParallelEnv):
                  episode becomes an agent at that time
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
+    pickle       a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
+                 needs a reset()
     errors       TypeError if `task` is not a Task; ValueError if two robots have the same name; RuntimeError after
                  close()
     """
 
-    metadata = {"name": "troupe_v0", "render_modes": RENDER_MODES, "render_fps": 10, "is_parallelizable": True}
+    # render_fps of an object: that of its world
+    metadata = {"name": "troupe_v0", "render_modes": RENDER_MODES, "render_fps": 10.0, "is_parallelizable": True}
 
     def __init__(
         self,
@@ -44,11 +48,13 @@ class ParallelEnv(OneCopy, _ParallelEnv):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
+        EzPickle.__init__(self, task, render_mode=render_mode, render_size=render_size, **options)
         require_task(task)
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
         self._batch = one_copy(task, **options)
+        self.metadata = {**self.metadata, **render_metadata(self._batch)}
         self._places: Dict[str, Tuple[int, int]] = {}  # team and row of each agent
         for team, names in enumerate(self._batch.names):
             for row, name in enumerate(names):
@@ -100,7 +106,8 @@ class ParallelEnv(OneCopy, _ParallelEnv):
             team, row = self._places[agent]
             tables[team][0, row] = checked(action, batch.action_spaces[team], f"action of {agent}")
         batch.step(tables)
-        told = [agent for agent in self.possible_agents if agent in self.agents or self._is_born(agent)]
+        before = set(self.agents)
+        told = [agent for agent in self.possible_agents if agent in before or self._is_born(agent)]
         truncated = bool(batch.core.truncated[0])
         rewards, terminations = {}, {}
         for agent in told:

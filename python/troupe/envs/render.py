@@ -4,16 +4,23 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from typing import Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import numpy as np
 import numpy.typing as npt
 
 from .._core import BatchView, Simulation
 from .batch import Batch
+from .task import is_whole
 
 RENDER_MODES = ["human", "rgb_array"]
 RENDER_SIZE = (480, 480)
+
+
+def render_metadata(batch: Batch) -> Dict[str, Any]:
+    """Returns the entries of the metadata of an environment about pictures. A film with one picture per step shows the
+    world in real time if it has `render_fps` pictures per second, the number of steps in a second of simulated time."""
+    return {"render_modes": RENDER_MODES, "render_fps": 1.0 / batch.step_s}
 
 
 def _check_pictures() -> None:
@@ -25,6 +32,14 @@ def _check_pictures() -> None:
         raise RuntimeError(f'render_mode="rgb_array": {error}') from None
 
 
+def _checked_size(size: Any) -> Tuple[int, int]:
+    """Returns the argument `render_size`, width and height, as whole numbers. Raises ValueError for any other value."""
+    sides = list(size) if isinstance(size, (list, tuple, np.ndarray)) else []
+    if len(sides) != 2 or not all(map(is_whole, sides)):
+        raise ValueError(f"render_size={size!r}: give the width and the height of pictures, whole numbers of pixels from 1")
+    return int(sides[0]), int(sides[1])
+
+
 class Renderer:
     """Renders the copies of the world of a batch.
 
@@ -32,17 +47,17 @@ class Renderer:
           and runs in real time. None: nothing is rendered
     size  width and height of pictures, pixels
 
-    Raises ValueError for an unknown mode, and RuntimeError, which names the package to install, if the mode is
+    Raises ValueError for an unknown mode or a wrong size, and RuntimeError, which names the package to install, if the mode is
     rgb_array and pictures cannot be drawn.
     """
 
     def __init__(self, mode: Optional[str], size: Tuple[int, int]) -> None:
         if mode is not None and mode not in RENDER_MODES:
             raise ValueError(f'unknown render_mode "{mode}"; known: {", ".join(RENDER_MODES)}')
+        self.size = _checked_size(size)
         if mode == "rgb_array":
             _check_pictures()
         self.mode = mode
-        self.size = size
         self._view: Optional[BatchView] = None
         self._sessions: Optional[tempfile.TemporaryDirectory[str]] = None  # folder of the session files of the view
 

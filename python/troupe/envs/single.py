@@ -7,10 +7,11 @@ from typing import Any, Dict, Optional, Tuple
 import gymnasium
 import numpy as np
 import numpy.typing as npt
+from gymnasium.utils import EzPickle
 
 from .._core import _seed_of
 from .batch import one_copy
-from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer
+from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer, render_metadata
 from .task import Task, require_task
 
 
@@ -33,7 +34,7 @@ def checked(action: Any, space: "gymnasium.Space[Any]", what: str) -> npt.NDArra
     return given
 
 
-class Env(OneCopy, gymnasium.Env[Any, Any]):
+class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
     """An environment in which one robot of a task learns. The other robots run the controllers of the world file.
 
     robot        name of the robot that learns; None: the first robot of the team
@@ -43,11 +44,13 @@ class Env(OneCopy, gymnasium.Env[Any, Any]):
     options      keyword arguments of troupe.Simulation, except threads
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
+    pickle       a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
+                 needs a reset()
     errors       TypeError if `task` is not a Task; ValueError if the task has several teams; LookupError if no robot has
                  the name `robot`; RuntimeError after close()
     """
 
-    metadata = {"render_modes": RENDER_MODES, "render_fps": 10}
+    metadata = {"render_modes": RENDER_MODES, "render_fps": 10.0}  # render_fps of an object: that of its world
 
     def __init__(
         self,
@@ -58,13 +61,15 @@ class Env(OneCopy, gymnasium.Env[Any, Any]):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
+        EzPickle.__init__(self, task, robot=robot, render_mode=render_mode, render_size=render_size, **options)
         require_task(task)
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
-        if not robot:
+        if robot is None:
             robot = one_copy(task, **options).names[0][0]
         self._batch = one_copy(task, robot=robot, **options)
+        self.metadata = {**self.metadata, **render_metadata(self._batch)}
         self.robot = robot
         self.observation_space = self._batch.observation_spaces[0]
         self.action_space = self._batch.action_spaces[0]

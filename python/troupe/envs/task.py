@@ -97,14 +97,15 @@ class Task:
     def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:
         """Returns which robots are finished in addition to those of Team.ends: bools, copies x robots, or None for no
         robots. Called once per step, after reward(). True for a robot that is not in the world has no effect. A result
-        of another shape makes the step raise ValueError."""
+        of another shape, or of another type than bool, makes the step raise ValueError."""
         return None
 
     def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
         """Returns columns to append to the observed array `name` (a key of Team.observation, or "observation" if that
         is a list), copies x robots x columns, or None for no columns. In the observation space, these columns have the
         bounds -1 and 1. In the rows of robots that are not in the world, the columns are replaced by 0. Also called
-        before the first episode, to find the number of columns."""
+        before the first episode, to find the number of columns, which must not change later. A result of another shape,
+        and any result but None for an array whose part has a "shape", raises ValueError."""
         return None
 
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
@@ -116,17 +117,26 @@ class Task:
 _LISTS = (list, tuple, np.ndarray)
 
 
+def is_whole(value: Any) -> bool:
+    """Whether a value is a whole number of Python or NumPy above 0."""
+    return isinstance(value, numbers.Integral) and not isinstance(value, bool) and int(value) > 0
+
+
 def require_task(task: Any) -> None:
-    """Raises TypeError if the argument `task` of an environment is not a Task."""
+    """Raises TypeError if the argument `task` of an environment is not a Task, or if its teams are not a list of Teams."""
     if not isinstance(task, Task):
         raise TypeError(f"task: must be a troupe.envs.Task, found {task!r}")
+    if task.teams and not (isinstance(task.teams, (list, tuple)) and all(isinstance(team, Team) for team in task.teams)):
+        raise TypeError(f"{type(task).__name__}.teams: must be a list of troupe.envs.Team, found {task.teams!r}")
 
 
 def check_task(task: Task) -> None:
-    """Raises TypeError if Task.seconds is not a number. Warns of attributes of a task that Task does not have but whose
+    """Raises TypeError if Task.seconds is not a number, or Task.measures is not a list of texts. Warns of attributes of a task that Task does not have but whose
     names are similar to those of its members, such as `second`."""
     if not isinstance(task.seconds, numbers.Real):
         raise TypeError(f"{type(task).__name__}.seconds: must be a number of seconds, found {task.seconds!r}")
+    if not isinstance(task.measures, (list, tuple)) or not all(isinstance(name, str) for name in task.measures):
+        raise TypeError(f"{type(task).__name__}.measures: must be a list of names of measures, found {task.measures!r}")
     own = {name for cls in type(task).__mro__ if issubclass(cls, Task) for name in vars(cls)} | set(vars(task))
     for name, near in misspelt_members(Task, own):
         warnings.warn(f'{type(task).__name__} has the attribute "{name}", which Task does not use: did you mean "{near}"?',
@@ -136,7 +146,8 @@ def check_task(task: Task) -> None:
 def check_team(team: Team) -> None:
     """Raises TypeError if a member of a team is not made of lists as Team describes. Raises ValueError if `choices` or
     `levels` do not fit `actions`, have numbers outside of -1 to 1, or are both given, if an array has the name of an
-    observation, or if a part with a shape is not the only part of its list."""
+    observation, if a part with a shape is not the only part of its list, or if the member low, high or shape of a part is
+    invalid."""
     if not isinstance(team.arrays, dict):
         raise TypeError(f"Team.arrays: must be a dict from names to lists of parts, found {team.arrays!r}")
     observation = team.observation
@@ -151,6 +162,8 @@ def check_team(team: Team) -> None:
             raise TypeError(f"Team.{member}: must be a list of dicts, found {parts!r}")
         if len(parts) > 1 and any("shape" in part for part in parts):
             raise ValueError(f'Team.{member}: has a part with a "shape" and other parts: a part with a shape must be the only one of its list')
+        for index, part in enumerate(parts if member.startswith(("observation", "arrays")) else ()):
+            _check_space_of(f"Team.{member}[{index}]", part)
     observed = observation if isinstance(observation, dict) else ["observation"]
     for name in team.arrays:
         if name in observed:
@@ -173,6 +186,23 @@ def check_team(team: Team) -> None:
         for index, values in enumerate(team.levels):
             if len(values) == 0:
                 raise ValueError(f"Team.levels[{index}] is empty: give one number or more")
+
+
+def _check_space_of(what: str, part: Part) -> None:
+    """Raises TypeError or ValueError if the members low, high and shape of a part of an observation, which define the
+    observation space, are invalid. what: the part, for the error text."""
+    for member in ("low", "high"):
+        if member in part and (not isinstance(part[member], numbers.Real) or part[member] != part[member]):
+            raise TypeError(f'{what}: the value {part[member]!r} of the member "{member}" must be a number')
+    if "low" in part and "high" in part and part["low"] > part["high"]:
+        raise ValueError(f'{what}: "low" is {part["low"]}, "high" is {part["high"]}: the lower bound must not exceed the upper one')
+    if "shape" not in part:
+        return
+    shape = part["shape"]
+    if not isinstance(shape, _LISTS) or not all(map(is_whole, shape)):
+        raise TypeError(f'{what}: the value {shape!r} of the member "shape" must be a list of whole numbers from 1')
+    if part.get("of", "reading") != "reading":
+        raise ValueError(f'{what}: a part "{part["of"]}" has no shape: only a part with the member "field" can have one')
 
 
 def _check_numbers(member: str, rows: Any) -> None:

@@ -71,7 +71,10 @@ def marker_type(color: str, size: float = 0.2) -> Dict[str, Any]:
 
 def spread(name: str, kind: str, count: int, size: float) -> Dict[str, Any]:
     """Returns a population of `count` bodies of the type `kind` at uniformly random poses in a square room that is
-    centred on the origin, at least 0.5 m from its sides. size: length of a side of the room, m."""
+    centred on the origin, at least 0.5 m from its sides. size: length of a side of the room, m. Raises ValueError if it
+    is less than 1 m."""
+    if not size >= 1:
+        raise ValueError(f"size={size}: give the length of a side of the room, at least 1 m, because bodies are placed 0.5 m from its sides")
     half = size / 2 - 0.5
     return {"name": name, "type": kind, "count": count, "place": {"rule": "uniform", "region_m": [[-half, -half], [half, half]]}}
 

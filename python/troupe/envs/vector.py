@@ -6,18 +6,19 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
+from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector import VectorEnv as _VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from .._core import _seed_of
 from .batch import Batch, Flags
-from .render import RENDER_MODES, RENDER_SIZE, Copies, Renderer
+from .render import RENDER_SIZE, Copies, Renderer, render_metadata
 from .single import checked
-from .task import Task, require_task
+from .task import Task, is_whole, require_task
 
 
-class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
+class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
     """Many copies of the world of a task. Each robot of each copy is one environment: num_envs is copies * robots, and
     environment c * robots + i is robot i of copy c.
 
@@ -34,12 +35,14 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
                     learn in each copy, step() returns infos["finished"] and infos["alive"], one bool per environment.
                     From the step in which a robot is finished to the end of the episode, infos["finished"] is True for
                     the robot. Its rewards in the steps after that step are 0. With AutoresetMode.SAME_STEP, the step
-                    that ends an episode returns these two infos of the ended episode in infos["final_info"]. If a robot has not been born yet,
-                    infos["alive"] is False for the robot, its observation and its rewards are 0, and its episode ends
-                    with that of its copy
+                    that ends an episode returns these two infos of the ended episode in infos["final_info"]. If a robot
+                    has not been born yet, infos["alive"] is False for the robot, its observation and its rewards are 0,
+                    and its episode ends with that of its copy
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
                     with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
                     the same seed. The seeds of later episodes of the copy are derived from this seed
+    pickle          a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
+                    needs a reset()
     errors          TypeError if `task` is not a Task; ValueError if the task does not have exactly one team, or if
                     num_envs is not a positive multiple of the number of robots that learn in each copy; RuntimeError
                     after close(), and from step() with AutoresetMode.DISABLED if the episode of a copy has ended
@@ -57,16 +60,20 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
+        EzPickle.__init__(
+            self, task, num_envs, robot=robot, autoreset_mode=autoreset_mode, threads=threads, render_mode=render_mode,
+            render_size=render_size, **options)
         require_task(task)
         if task.teams and len(task.teams) != 1:
             raise ValueError(
                 f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
                 "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
             )
-        if num_envs < 1:
-            raise ValueError(f"num_envs={num_envs}: give 1 or more")
+        if not is_whole(num_envs):
+            raise ValueError(f"num_envs={num_envs!r}: give a whole number above 0")
+        num_envs = int(num_envs)
         robots = 1
-        if not robot:
+        if robot is None:
             robots = len(Batch(task, 1, threads=1, **options).names[0])
         if num_envs % robots:
             raise ValueError(f"num_envs={num_envs}: {robots} robots learn in each copy: give a multiple of {robots}")
@@ -78,11 +85,7 @@ class VectorEnv(Copies, _VectorEnv[Any, Any, Any]):
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {
-            "render_modes": RENDER_MODES,
-            "render_fps": 10,
-            "autoreset_mode": self.autoreset_mode,
-        }
+        self.metadata = {**render_metadata(self._batch), "autoreset_mode": self.autoreset_mode}
         self.single_observation_space = self._batch.observation_spaces[0]
         self.single_action_space = self._batch.action_spaces[0]
         self.observation_space = batch_space(self.single_observation_space, num_envs)
