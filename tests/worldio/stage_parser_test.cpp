@@ -421,6 +421,14 @@ TEST_F(StageParser, AMacroMustStandBeforeItsUse) {
       ElementsAre(HasSubstr("w.world:1: error: \"a\" is neither a model type nor a macro defined above")));
 }
 
+TEST_F(StageParser, AnUnknownBaseIsReportedWhereTheMacroIsDefined) {
+  write("robots.inc", "define bot\n  positron( size [1 1 1] )\n");
+  load("include \"robots.inc\"\ndefine scout bot()\nscout()\nscout( pose [3 0 0 0] )\nbot()\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(HasSubstr("robots.inc:2: error: \"positron\" is neither a model type nor a macro")));
+}
+
 TEST_F(StageParser, AMacroMayShadowAType) {
   load("define model position()\nmodel()");
   EXPECT_THAT(messages(), IsEmpty());
