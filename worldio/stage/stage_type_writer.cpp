@@ -395,7 +395,7 @@ std::vector<bool> added_parts(const TypeSpec& type, std::uint64_t seed, const en
     // The parts that a controller adds are consecutive, somewhere after its own part.
     TypeSpec read = type;
     read.parts.resize(controller.part + 1);
-    add(controller.params, seed, registry, read, controller.part);
+    static_cast<void>(add(controller.params, seed, registry, read, controller.part));
     const auto begin = read.parts.begin() + controller.part + 1;
     const auto count = read.parts.end() - begin;
     for (auto at = type.parts.begin() + controller.part + 1; count > 0 && type.parts.end() - at >= count;
