@@ -284,6 +284,13 @@ TEST_F(StageParser, AFileInUtf16IsOneError) {
   EXPECT_THAT(messages(), ElementsAre("w.world: error: the file is encoded in UTF-16: save it in UTF-8"));
 }
 
+TEST_F(StageParser, NulIsAllowedOnlyInComments) {
+  using std::string_view_literals::operator""sv;
+  load("# \0\nmodel( name \"a\0b\" )\n\0model()\n"sv);
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: a string contains the byte 0x00: remove this byte",
+                                      "w.world:3: error: unexpected byte 0x00: remove this byte"));
+}
+
 TEST_F(StageParser, LexicalErrors) {
   load("a = 1\nb ; 2\nc { 3\nd '4'\ne \x01\nf \"open\ng 2e-2\nh [1 2\ni [1 [2] 3]\nj [1 two]\n5\n]\n[1 2]\n");
   EXPECT_THAT(
