@@ -338,6 +338,31 @@ model( pose [3 0 0 0] size [1 1 1] fiducial_return 2 )
   EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
 }
 
+TEST_F(ConvertTest, SizesOfZeroComeBack) {
+  const fs::path world = write("flat.world", R"(
+position( name "r" size [0.3 0.3 0.3]
+  ranger( alwayson 1 size [0 0 0] sensor( samples 5 fov 180 ) )
+  fiducial( alwayson 1 size [0.1 0.1 0] ) model( noblocks 1 size [0 0 0.2] fiducial_return 3 ) )
+model( pose [3 0 0 0] size [1 1 0] )
+)");
+  const fs::path back = convert(convert(world, "flat.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(back), HasSubstr("size [0 0 0]"));
+  EXPECT_THAT(content(back), HasSubstr("size [0.1 0.1 0]"));
+  EXPECT_THAT(content(back), HasSubstr("size [0 0 0.2]"));
+  EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
+}
+
+TEST_F(ConvertTest, AnOutlineWithoutAnExtentIsNotOfStage) {
+  convert(write("line.json", R"({"troupe": 1, "types": {
+    "t": {"blocks": [{"contours_m": [[[0, 0], [0, 1], [0, 2]]], "z_m": [0, 1]}]}},
+  "models": [{"name": "a", "type": "t"}]})"),
+          "w.world");
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("line.json:2: error: a .world file cannot express this: type \"t\": an "
+                                    "outline whose extent along x or y is 0")));
+}
+
 TEST_F(ConvertTest, OriginsOfGrippersComeBack) {
   const fs::path world = write("origin.world", R"(
 position( name "r" size [0.25 0.25 0.25]

@@ -77,7 +77,7 @@ class TypeText {
   bool write_image(const PartSpec& part);
   void write_blocks(const PartSpec& part);
   void write_block(const Solid& block, Where where);
-  void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind, Where where);
+  void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind);
   void write_returns(const engine::Returns& returns);
   void write_controllers(std::uint32_t p);
   void write_power(std::uint32_t p);
@@ -172,11 +172,11 @@ void TypeText::write_body(const PartSpec& part, const DeviceSpec* own) {
   if (write_image(part)) return;
   const bool is_brought_along = device && device->body && !part.fitted && !part.solids.empty();
   if (!is_brought_along) {
-    if (is_default_box(part, *kind)) return write_size(part.size, kind, part.where);
+    if (is_default_box(part, *kind)) return write_size(part.size, kind);
     if (!part.solids.empty()) return write_blocks(part);
     if (kind->has_default_body || (device && device->body)) text_.flag("noblocks", true);
   }
-  write_size(part.size, kind, part.where);
+  write_size(part.size, kind);
   if (own && !is_wheels(*own) && own->pose_body_device != part.pose_body_part)  // `origin` moves the device
     text_.pose("origin", relative_pose(part.pose_body_part, own->pose_body_device));
 }
@@ -216,7 +216,7 @@ bool TypeText::write_image(const PartSpec& part) {
 /// centres them. The property `origin` is therefore written, to undo the centring.
 void TypeText::write_blocks(const PartSpec& part) {
   if (part.fitted) {
-    write_size(part.size, nullptr, part.where);
+    write_size(part.size, nullptr);
     if (part.fitted->origin != Pose()) text_.pose("origin", part.fitted->origin);
     for (const Solid& block : part.fitted->blocks) write_block(block, part.where);
     return;
@@ -242,9 +242,10 @@ void TypeText::write_blocks(const PartSpec& part) {
     solid.z = {lowered(solid.z.min), lowered(solid.z.max)};
   }
   const Box extent = extent_of(solids);
+  if (extent.size().minCoeff() <= 0) return lacks(part.where, "an outline whose extent along x or y is 0");
   ZInterval z = solids.front().z;
   for (const Solid& solid : solids) z = {std::min(z.min, solid.z.min), std::max(z.max, solid.z.max)};
-  write_size({extent.size().x(), extent.size().y(), z.max - z.min}, nullptr, part.where);
+  write_size({extent.size().x(), extent.size().y(), z.max - z.min}, nullptr);
   if (origin != Pose()) text_.pose("origin", origin);
   for (const Solid& solid : solids) write_block(solid, part.where);
 }
@@ -260,9 +261,8 @@ void TypeText::write_block(const Solid& block, Where where) {
   text_.close();
 }
 
-void TypeText::write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind, Where where) {
+void TypeText::write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind) {
   if (kind && size == kind->size) return;
-  if (size.minCoeff() <= 0) return lacks(where, "a \"size\" of 0");
   text_.numbers("size", std::array{size.x(), size.y(), size.z()});
 }
 
