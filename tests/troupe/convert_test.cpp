@@ -296,6 +296,24 @@ TEST_F(ConvertTest, PartsThatAPowerPackSuppliesAreKeptOrNamed) {
                                     "device \"lift.power\": the devices that it supplies")));
 }
 
+TEST_F(ConvertTest, FullPowerPacksAndThoseThatNeverRunOutComeBack) {
+  const fs::path json = write("packs.json", R"({"troupe": 1, "types": {
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+      "devices": [{"name": "power", "kind": "power_pack", "capacity_J": 5}]},
+    "box": {"size_m": [0.4, 0.4, 0.3], "devices": [{"name": "power", "kind": "power_pack", "capacity_J": 5}]},
+    "mains": {"size_m": [0.4, 0.4, 0.3],
+      "devices": [{"name": "power", "kind": "power_pack", "capacity_J": 9, "infinite": true}]}},
+  "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "box", "pose": {"x_m": 2}},
+    {"name": "c", "type": "mains", "pose": {"x_m": 4}}]})");
+  const fs::path back = convert(json, "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(back, 3), hash_log(json, 3));
+
+  const fs::path world = write("mains.world", "model( joules -1 joules_capacity 50 )\n");
+  convert(convert(world, "mains.json"), "back.world");
+  EXPECT_THAT(found, IsEmpty());
+}
+
 TEST_F(ConvertTest, AnArenaWithoutWallsIsNotOfStage) {
   const auto world = [](const std::string& walls) {
     return R"({"troupe": 1,

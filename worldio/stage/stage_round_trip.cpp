@@ -87,6 +87,21 @@ bool is_rounded(const engine::Value& a, const engine::Value& b, const engine::Fi
   return std::abs(a.number() - b.number()) <= k_rounding * largest;
 }
 
+/// Returns the parameters of a device. Of a power pack, parameters without an effect are replaced by 0: the
+/// energy and the capacity of a pack that never runs out, and the power of the drive if the pack does not
+/// supply a drive. Stored energy is at most the capacity.
+Record effective_params(const TypeSpec& type, const DeviceSpec& device, const FieldTable& table) {
+  Record params = device.params;
+  if (device.kind != "power_pack") return params;
+  const auto value = [&](std::string_view name) -> engine::Value& {
+    return params[static_cast<std::size_t>(table.find(name))];
+  };
+  if (value("infinite").boolean()) value("capacity") = 0.0;
+  value("stored") = std::min(value("stored").number(), value("capacity").number());
+  if (!type.drive || device.part != 0) value("mass") = value("idle") = 0.0;
+  return params;
+}
+
 class RoundTrip {
  public:
   RoundTrip(const TypeSpec& type, const TypeSpec& back, const engine::Registry& registry,
@@ -216,7 +231,8 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
   const std::string owner = fmt::format("device \"{}\"", a.name);
   const bool is_placeless = a.kind == "power_pack" || a.kind == "flags";  // pose and joint have no effect
   if (const engine::DeviceKind* kind = registry_.device(a.kind))
-    check_params(a.where, owner, a.params, b.params, kind->params);
+    check_params(a.where, owner, effective_params(type_, a, kind->params),
+                 effective_params(back_, b, kind->params), kind->params);
   if (!is_placeless) check_pose(a.where, owner, a.pose_body_device, b.pose_body_device);
   if (!same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": its \"period_s\"");
   if (a.active != b.active) lacks(a.where, owner + ": its \"active\"");
