@@ -356,6 +356,30 @@ model( pose [3 0 0 0] size [1 1 1] fiducial_return 2 )
   EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
 }
 
+TEST_F(ConvertTest, BodiesOfTurnedDevicesComeBack) {
+  const fs::path world = write("turned.world", R"(
+position( name "r" size [0.3 0.3 0.3]
+  fiducial( alwayson 1 pose [0.1 0 0 40] origin [0.03 0.01 0.02 30] size [0.3 0.2 0.1] boundary 1 )
+  model( pose [0 0 0 25] size [0.1 0.1 0.1]
+    bumper( pose [0.05 0.02 0 10] size [0.2 0.1 0.1] bcount 1 blength 0.1 boundary 1 noblocks 1
+      block( points 3 point[0] [0 0] point[1] [3 0] point[2] [0 1] z [0 1] ) ) ) )
+)");
+  const fs::path back = convert(convert(world, "turned.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(back), HasSubstr("origin ["));
+}
+
+TEST_F(ConvertTest, ClockwiseOutlinesAreAWarning) {
+  const fs::path json = write("w.json", R"({"troupe": 1, "types": {
+    "t": {"blocks": [{"contours_m": [[[-1, -1], [-1, 1], [1, 1], [1, -1]]], "z_m": [0, 1]}]}},
+  "models": [{"name": "a", "type": "t"}]})");
+  convert(json, "w.world");
+  EXPECT_THAT(found, IsEmpty());
+  EXPECT_THAT(warnings,
+              ElementsAre(HasSubstr("w.json:2: warning: type \"t\": its body: the corners of its outline "
+                                    "are written counter-clockwise, as in Stage")));
+}
+
 TEST_F(ConvertTest, SizesOfZeroComeBack) {
   const fs::path world = write("flat.world", R"(
 position( name "r" size [0.3 0.3 0.3]

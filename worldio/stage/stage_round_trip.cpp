@@ -1,8 +1,8 @@
 #include "worldio/stage/stage_round_trip.hpp"
 
-#include "worldio/stage/stage_demos.hpp"
-
+#include "base/geometry.hpp"
 #include "worldio/json/fields_json.hpp"
+#include "worldio/stage/stage_demos.hpp"
 
 #include <fmt/format.h>
 
@@ -48,6 +48,15 @@ std::optional<double> distance(const std::vector<Solid>& a, const std::vector<So
     }
   }
   return most;
+}
+
+/// Returns solids whose contours are all counter-clockwise. This is the order of the corners of Stage's
+/// blocks.
+std::vector<Solid> counter_clockwise(std::vector<Solid> solids) {
+  for (Solid& solid : solids)
+    for (Ring& ring : solid.contours)
+      if (signed_area(ring) < 0) std::ranges::reverse(ring);
+  return solids;
 }
 
 /// Returns the name of a joint; empty for k_rigid.
@@ -331,7 +340,15 @@ void RoundTrip::check_bodies() {
       lacks(a.where, owner + ": the joint that it is mounted on");
     if (a.floor_plan != b.floor_plan) check_floor_plan(a, owner);
     if (a.color && a.color != b.color) lacks(a.where, owner + ": its \"color\"");
-    const std::optional<double> off = distance(a.solids, b.solids);
+    std::optional<double> off = distance(a.solids, b.solids);
+    if (!off || *off > k_rounding_m) {
+      off = distance(counter_clockwise(a.solids), b.solids);
+      if (off && *off <= k_rounding_m)
+        warn(a.where,
+             owner +
+                 ": the corners of its outline are written counter-clockwise, as in Stage; the state "
+                 "hashes of a run may differ from those of the original world");
+    }
     if (!off || *off > k_rounding_m)
       lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
     else if (*off > 0)

@@ -75,7 +75,7 @@ class TypeText {
   void write_body(const PartSpec& part, const DeviceSpec* own);
   static bool is_default_box(const PartSpec& part, const engine::ModelKind& kind);
   bool write_image(const PartSpec& part);
-  void write_blocks(const PartSpec& part);
+  void write_blocks(const PartSpec& part, const DeviceSpec* own);
   void write_block(const Solid& block, Where where);
   void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind);
   void write_returns(const engine::Returns& returns);
@@ -173,7 +173,7 @@ void TypeText::write_body(const PartSpec& part, const DeviceSpec* own) {
   const bool is_brought_along = device && device->body && !part.fitted && !part.solids.empty();
   if (!is_brought_along) {
     if (is_default_box(part, *kind)) return write_size(part.size, kind);
-    if (!part.solids.empty()) return write_blocks(part);
+    if (!part.solids.empty()) return write_blocks(part, own);
     if (kind->has_default_body || (device && device->body)) text_.flag("noblocks", true);
   }
   write_size(part.size, kind);
@@ -213,22 +213,29 @@ bool TypeText::write_image(const PartSpec& part) {
 }
 
 /// Writes the solids of a part as blocks. Stage scales the blocks of a model to the size of the model and
-/// centres them. The property `origin` is therefore written, to undo the centring.
-void TypeText::write_blocks(const PartSpec& part) {
+/// centres them. The property `origin` is therefore written, to undo the centring. If the part is also a
+/// device, the blocks are written in the frame of the device, because `origin` moves both.
+void TypeText::write_blocks(const PartSpec& part, const DeviceSpec* own) {
   if (part.fitted) {
     write_size(part.size, nullptr);
     if (part.fitted->origin != Pose()) text_.pose("origin", part.fitted->origin);
     for (const Solid& block : part.fitted->blocks) write_block(block, part.where);
     return;
   }
-  const Transform frame(part.pose_body_part);
-  const Box whole = extent_of(part.solids);
-  const Vec2 middle = whole.center() - frame.position;
-  const Rotation& turn = frame.rotation;
-  Pose origin{middle.x() * turn.cos + middle.y() * turn.sin, middle.y() * turn.cos - middle.x() * turn.sin, 0,
-              0};
+  const bool is_moved = own && !is_wheels(*own) && own->pose_body_device != part.pose_body_part;
+  const Transform frame(is_moved ? own->pose_body_device : part.pose_body_part);
+  const auto along_axes = [&turn = frame.rotation](const Vec2& p) {
+    return Vec2(p.x() * turn.cos + p.y() * turn.sin, p.y() * turn.cos - p.x() * turn.sin);
+  };
+  Box whole;  // along the axes of the frame
+  for (const Solid& solid : part.solids)
+    for (const Ring& ring : solid.contours)
+      for (const Vec2& point : ring) whole.extend(along_axes(point));
+  const Vec2 middle = whole.center() - along_axes(frame.position);
+  Pose origin = is_moved ? relative_pose(part.pose_body_part, own->pose_body_device) : Pose();
   constexpr double k_centred = 1e-9;  // fraction of the extent; smaller offsets are rounding errors
-  if (origin.position().norm() <= k_centred * whole.size().norm()) origin = Pose();
+  if (middle.norm() > k_centred * whole.size().norm())
+    origin = compose(origin, Pose{middle.x(), middle.y(), 0, 0});
   const Pose pose_body_blocks = compose(part.pose_body_part, origin);
   std::vector<Solid> solids = part.solids;
   for (Solid& solid : solids) {
