@@ -217,6 +217,15 @@ TEST_F(ConvertTest, ImagesStayImagesWhereverTheWorldGoes) {
   EXPECT_THAT(content(json), Not(HasSubstr("contours_m")));
 }
 
+TEST_F(ConvertTest, ImagesWithoutHeightAreWrittenAsOutlines) {
+  write("dot.pgm", "P5 2 1 255\n" + std::string("\x00\xff", 2));
+  const fs::path world = write("w.world", "model( bitmap \"dot.pgm\" size [1 1 0] )\n");
+  const fs::path json = convert(world, "w.json");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(json), HasSubstr("contours_m"));
+  EXPECT_EQ(hash_log(json, 2), hash_log(world, 2));
+}
+
 TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
   const fs::path json = write("w.json", R"({"troupe": 1,
   "ranging": "grid",
