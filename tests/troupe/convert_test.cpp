@@ -217,6 +217,15 @@ TEST_F(ConvertTest, ImagesStayImagesWhereverTheWorldGoes) {
   EXPECT_THAT(content(json), Not(HasSubstr("contours_m")));
 }
 
+TEST_F(ConvertTest, ImagesWithoutHeightAreWrittenAsOutlines) {
+  write("dot.pgm", "P5 2 1 255\n" + std::string("\x00\xff", 2));
+  const fs::path world = write("w.world", "model( bitmap \"dot.pgm\" size [1 1 0] )\n");
+  const fs::path json = convert(world, "w.json");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(json), HasSubstr("contours_m"));
+  EXPECT_EQ(hash_log(json, 2), hash_log(world, 2));
+}
+
 TEST_F(ConvertTest, WhatStageHasNoWordForIsNamedWithItsLine) {
   const fs::path json = write("w.json", R"({"troupe": 1,
   "ranging": "grid",
@@ -296,6 +305,24 @@ TEST_F(ConvertTest, PartsThatAPowerPackSuppliesAreKeptOrNamed) {
                                     "device \"lift.power\": the devices that it supplies")));
 }
 
+TEST_F(ConvertTest, FullPowerPacksAndThoseThatNeverRunOutComeBack) {
+  const fs::path json = write("packs.json", R"({"troupe": 1, "types": {
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+      "devices": [{"name": "power", "kind": "power_pack", "capacity_J": 5}]},
+    "box": {"size_m": [0.4, 0.4, 0.3], "devices": [{"name": "power", "kind": "power_pack", "capacity_J": 5}]},
+    "mains": {"size_m": [0.4, 0.4, 0.3],
+      "devices": [{"name": "power", "kind": "power_pack", "capacity_J": 9, "infinite": true}]}},
+  "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "box", "pose": {"x_m": 2}},
+    {"name": "c", "type": "mains", "pose": {"x_m": 4}}]})");
+  const fs::path back = convert(json, "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(back, 3), hash_log(json, 3));
+
+  const fs::path world = write("mains.world", "model( joules -1 joules_capacity 50 )\n");
+  convert(convert(world, "mains.json"), "back.world");
+  EXPECT_THAT(found, IsEmpty());
+}
+
 TEST_F(ConvertTest, AnArenaWithoutWallsIsNotOfStage) {
   const auto world = [](const std::string& walls) {
     return R"({"troupe": 1,
@@ -344,6 +371,55 @@ model( pose [3 0 0 0] size [1 1 1] fiducial_return 2 )
   ASSERT_THAT(found, IsEmpty());
   EXPECT_THAT(content(back), HasSubstr("origin ["));
   EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
+}
+
+TEST_F(ConvertTest, BodiesOfTurnedDevicesComeBack) {
+  const fs::path world = write("turned.world", R"(
+position( name "r" size [0.3 0.3 0.3]
+  fiducial( alwayson 1 pose [0.1 0 0 40] origin [0.03 0.01 0.02 30] size [0.3 0.2 0.1] boundary 1 )
+  model( pose [0 0 0 25] size [0.1 0.1 0.1]
+    bumper( pose [0.05 0.02 0 10] size [0.2 0.1 0.1] bcount 1 blength 0.1 boundary 1 noblocks 1
+      block( points 3 point[0] [0 0] point[1] [3 0] point[2] [0 1] z [0 1] ) ) ) )
+)");
+  const fs::path back = convert(convert(world, "turned.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(back), HasSubstr("origin ["));
+}
+
+TEST_F(ConvertTest, ClockwiseOutlinesAreAWarning) {
+  const fs::path json = write("w.json", R"({"troupe": 1, "types": {
+    "t": {"blocks": [{"contours_m": [[[-1, -1], [-1, 1], [1, 1], [1, -1]]], "z_m": [0, 1]}]}},
+  "models": [{"name": "a", "type": "t"}]})");
+  convert(json, "w.world");
+  EXPECT_THAT(found, IsEmpty());
+  EXPECT_THAT(warnings,
+              ElementsAre(HasSubstr("w.json:2: warning: type \"t\": its body: the corners of its outline "
+                                    "are written counter-clockwise, as in Stage")));
+}
+
+TEST_F(ConvertTest, SizesOfZeroComeBack) {
+  const fs::path world = write("flat.world", R"(
+position( name "r" size [0.3 0.3 0.3]
+  ranger( alwayson 1 size [0 0 0] sensor( samples 5 fov 180 ) )
+  fiducial( alwayson 1 size [0.1 0.1 0] ) model( noblocks 1 size [0 0 0.2] fiducial_return 3 ) )
+model( pose [3 0 0 0] size [1 1 0] )
+)");
+  const fs::path back = convert(convert(world, "flat.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(back), HasSubstr("size [0 0 0]"));
+  EXPECT_THAT(content(back), HasSubstr("size [0.1 0.1 0]"));
+  EXPECT_THAT(content(back), HasSubstr("size [0 0 0.2]"));
+  EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
+}
+
+TEST_F(ConvertTest, AnOutlineWithoutAnExtentIsNotOfStage) {
+  convert(write("line.json", R"({"troupe": 1, "types": {
+    "t": {"blocks": [{"contours_m": [[[0, 0], [0, 1], [0, 2]]], "z_m": [0, 1]}]}},
+  "models": [{"name": "a", "type": "t"}]})"),
+          "w.world");
+  EXPECT_THAT(found,
+              ElementsAre(HasSubstr("line.json:2: error: a .world file cannot express this: type \"t\": an "
+                                    "outline whose extent along x or y is 0")));
 }
 
 TEST_F(ConvertTest, OriginsOfGrippersComeBack) {

@@ -1,7 +1,9 @@
 #include "worldio/stage/stage_demos.hpp"
 
 #include "tests/support/scene.hpp"
+#include "worldio/load.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +17,7 @@ TEST(Dynamic, AddsChildrenAboutItsModel) {
   const engine::ControllerKind kind = *test::registry().controller("dynamic");
   engine::TypeSpec type;
   type.parts.push_back({.kind = "model", .size = {0.4, 0.4, 1}, .solids = {test::box(0.4, 0.4)}});
-  stage_addition("dynamic")(kind.params.defaults(), 1, test::registry(), type, 0);
+  EXPECT_TRUE(stage_addition("dynamic")(kind.params.defaults(), 1, test::registry(), type, 0));
   ASSERT_EQ(type.parts.size(), 101);
   EXPECT_EQ(type.parts[1].name, "dynamic:0");
   bool differ = false;
@@ -30,10 +32,10 @@ TEST(Dynamic, AddsChildrenAboutItsModel) {
   EXPECT_TRUE(differ);
   engine::TypeSpec other;
   other.parts.push_back(type.parts.front());
-  stage_addition("dynamic")(kind.params.defaults(), 1, test::registry(), other, 0);
+  EXPECT_TRUE(stage_addition("dynamic")(kind.params.defaults(), 1, test::registry(), other, 0));
   EXPECT_EQ(other.parts.back().pose_body_part, type.parts.back().pose_body_part);
   other.parts.resize(1);
-  stage_addition("dynamic")(kind.params.defaults(), 2, test::registry(), other, 0);
+  EXPECT_TRUE(stage_addition("dynamic")(kind.params.defaults(), 2, test::registry(), other, 0));
   EXPECT_NE(other.parts.back().pose_body_part, type.parts.back().pose_body_part);
 }
 
@@ -44,7 +46,7 @@ TEST(LaserNoise, GivesTheFirstTransducerOfItsRangerAnErrorOfFivePerCent) {
       test::ranger("eye", {{.range_max = 8, .samples = 1}, {.range_max = 8, .samples = 1}})};
   scene[type].controllers = {test::controller("lasernoise")};
   const engine::ControllerKind& kind = *test::registry().controller("lasernoise");
-  stage_addition("lasernoise")(kind.params.defaults(), 1, test::registry(), scene[type], 0);
+  EXPECT_TRUE(stage_addition("lasernoise")(kind.params.defaults(), 1, test::registry(), scene[type], 0));
   scene.body("r", type);
   scene.wall(4, -1, 4.2, 1);
   engine::World world = scene.world();
@@ -62,6 +64,19 @@ TEST(LaserNoise, GivesTheFirstTransducerOfItsRangerAnErrorOfFivePerCent) {
   const double mean = sum / k_ticks;
   EXPECT_NEAR(mean, 4, 0.02);  // four standard errors
   EXPECT_NEAR(std::sqrt(squares / k_ticks - mean * mean), 0.2, 0.015);
+}
+
+TEST(LaserNoise, HasNoEffectOutsideOfARanger) {
+  Diagnostics diagnostics;
+  load_stage_world("w.world",
+                   "position(\n  ctrl \"lasernoise\"\n  ranger( sensor() ) )\n"
+                   "position( pose [3 0 0 0] ranger( sensor() ctrl \"lasernoise\" ) )\n",
+                   test::registry(), {}, diagnostics);
+  EXPECT_THAT(
+      diagnostics.warnings(),
+      testing::ElementsAre("w.world:2: warning: controller \"lasernoise\" has no effect: it must be in "
+                           "a ranger with a sensor( ... )"));
+  EXPECT_FALSE(diagnostics.has_errors());
 }
 
 TEST(StageDemos, OtherControllersAddNothing) { EXPECT_EQ(stage_addition("rasterize"), nullptr); }

@@ -290,6 +290,13 @@ TEST_F(StageParser, AFileInUtf16IsOneError) {
   EXPECT_THAT(messages(), ElementsAre("w.world: error: the file is encoded in UTF-16: save it in UTF-8"));
 }
 
+TEST_F(StageParser, NulIsAllowedOnlyInComments) {
+  using std::string_view_literals::operator""sv;
+  load("# \0\nmodel( name \"a\0b\" )\n\0model()\n"sv);
+  EXPECT_THAT(messages(), ElementsAre("w.world:2: error: a string contains the byte 0x00: remove this byte",
+                                      "w.world:3: error: unexpected byte 0x00: remove this byte"));
+}
+
 TEST_F(StageParser, LexicalErrors) {
   load("a = 1\nb ; 2\nc { 3\nd '4'\ne \x01\nf \"open\ng 2e-2\nh [1 2\ni [1 [2] 3]\nj [1 two]\n5\n]\n[1 2]\n");
   EXPECT_THAT(
@@ -425,6 +432,14 @@ TEST_F(StageParser, AMacroMustStandBeforeItsUse) {
   EXPECT_THAT(
       messages(),
       ElementsAre(HasSubstr("w.world:1: error: \"a\" is neither a model type nor a macro defined above")));
+}
+
+TEST_F(StageParser, AnUnknownBaseIsReportedWhereTheMacroIsDefined) {
+  write("robots.inc", "define bot\n  positron( size [1 1 1] )\n");
+  load("include \"robots.inc\"\ndefine scout bot()\nscout()\nscout( pose [3 0 0 0] )\nbot()\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(HasSubstr("robots.inc:2: error: \"positron\" is neither a model type nor a macro")));
 }
 
 TEST_F(StageParser, AMacroMayShadowAType) {

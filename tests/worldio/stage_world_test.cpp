@@ -851,14 +851,16 @@ TEST_F(StageWorld, RefusesWrongLocalisation) {
   load(
       "position( localization \"gsp\" )\nposition( odom_error [0.05 0.05 0.1] )\n"
       "position( odom_heading \"newer\" )\nposition( acceleration_bounds [1 -1 0 0 0 0 0 0] )\n"
-      "position( velocity [1 0 0] )");
+      "position( velocity [1 0 0] )\nposition( odom_error [1001 0 0 -60000] )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\", found \"gsp\"",
                           "w.world:2: error: \"odom_error\" needs 4 values [x y z a], found 3",
                           "w.world:3: error: \"odom_heading\" must be \"old\" or \"new\", found \"newer\"",
                           "w.world:4: error: in \"acceleration_bounds\", each minimum must be at most the "
                           "maximum that follows it, found 1 and -1",
-                          "w.world:5: error: \"velocity\" needs 4 values [x y z a], found 3"));
+                          "w.world:5: error: \"velocity\" needs 4 values [x y z a], found 3",
+                          "w.world:6: error: \"odom_error\" must be at most 1000, found 1001",
+                          "w.world:6: error: \"odom_error\" must be at least -57295.8, found -60000"));
 }
 
 TEST_F(StageWorld, RefusesWrongDrives) {

@@ -53,7 +53,8 @@ class WorldContractor {
  private:
   std::size_t count_floor_plans();
   bool is_floor_plan(std::size_t body);
-  /// Whether the image of a part, read again, gives exactly the solids and the size of the part.
+  /// Whether the image of a part, read again, gives exactly the solids and the size of the part. False for a
+  /// size of 0, because sizes in JSON must be above 0.
   /// `as_floor_plan`: true for the image of an entry of `floorplans`, false for that of a part of a type.
   bool makes(const PartSpec& part, bool as_floor_plan);
   void drop_images();
@@ -76,6 +77,7 @@ class WorldContractor {
 };
 
 bool WorldContractor::makes(const PartSpec& part, bool as_floor_plan) {
+  if (part.size.minCoeff() <= 0) return false;
   const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
   if (!image || image->contours.empty()) return false;
   PartSpec made = part;
@@ -84,7 +86,8 @@ bool WorldContractor::makes(const PartSpec& part, bool as_floor_plan) {
 }
 
 /// Removes each image that does not give the present solids of its part. This happens if the frame of the
-/// part or the image file was changed after the image was read. The part is then written as outlines.
+/// part or the image file was changed after the image was read, or if the part has no height. The part is
+/// then written as outlines.
 void WorldContractor::drop_images() {
   for (TypeSpec& type : spec_.types)
     for (PartSpec& part : type.parts)

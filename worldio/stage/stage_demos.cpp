@@ -41,8 +41,8 @@ struct Dynamic {
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
 };
 
-void add_children(const Record& params, std::uint64_t seed, const engine::Registry&, TypeSpec& type,
-                  std::uint32_t part) {
+Result<> add_children(const Record& params, std::uint64_t seed, const engine::Registry&, TypeSpec& type,
+                      std::uint32_t part) {
   const auto [count, reach] = engine::from_record<Dynamic::Params>(params);
   const PartSpec parent = type.parts[part];
   Random random(seed, stream_id(k_dynamic, parent.name), 0, 0);
@@ -65,6 +65,7 @@ void add_children(const Record& params, std::uint64_t seed, const engine::Regist
         placed(Solid{{Ring{{-h, -h}, {h, -h}, {h, h}, {-h, h}}}, {0, k_child_m}}, child.pose_body_part)};
     type.parts.push_back(std::move(child));
   }
+  return {};
 }
 
 struct LaserNoise {
@@ -88,16 +89,17 @@ struct LaserNoise {
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {}
 };
 
-void add_noise(const Record& params, std::uint64_t, const engine::Registry&, TypeSpec& type,
-               std::uint32_t part) {
+Result<> add_noise(const Record& params, std::uint64_t, const engine::Registry&, TypeSpec& type,
+                   std::uint32_t part) {
   for (engine::DeviceSpec& device : type.devices) {
     if (device.kind != "ranger" || device.part != part) continue;
     auto ranger = engine::from_record<engine::RangerParams>(device.params);
-    if (ranger.transducers.empty()) return;
+    if (ranger.transducers.empty()) break;
     ranger.transducers.front().noise_relative = engine::from_record<LaserNoise::Params>(params).share;
     device.params = engine::to_record(ranger);
-    return;
+    return {};
   }
+  return Error{"must be in a ranger with a sensor( ... )"};
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/result.hpp"
 #include "engine/kinds/kinds.hpp"
 
 #include <cstdint>
@@ -36,8 +37,10 @@ engine::ControllerKind lasernoise_controller();
 /// registry  the kinds (sorts) of devices
 /// type      the type (description of bodies of the same construction) that has the controller
 /// part      index in TypeSpec::parts of the part that has the controller
-using StageAddition = void (*)(const engine::Record& params, std::uint64_t seed,
-                               const engine::Registry& registry, engine::TypeSpec& type, std::uint32_t part);
+/// If the part has nothing that the controller can change, the function changes nothing and returns an error.
+using StageAddition = Result<> (*)(const engine::Record& params, std::uint64_t seed,
+                                   const engine::Registry& registry, engine::TypeSpec& type,
+                                   std::uint32_t part);
 
 /// Returns the function for controllers of the kind `controller`; null for all kinds except `dynamic` and
 /// `lasernoise`.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace troupe::worldio {
@@ -354,9 +355,14 @@ bool StageKinds::localize(const StageModel& model, const FieldTable& table, Reco
   if (const StageProperty* property = model.find(document_, "odom_error")) {
     const auto error = values_.tuple(*property, 4, 4, "[x y z a]");
     is_right = is_right && error;
-    if (error)
-      set(table, params, "odom_error",
-          std::vector<double>{(*error)[0], (*error)[1], (*error)[3] * values_.angle_unit()});
+    if (const int at = table.find("odom_error"); error && at >= 0) {
+      const auto field = static_cast<std::size_t>(at);
+      const std::array written{(*error)[0], (*error)[1], (*error)[3]};
+      std::vector<double> fractions{written[0], written[1], written[2] * values_.angle_unit()};
+      for (std::size_t i = 0; i < written.size(); ++i)
+        is_right = values_.is_within(*property, table.fields[field], fractions[i], written[i]) && is_right;
+      params[field] = std::move(fractions);
+    }
   }
   return is_right;
 }

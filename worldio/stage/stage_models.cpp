@@ -42,8 +42,7 @@ StageMacros::StageMacros(const StageDocument& document, const engine::Registry& 
 
 void StageMacros::define(const StageItem& item) {
   const StageToken name = document_.token(item.entity.word);
-  const auto [first, is_new] =
-      macros_.emplace(name.text, Macro{&item.entity, document_.token(item.base).text});
+  const auto [first, is_new] = macros_.emplace(name.text, Macro{&item.entity, document_.token(item.base)});
   const Where before = document_.token(first->second.body->word).where();
   const bool is_read_again =
       before.file == name.file && before.line == name.line;  // the file is included twice
@@ -58,6 +57,7 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   StageModel model{.type = document_.word(entity), .where = document_.token(entity.word).where()};
   model.layers.push_back(&entity);
   model.names.push_back(model.type);
+  Where where_of_type = model.where;
   std::unordered_set<std::string_view> met;
   for (auto macro = macros_.find(model.type); macro != macros_.end(); macro = macros_.find(model.type)) {
     if (!met.insert(model.type).second) {
@@ -75,7 +75,8 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
     }
     macro->second.is_used = true;
     model.layers.push_back(macro->second.body);
-    model.type = macro->second.base;
+    model.type = macro->second.base.text;
+    where_of_type = macro->second.base.where();
     model.names.push_back(model.type);
   }
   std::ranges::reverse(model.layers);
@@ -103,7 +104,7 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   // Sorted, because the order of the hash table must not decide between two names that are equally similar.
   std::ranges::sort(near);
   const bool is_dropped = std::ranges::find(k_dropped, model.type) != std::end(k_dropped);
-  values_.error(model.where,
+  values_.error(where_of_type,
                 fmt::format("\"{}\" is neither a model type nor a macro defined above{}; types: {}{}",
                             model.type, is_dropped ? " (Stage has had no such type since version 4.3)" : "",
                             comma_list(types), is_dropped ? "" : did_you_mean(model.type, near)));

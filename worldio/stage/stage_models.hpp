@@ -56,7 +56,7 @@ class StageMacros {
   /// Applies the macros of an entity, but not those of its children. Replaces an older name of a type, such
   /// as "laser", by the present name. Reports an error and returns std::nullopt if
   /// - a macro is based on itself, directly or through other macros,
-  /// - the last macro is not based on a known type, or
+  /// - the last macro is not based on a known type (the error is at the base of this macro), or
   /// - all calls together have followed more than 20 million steps from a macro to its base.
   std::optional<StageModel> resolve(const StageEntity& entity);
   /// Whether models of this type are devices that the registry has: rangers, grippers, ...
@@ -71,7 +71,7 @@ class StageMacros {
  private:
   struct Macro {
     const StageEntity* body;
-    std::string_view base;
+    StageToken base;
     bool is_used = false;
   };
 

@@ -178,6 +178,7 @@ class Lexer {
     if (c == '\'') return "unexpected \"'\"; strings are written in double quotes";
     if (c > ' ' && c < 127)
       return fmt::format("unexpected '{}': this character may be only in {}", c, k_free);
+    if (c == '\0') return "unexpected byte 0x00: remove this byte";
     return fmt::format("unexpected byte 0x{:02x}: this byte may be only in {}", static_cast<unsigned char>(c),
                        k_free);
   }
@@ -216,6 +217,9 @@ class Lexer {
       ++source.at;
     else
       errors_.add(source.where(), "a string must end with \" on the line on which it begins");
+    // Names of robots become parts of file names, which end at this byte.
+    if (text.find('\0') != text.npos)
+      errors_.add(source.where(), "a string contains the byte 0x00: remove this byte");
     add(source, TokenKind::string, text);
   }
 

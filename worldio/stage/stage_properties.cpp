@@ -93,9 +93,10 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "friction", no_effect, "Stage stores it and does not use it"},
     {"model", "map_resolution", no_effect, "Stage stores it and does not use it"},
     {"model", "debug", no_effect, "in Stage, the model prints a line"},
-    {"model", "mass", honoured,
-     "kg; used for a top-level `position`: its drive draws 1 W, plus 10 W times the mass in kg times the "
-     "speed in m/s"},
+    {"model", "mass", fixed,
+     "kg; used for a top-level `position`: its drive draws 1 W, plus 10 W times the mass in kg times the sum "
+     "of its forward speed and its sideways speed in m/s and its turn rate in rad/s, each without its sign. "
+     "These are the speeds within `velocity_bounds`; Stage uses the speeds before the bounds are applied"},
     {"model", "watts", fixed,
      "power that the model draws while it runs, W, whatever the length of a tick. A sensor or device counts "
      "as running if its robot has a controller, even if no controller uses it. No effect for model types "
@@ -297,8 +298,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "thick"},
 
     {"gripper", "paddle_size", fixed,
-     "[x y z], fractions of the gripper's `size`; paddles move as solid parts of the body and stop at what "
-     "they touch; in Stage, they jump"},
+     "[x y z], fractions of the gripper's `size`, whatever `unit_length` says (Stage reads them as lengths); "
+     "paddles move as solid parts of the body and stop at what they touch; in Stage, they jump"},
     {"gripper", "paddle_state", fixed,
      "[\"open\" or \"closed\" \"up\" or \"down\"]; a held body rises with the paddles and stays where it is "
      "released"},
@@ -345,7 +346,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"window", "rotate", window_camera, "[pitch yaw], degrees"},
     {"window", "scale", window_camera, "pixels per metre"},
     {"window", "pcam_loc", window_camera, "[x y z]"},
-    {"window", "pcam_angle", window_camera, "[pitch yaw], degrees, whatever `unit_angle` says, as in Stage"},
+    {"window", "pcam_angle", window_camera,
+     "[pitch yaw], degrees, whatever `unit_angle` says; Stage multiplies the two numbers by pi/180 if "
+     "`unit_angle` is \"degrees\""},
     {"window", "pcam_on", window_camera, ""},
     {"window", "interval", window_only, "ms"},
     {"window", "screenshot_skip", window_only, ""},

@@ -1,8 +1,8 @@
 #include "worldio/stage/stage_round_trip.hpp"
 
-#include "worldio/stage/stage_demos.hpp"
-
+#include "base/geometry.hpp"
 #include "worldio/json/fields_json.hpp"
+#include "worldio/stage/stage_demos.hpp"
 
 #include <fmt/format.h>
 
@@ -50,6 +50,15 @@ std::optional<double> distance(const std::vector<Solid>& a, const std::vector<So
   return most;
 }
 
+/// Returns solids whose contours are all counter-clockwise. This is the order of the corners of Stage's
+/// blocks.
+std::vector<Solid> counter_clockwise(std::vector<Solid> solids) {
+  for (Solid& solid : solids)
+    for (Ring& ring : solid.contours)
+      if (signed_area(ring) < 0) std::ranges::reverse(ring);
+  return solids;
+}
+
 /// Returns the name of a joint; empty for k_rigid.
 std::string joint_name(const TypeSpec& type, std::int32_t joint) {
   return joint == engine::k_rigid ? std::string() : type.joints[static_cast<std::size_t>(joint)].name;
@@ -85,6 +94,21 @@ bool is_rounded(const engine::Value& a, const engine::Value& b, const engine::Fi
   if (field.type != engine::FieldType::number || !a.given() || !b.given()) return false;
   const double largest = std::max(std::abs(a.number()), std::abs(b.number()));
   return std::abs(a.number() - b.number()) <= k_rounding * largest;
+}
+
+/// Returns the parameters of a device. Of a power pack, parameters without an effect are replaced by 0: the
+/// energy and the capacity of a pack that never runs out, and the power of the drive if the pack does not
+/// supply a drive. Stored energy is at most the capacity.
+Record effective_params(const TypeSpec& type, const DeviceSpec& device, const FieldTable& table) {
+  Record params = device.params;
+  if (device.kind != "power_pack") return params;
+  const auto value = [&](std::string_view name) -> engine::Value& {
+    return params[static_cast<std::size_t>(table.find(name))];
+  };
+  if (value("infinite").boolean()) value("capacity") = 0.0;
+  value("stored") = std::min(value("stored").number(), value("capacity").number());
+  if (!type.drive || device.part != 0) value("mass") = value("idle") = 0.0;
+  return params;
 }
 
 class RoundTrip {
@@ -216,7 +240,8 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
   const std::string owner = fmt::format("device \"{}\"", a.name);
   const bool is_placeless = a.kind == "power_pack" || a.kind == "flags";  // pose and joint have no effect
   if (const engine::DeviceKind* kind = registry_.device(a.kind))
-    check_params(a.where, owner, a.params, b.params, kind->params);
+    check_params(a.where, owner, effective_params(type_, a, kind->params),
+                 effective_params(back_, b, kind->params), kind->params);
   if (!is_placeless) check_pose(a.where, owner, a.pose_body_device, b.pose_body_device);
   if (!same_bits(a.period_s, b.period_s)) lacks(a.where, owner + ": its \"period_s\"");
   if (a.active != b.active) lacks(a.where, owner + ": its \"active\"");
@@ -315,7 +340,15 @@ void RoundTrip::check_bodies() {
       lacks(a.where, owner + ": the joint that it is mounted on");
     if (a.floor_plan != b.floor_plan) check_floor_plan(a, owner);
     if (a.color && a.color != b.color) lacks(a.where, owner + ": its \"color\"");
-    const std::optional<double> off = distance(a.solids, b.solids);
+    std::optional<double> off = distance(a.solids, b.solids);
+    if (!off || *off > k_rounding_m) {
+      off = distance(counter_clockwise(a.solids), b.solids);
+      if (off && *off <= k_rounding_m)
+        warn(a.where,
+             owner +
+                 ": the corners of its outline are written counter-clockwise, as in Stage; the state "
+                 "hashes of a run may differ from those of the original world");
+    }
     if (!off || *off > k_rounding_m)
       lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
     else if (*off > 0)

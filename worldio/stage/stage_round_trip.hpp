@@ -17,6 +17,7 @@ namespace troupe::worldio {
 /// Each difference that changes the behaviour of the world is an error. The error has the place of the value
 /// in the file from which `spec` was read. Some differences are only warnings:
 /// - an outline, a size or a pose of a part that differs by rounding (at most 1e-9 m or rad),
+/// - an outline whose corners are listed in the opposite order,
 /// - a heading that differs by whole turns,
 /// - another name of a type.
 void check_stage_round_trip(const engine::WorldSpec& spec, const engine::WorldSpec& back,

@@ -84,9 +84,9 @@ class TypeText {
   void write_body(const PartSpec& part, const DeviceSpec* own);
   static bool is_default_box(const PartSpec& part, const engine::ModelKind& kind);
   bool write_image(const PartSpec& part);
-  void write_blocks(const PartSpec& part);
+  void write_blocks(const PartSpec& part, const DeviceSpec* own);
   void write_block(const Solid& block, Where where);
-  void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind, Where where);
+  void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind);
   void write_returns(const engine::Returns& returns);
   void write_controllers(std::uint32_t p);
   void write_power(std::uint32_t p);
@@ -199,11 +199,11 @@ void TypeText::write_body(const PartSpec& part, const DeviceSpec* own) {
   if (write_image(part)) return;
   const bool is_brought_along = device && device->body && !part.fitted && !part.solids.empty();
   if (!is_brought_along) {
-    if (is_default_box(part, *kind)) return write_size(part.size, kind, part.where);
-    if (!part.solids.empty()) return write_blocks(part);
+    if (is_default_box(part, *kind)) return write_size(part.size, kind);
+    if (!part.solids.empty()) return write_blocks(part, own);
     if (kind->has_default_body || (device && device->body)) text_.flag("noblocks", true);
   }
-  write_size(part.size, kind, part.where);
+  write_size(part.size, kind);
   if (own && !is_wheels(*own) && own->pose_body_device != part.pose_body_part)  // `origin` moves the device
     text_.pose("origin", relative_pose(part.pose_body_part, own->pose_body_device));
 }
@@ -240,22 +240,29 @@ bool TypeText::write_image(const PartSpec& part) {
 }
 
 /// Writes the solids of a part as blocks. Stage scales the blocks of a model to the size of the model and
-/// centres them. The property `origin` is therefore written, to undo the centring.
-void TypeText::write_blocks(const PartSpec& part) {
+/// centres them. The property `origin` is therefore written, to undo the centring. If the part is also a
+/// device, the blocks are written in the frame of the device, because `origin` moves both.
+void TypeText::write_blocks(const PartSpec& part, const DeviceSpec* own) {
   if (part.fitted) {
-    write_size(part.size, nullptr, part.where);
+    write_size(part.size, nullptr);
     if (part.fitted->origin != Pose()) text_.pose("origin", part.fitted->origin);
     for (const Solid& block : part.fitted->blocks) write_block(block, part.where);
     return;
   }
-  const Transform frame(part.pose_body_part);
-  const Box whole = extent_of(part.solids);
-  const Vec2 middle = whole.center() - frame.position;
-  const Rotation& turn = frame.rotation;
-  Pose origin{middle.x() * turn.cos + middle.y() * turn.sin, middle.y() * turn.cos - middle.x() * turn.sin, 0,
-              0};
+  const bool is_moved = own && !is_wheels(*own) && own->pose_body_device != part.pose_body_part;
+  const Transform frame(is_moved ? own->pose_body_device : part.pose_body_part);
+  const auto along_axes = [&turn = frame.rotation](const Vec2& p) {
+    return Vec2(p.x() * turn.cos + p.y() * turn.sin, p.y() * turn.cos - p.x() * turn.sin);
+  };
+  Box whole;  // along the axes of the frame
+  for (const Solid& solid : part.solids)
+    for (const Ring& ring : solid.contours)
+      for (const Vec2& point : ring) whole.extend(along_axes(point));
+  const Vec2 middle = whole.center() - along_axes(frame.position);
+  Pose origin = is_moved ? relative_pose(part.pose_body_part, own->pose_body_device) : Pose();
   constexpr double k_centred = 1e-9;  // fraction of the extent; smaller offsets are rounding errors
-  if (origin.position().norm() <= k_centred * whole.size().norm()) origin = Pose();
+  if (middle.norm() > k_centred * whole.size().norm())
+    origin = compose(origin, Pose{middle.x(), middle.y(), 0, 0});
   const Pose pose_body_blocks = compose(part.pose_body_part, origin);
   std::vector<Solid> solids = part.solids;
   for (Solid& solid : solids) {
@@ -269,9 +276,10 @@ void TypeText::write_blocks(const PartSpec& part) {
     solid.z = {lowered(solid.z.min), lowered(solid.z.max)};
   }
   const Box extent = extent_of(solids);
+  if (extent.size().minCoeff() <= 0) return lacks(part.where, "an outline whose extent along x or y is 0");
   ZInterval z = solids.front().z;
   for (const Solid& solid : solids) z = {std::min(z.min, solid.z.min), std::max(z.max, solid.z.max)};
-  write_size({extent.size().x(), extent.size().y(), z.max - z.min}, nullptr, part.where);
+  write_size({extent.size().x(), extent.size().y(), z.max - z.min}, nullptr);
   if (origin != Pose()) text_.pose("origin", origin);
   for (const Solid& solid : solids) write_block(solid, part.where);
 }
@@ -287,9 +295,8 @@ void TypeText::write_block(const Solid& block, Where where) {
   text_.close();
 }
 
-void TypeText::write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind, Where where) {
+void TypeText::write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind) {
   if (kind && size == kind->size) return;
-  if (size.minCoeff() <= 0) return lacks(where, "a \"size\" of 0");
   text_.numbers("size", std::array{size.x(), size.y(), size.z()});
 }
 
@@ -414,7 +421,7 @@ std::vector<bool> added_parts(const TypeSpec& type, std::uint64_t seed, const en
     // The parts that a controller adds are consecutive, somewhere after its own part.
     TypeSpec read = type;
     read.parts.resize(controller.part + 1);
-    add(controller.params, seed, registry, read, controller.part);
+    static_cast<void>(add(controller.params, seed, registry, read, controller.part));
     const auto begin = read.parts.begin() + controller.part + 1;
     const auto count = read.parts.end() - begin;
     for (auto at = type.parts.begin() + controller.part + 1; count > 0 && type.parts.end() - at >= count;

@@ -671,7 +671,11 @@ void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draf
     if (kind != nullptr) bring_devices(*kind, controller, draft.type);
     if (kind != nullptr)
       if (const StageAddition add = stage_addition(controller.kind))
-        add(controller.params, spec_->seed, registry_, draft.type, controller.part);
+        if (const Result<> added =
+                add(controller.params, spec_->seed, registry_, draft.type, controller.part);
+            !added)
+          values_.warning_once(values_.where(*ctrl), fmt::format("controller \"{}\" has no effect: it {}",
+                                                                 controller.kind, added.error().text));
     draft.type.controllers.push_back(std::move(controller));
   }
 }
