@@ -193,6 +193,15 @@ TEST_F(Render, ColoursThatAreShownAreThoseOfTheRun) {
   EXPECT_EQ(pixels("p.png"), at_first);
 }
 
+TEST_F(Render, TrailsOfARecordingAreThoseOfTheRun) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  ASSERT_EQ(troupe({"run", "room.world", "--for", "30.1", "--quiet", "--record", "long.h5"}).code, 0);
+  ASSERT_EQ(draw({"room.world", "--at", "30.1", "--layers=trails,-stalls"}).code, 0);
+  const std::string of_world = pixels("p.png");
+  ASSERT_EQ(draw({"long.h5", "--layers=trails,-stalls"}).code, 0);
+  EXPECT_EQ(pixels("p.png"), of_world);
+}
+
 TEST_F(Render, PartsThatAJointHasMovedAreDrawnFarFromTheirBody) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
   write("crane.json", R"({"troupe": 1, "types": {"crane": {"size_m": [0.1, 0.1, 0.1], "pushable": true,
