@@ -31,6 +31,11 @@ using engine::FrameScene;
 constexpr double k_rows_of_one_stroke = 900;
 constexpr double k_margin = 0.03;        // margin around the scene, fraction of the picture's smaller side
 constexpr double k_furniture_band = 40;  // height below the scene for scale bar and clock, strokes
+/// On a map, static bodies whose tops are at most this high, m, belong to the floor, as coloured zones do:
+/// the overlays in the air are drawn over them. The sensor `ground` reads the colours of bodies up to this
+/// height by default. Sensors may be mounted lower than the top of a zone, so the heights of the overlays do
+/// not tell.
+constexpr double k_floor_m = 0.05;
 
 /// Restores the floating-point environment of the calling thread when it is destroyed. The OpenGL driver
 /// changes this environment (rounding, denormals).
@@ -132,6 +137,21 @@ double top_of_overlays(const FrameScene& scene, const Frame& frame) {
   for (const engine::FrameTrail& trail : frame.trails)
     for (const Vec3& point : trail.points) add(point);
   return top;
+}
+
+/// The static bodies of a scene.
+struct FixedBodies {
+  std::vector<FrameBody> of_floor;  ///< bodies that belong to the floor: see k_floor_m
+  std::vector<FrameBody> others;
+};
+
+FixedBodies fixed_bodies(const FrameScene& scene) {
+  FixedBodies bodies;
+  for (const FrameBody& body : scene.fixed) {
+    const double top = body.pose_world_body.z + heights_of(scene.types[body.type]).max;
+    (top <= k_floor_m ? bodies.of_floor : bodies.others).push_back(body);
+  }
+  return bodies;
 }
 
 std::vector<Vec3> corners_of(const Box& box, const ZInterval& z) {
@@ -252,9 +272,11 @@ Painter::Composition Painter::compose(const Frame& frame, const View& view) {
     framing = frame_from_above(scene, view);
     projection = Projection::from_above(framing);
     if (shown.grid) layers.emplace_back(flat(floor_grid(framing, theme.grid), true));
+    const FixedBodies fixed = fixed_bodies(scene);
+    add_flat_fixed(layers, impl_->meshes, fixed.of_floor, framing, shown, theme);
     // Drawn before the walls, which hide the ends of beams: a beam is drawn wider than the ray that was cast.
     add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::floor);
-    add_flat_fixed(layers, impl_->meshes, framing, shown, theme);
+    add_flat_fixed(layers, impl_->meshes, fixed.others, framing, shown, theme);
     add_on_floor(layers, scene, frame, colors, *projection, shown, theme);
     add_flat_mobile(layers, impl_->meshes, frame, colors, framing, shown);
   } else {

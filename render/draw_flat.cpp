@@ -80,19 +80,19 @@ Instances instances_by_type(const FrameScene& scene, const std::vector<FrameBody
 Layer flat(Mesh mesh, bool on_top) { return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top}; }
 
 // Static bodies have a shadow on the floor, which sets them off from the background.
-void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
-                    const Layers& shown, const Theme& theme) {
+void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes,
+                    const std::vector<FrameBody>& bodies, const Framing& framing, const Layers& shown,
+                    const Theme& theme) {
   const FrameScene& scene = meshes.scene;
-  const auto by_type = instances_by_type(scene, scene.fixed, {}, {}, framing, 0, false).moving;
+  const auto by_type = instances_by_type(scene, bodies, {}, {}, framing, 0, false).moving;
   std::vector<Layer> shadows;
-  std::vector<Layer> bodies;
+  std::vector<Layer> fixed;
   for (std::size_t type = 0; type < by_type.size(); ++type) {
     if (by_type[type].empty()) continue;
     const MeshStyle style{.edge = static_cast<float>(framing.stroke)};
-    bodies.push_back(
-        {body_mesh(scene.types[type], meshes.pieces[type], style), by_type[type], bodies.empty()});
+    fixed.push_back({body_mesh(scene.types[type], meshes.pieces[type], style), by_type[type], fixed.empty()});
     if (!shown.shadows) continue;
-    shadows.push_back({silhouette(bodies.back().mesh), by_type[type], shadows.empty()});
+    shadows.push_back({silhouette(fixed.back().mesh), by_type[type], shadows.empty()});
     for (Instance& instance : shadows.back().instances) {
       instance.x += static_cast<float>(2 * framing.stroke);
       instance.y -= static_cast<float>(2 * framing.stroke);
@@ -100,7 +100,7 @@ void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, co
     }
   }
   std::ranges::move(shadows, std::back_inserter(layers));
-  std::ranges::move(bodies, std::back_inserter(layers));
+  std::ranges::move(fixed, std::back_inserter(layers));
 }
 
 void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Frame& frame,

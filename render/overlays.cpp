@@ -266,7 +266,7 @@ struct Look {
 };
 
 /// Adds a legend in the upper left corner: for each type and colour of robots a swatch, the name of the type
-/// and the number of robots.
+/// and the number of robots. It ends above the scale bar, if necessary with the words "and more".
 void add_types(Writing& writing, const FrameScene& scene, const Frame& frame, const Framing& framing) {
   constexpr std::size_t k_most = 12;
   constexpr std::size_t k_most_looks = 10 * k_most;  // limits the time of the search
@@ -284,18 +284,24 @@ void add_types(Writing& writing, const FrameScene& scene, const Frame& frame, co
       looks.push_back({body.type, color, 1});
   }
   const double unit = framing.stroke * k_cap_height / 6;
+  const double line = 11 * unit;
   Vec2 corner = legend_corner(framing);
-  for (std::size_t i = 0; i < looks.size() && i < k_most; ++i) {
+  const double height = 2 * corner.y() - 12 * unit;  // from the upper margin to the texts at the lower edge
+  const std::size_t most = std::clamp<std::size_t>(static_cast<std::size_t>(height / line), 1, k_most);
+  for (std::size_t i = 0; i < looks.size() && i < most; ++i) {
     const Vec2 low(corner.x(), corner.y() - 6 * unit);
     const Vec2 high(corner.x() + 6 * unit, corner.y());
+    const Vec2 text = low + Vec2(10 * unit, 0);
+    if (i + 1 == most && looks.size() > most) {
+      writing.texts.push_back({"and more", text, unit, false});
+      break;
+    }
     add_rectangle(writing.under, low - Vec2(0.5 * unit, 0.5 * unit), high + Vec2(0.5 * unit, 0.5 * unit),
                   darker(looks[i].color));
     add_rectangle(writing.under, low, high, looks[i].color);
-    const std::string text = i + 1 == k_most && looks.size() > k_most
-                                 ? "and more"
-                                 : fmt::format("{} ({})", scene.types[looks[i].type].name, looks[i].count);
-    writing.texts.push_back({text, low + Vec2(10 * unit, 0), unit, false});
-    corner.y() -= 11 * unit;
+    writing.texts.push_back(
+        {fmt::format("{} ({})", scene.types[looks[i].type].name, looks[i].count), text, unit, false});
+    corner.y() -= line;
   }
 }
 

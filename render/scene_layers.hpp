@@ -38,9 +38,11 @@ inline constexpr double k_smallest_marked = 9;
 /// centre. on_top: whether the layer covers all earlier layers, at any height.
 Layer flat(Mesh mesh, bool on_top);
 
-/// Adds the layers of a view from above that show static bodies, such as the floor plan, and their shadows.
-void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Framing& framing,
-                    const Layers& shown, const Theme& theme);
+/// Adds the layers of a view from above that show `bodies`, static bodies of the scene such as the floor
+/// plan, and their shadows.
+void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes,
+                    const std::vector<engine::FrameBody>& bodies, const Framing& framing, const Layers& shown,
+                    const Theme& theme);
 /// Adds the layers of a view from above that show mobile bodies. These layers cover all earlier layers.
 /// `colors` has one colour per body of Frame::mobile; if it is empty, bodies have their own colours.
 void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,

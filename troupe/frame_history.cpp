@@ -25,10 +25,11 @@ std::uint64_t key_of(std::int32_t x, std::int32_t y) {
 
 Trails::Trails(double tick_s)
     : every_ticks_(engine::period_ticks(k_seconds / k_trail_points, tick_s)),
-      most_ticks_(engine::ticks_until(k_seconds, tick_s)) {}
+      most_ticks_(engine::ticks_until(k_seconds, tick_s)),
+      history_s_(static_cast<double>(most_ticks_ + every_ticks_) * tick_s) {}
 
 bool Trails::wants(std::uint64_t tick) const {
-  return seen_.empty() || tick < seen_.back().tick || tick >= seen_.back().tick + every_ticks_;
+  return seen_.empty() || tick < seen_.back().tick || tick / every_ticks_ > seen_.back().tick / every_ticks_;
 }
 
 void Trails::see(const Frame& frame) {

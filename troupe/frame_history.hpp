@@ -14,9 +14,10 @@ namespace troupe {
 /// each body as a line. see() takes the positions from frames. A frame has the data that a viewer needs to
 /// draw the world at one tick (time step).
 ///
-/// see() stores at most 50 positions per body: one every 0.4 s (k_seconds / 50), rounded up to whole ticks.
-/// Pass frames to see() in the order of their ticks. A frame with an earlier tick than the last stored frame
-/// clears the history.
+/// see() stores at most 50 positions per body: the first of each interval of 0.4 s (k_seconds / 50), rounded
+/// up to whole ticks. The intervals are counted from tick 0, so that a trail does not depend on the frame at
+/// which the history begins. Pass frames to see() in the order of their ticks. A frame with an earlier tick
+/// than the last stored frame clears the history.
 class Trails {
  public:
   /// How far a trail goes back in time, s; rounded up to whole ticks.
@@ -24,6 +25,9 @@ class Trails {
 
   /// tick_s: length of a tick, s.
   explicit Trails(double tick_s);
+  /// How far back see() must have received frames for a complete trail, s: the length of a trail and of one
+  /// interval.
+  double history_s() const { return history_s_; }
   /// Whether see() would store a frame of this tick. see() ignores the frames of most ticks, to limit the
   /// number of points of a trail.
   bool wants(std::uint64_t tick) const;
@@ -44,6 +48,7 @@ class Trails {
 
   std::uint64_t every_ticks_;
   std::uint64_t most_ticks_;  // largest age of a position
+  double history_s_;
   std::deque<Seen> seen_;
 };
 

@@ -442,7 +442,7 @@ int Pictures::width() const { return impl_->view.width; }
 int Pictures::height() const { return impl_->view.height; }
 double Pictures::history_s() const {
   if (impl_->view.layers.coverage) return std::numeric_limits<double>::infinity();
-  return impl_->view.layers.trails ? Trails::k_seconds : 0;
+  return impl_->view.layers.trails ? impl_->trails.history_s() : 0;
 }
 
 void Pictures::see(const Simulation& simulation) {

@@ -128,8 +128,9 @@ class Pictures {
   /// write().
   void update_scene(const Simulation& simulation);
   /// How far back in simulated time a picture looks, s. For a picture at the time t, see() must be called
-  /// after every step from t - history_s() to t. For example, the layer `trails` shows the last 20 s. 0:
-  /// see() need not be called. Infinity: see() must be called from the start of the run.
+  /// after every step from t - history_s() to t. For example, the layer `trails` shows the last 20 s, and
+  /// needs slightly more, because it shows only some of the states. 0: see() need not be called. Infinity:
+  /// see() must be called from the start of the run.
   double history_s() const;
 
   struct ShotData;

@@ -272,6 +272,7 @@ struct RecordedRun::Impl {
             for (Vec2& point : ring) point = now.transform * point;
           solid.z = solid.z.shifted(now.z);
         }
+        look.radius = engine::enclosing_radius(look.shapes);
         body.type = next;
         shown.types.push_back(std::move(look));
       }

@@ -66,7 +66,8 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
   remove_when_killed(partial_->path());
   // Video players need even widths and heights and the pixel format yuv420p, which stores colours at half the
   // resolution. `crf` 18 keeps thin lines. The preset takes half the time of the default preset and makes
-  // films of the same size.
+  // films of the same size. By default, ffmpeg converts colours by the matrix of BT.601 and does not say so
+  // in the file: players then take that of BT.709 for large films, and show orange and green in wrong shades.
   start(
       program,
       {"ffmpeg",
@@ -84,7 +85,7 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
        "-i",
        "-",
        "-vf",
-       "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+       "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv",
        "-c:v",
        "libx264",
        "-preset",
@@ -93,6 +94,14 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
        "18",
        "-pix_fmt",
        "yuv420p",
+       "-colorspace",
+       "bt709",
+       "-color_primaries",
+       "bt709",
+       "-color_trc",
+       "bt709",
+       "-color_range",
+       "tv",
        "-movflags",
        "+faststart",
        "file:" + partial_->path().string()});  // without "file:", ffmpeg takes "http:film.mp4" for a protocol

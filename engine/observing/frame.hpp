@@ -3,9 +3,11 @@
 #include "base/color.hpp"
 #include "base/geometry.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,15 +28,24 @@ struct FrameShape {
   std::optional<Color> color;  ///< colour of the solid; not set: the colour of its body (FrameBody::color)
 };
 
+/// Returns the radius of the smallest circle about the body's origin that encloses all shapes, m; 0 if there
+/// are no shapes.
+inline double enclosing_radius(std::span<const FrameShape> shapes) {
+  double radius = 0;
+  for (const FrameShape& shape : shapes)
+    for (const Ring& ring : shape.solid.contours)
+      for (const Vec2& point : ring) radius = std::max(radius, point.norm());
+  return radius;
+}
+
 /// The shapes and colours with which bodies are drawn. FrameScene::types has one element per body type.
 /// Frame::types has the elements for bodies that now look different from their type, because joints have
 /// moved or parts were recoloured.
 struct FrameType {
   std::vector<FrameShape> shapes;  ///< the solids of all parts
   bool mobile = false;             ///< true: the bodies are robots (have a drive); a mark shows their heading
-  /// Radius of a circle about the body's origin that encloses the shapes, m.
-  double radius = 0;
-  std::string name;  ///< name of the type, for display
+  double radius = 0;               ///< enclosing_radius() of `shapes`, m
+  std::string name;                ///< name of the type, for display
 };
 
 /// A body to draw.

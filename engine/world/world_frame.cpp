@@ -38,9 +38,7 @@ std::vector<float> colors_of_parts(const CommittedView& view, Row row) {
 /// now and its parts in the colours that devices give them. If `row` is not valid, the joints are at rest and
 /// the colours are those of the world file. `t`: index of the body's type.
 FrameType World::look_of(std::size_t t, Row row) const {
-  FrameType look{.mobile = state_.types[t].drive.has_value(),
-                 .radius = state_.types[t].radius,
-                 .name = state_.spec.types[t].name};
+  FrameType look{.mobile = state_.types[t].drive.has_value(), .name = state_.spec.types[t].name};
   const std::vector<PartSpec>& parts = state_.spec.types[t].parts;
   for (std::uint32_t p = 0; p < parts.size(); ++p) {
     const PartSpec& part = parts[p];
@@ -57,7 +55,7 @@ FrameType World::look_of(std::size_t t, Row row) const {
       moved.z = moved.z.shifted(now.z);
     }
   }
-  if (row.valid()) look.radius = state_.radii[row.index()];
+  look.radius = enclosing_radius(look.shapes);
   return look;
 }
 
@@ -76,7 +74,7 @@ FrameScene World::frame_scene() const {
           {body.type.value, body.pose_world_body, body.color, false, static_cast<std::uint32_t>(b)});
     else if (state_.spec.starts(BodyId(b)))
       scene.bounds.extend(
-          Box::around(body.pose_world_body.position(), state_.types[body.type.index()].radius));
+          Box::around(body.pose_world_body.position(), scene.types[body.type.index()].radius));
   }
   return scene;
 }

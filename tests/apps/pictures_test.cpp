@@ -174,6 +174,14 @@ TEST_F(RunPictures, AFilmHasThirtyPicturesASecond) {
   EXPECT_EQ((film.size() - head) / (64 * 48 * 4), 16u);  // 0 to 0.5 s
 }
 
+TEST_F(RunPictures, AFilmStatesTheMatrixOfItsColours) {
+  add_ffmpeg();
+  EXPECT_EQ(run({"--film", "f.mp4"}).code, 0);
+  const std::string film = read("f.mp4");
+  EXPECT_THAT(film.substr(0, film.find('\n')), AllOf(HasSubstr("scale=out_color_matrix=bt709:out_range=tv "),
+                                                     HasSubstr("-colorspace bt709 ")));
+}
+
 TEST_F(RunPictures, AResumedRunReplacesNoFilm) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "this build has no HDF5";
   add_ffmpeg();

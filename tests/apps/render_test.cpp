@@ -210,6 +210,46 @@ TEST_F(Render, AFrameOfARecordingIsFoundByItsTimeHoweverLate) {
   EXPECT_THAT(read("p.png"), HasSubstr(std::string("time_s\0", 7) + "16923129.900000002"));
 }
 
+TEST_F(Render, TrailsOfARecordingAreThoseOfTheRun) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  ASSERT_EQ(troupe({"run", "room.world", "--for", "30.1", "--quiet", "--record", "long.h5"}).code, 0);
+  ASSERT_EQ(draw({"room.world", "--at", "30.1", "--layers=trails,-stalls"}).code, 0);
+  const std::string of_world = pixels("p.png");
+  ASSERT_EQ(draw({"long.h5", "--layers=trails,-stalls"}).code, 0);
+  EXPECT_EQ(pixels("p.png"), of_world);
+}
+
+TEST_F(Render, PartsThatAJointHasMovedAreDrawnFarFromTheirBody) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  write("crane.json", R"({"troupe": 1, "types": {"crane": {"size_m": [0.1, 0.1, 0.1], "pushable": true,
+    "devices": [{"name": "arm", "kind": "actuator", "max_position": 3, "start_position": 3,
+                 "size_m": [0.1, 0.1, 0.1]}]}}, "models": [{"name": "c", "type": "crane"}]})");
+  ASSERT_EQ(troupe({"run", "crane.json", "--for", "0.2", "--quiet", "--record", "crane.h5"}).code, 0);
+  for (const char* camera : {"top", "perspective", "follow:c"}) {
+    const std::vector<std::string> look{"--camera", camera, "--center", "3,0", "--across", "2"};
+    const auto drawn = [&](std::vector<std::string> options) {
+      options.insert(options.end(), look.begin(), look.end());
+      EXPECT_EQ(draw(options).code, 0) << camera;
+      return pixels("p.png");
+    };
+    const std::string of_world = drawn({"crane.json", "--at", "0.2"});
+    EXPECT_NE(of_world,
+              drawn({"crane.json", "--at", "0.2", "--set", "/types/crane/devices/0/start_position=0"}))
+        << camera;
+    EXPECT_EQ(drawn({"crane.h5"}), of_world) << camera;
+  }
+}
+
+TEST_F(Render, NamesArePlacedBesideShapesThatJointsHaveMoved) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  const std::string world = std::string(TROUPE_SOURCE_DIR) + "/worlds/gripper.json";
+  ASSERT_EQ(troupe({"run", world, "--for", "30", "--quiet", "--record", "g.h5"}).code, 0);
+  ASSERT_EQ(draw({world, "--at", "30", "--layers=names,-stalls"}).code, 0);
+  const std::string of_world = pixels("p.png");
+  ASSERT_EQ(draw({"g.h5", "--layers=names,-stalls"}).code, 0);
+  EXPECT_EQ(pixels("p.png"), of_world);
+}
+
 TEST_F(Render, ARecordingCanBeFilmed) {
   record();
   if (IsSkipped()) return;

@@ -357,6 +357,24 @@ TEST(Draw, TheHigherCoversTheLowerAndRobotsCoverTheFloorPlan) {
   EXPECT_EQ(stage.at(-2.7, 0.5), (Pixel{0, 102, 0}));
 }
 
+TEST(Draw, ScansCoverZonesOnTheFloorButNotWalls) {
+  Stage stage;
+  stage.add_fixed({rectangle(-3.5, -0.5, 3.5, 0.5)}, 0.01);
+  stage.add_fixed({rectangle(2, -1, 3, 1)}, 1);
+  stage.scene.rangers = {{0, 2, {{.range_max = 6, .fov = k_pi / 4, .first = 0, .samples = 2}}}};
+  stage.frame.mobile = {body_at(0, {-3, 0, 0, 0}, k_blue)};
+  stage.frame.scans = {{0, 0, 0, {}}};
+  stage.frame.ranges = {6, 6};
+  stage.view.layers.grid = false;
+  stage.draw();
+  EXPECT_EQ(stage.at(0, 0), k_gray30_pixel);
+  stage.view.layers.scans = true;
+  stage.draw();
+  EXPECT_GT(stage.at(0, 0)[2], k_gray30_pixel[2] + 10);  // the zone, under the blue scan
+  EXPECT_LT(stage.at(0, 1)[0], k_paper[0] - 10);         // the floor
+  EXPECT_EQ(stage.at(2.5, 0), k_gray30_pixel);           // the wall
+}
+
 TEST(Draw, BodiesAreBlendedByTheirOpacity) {
   Stage stage;
   stage.frame.mobile = {body_at(0, {0.5, 0.5, 0, 0}, Color{0, 0, 0, 0.5F})};

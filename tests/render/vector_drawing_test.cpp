@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -119,6 +120,25 @@ TEST(VectorDrawing, LegendsCountAllRobotsOfTheirTypes) {
   }
   sheet.frame.mobile.insert(sheet.frame.mobile.end(), 4, first);
   EXPECT_THAT(sheet.svg(), HasSubstr(">bot &amp; co (5)</text>"));
+}
+
+TEST(VectorDrawing, LongLegendsEndAboveTheScaleBar) {
+  Sheet sheet;
+  sheet.view.layers.types = true;
+  sheet.frame.mobile.clear();
+  for (std::uint32_t i = 0; i < 20; ++i)  // outside of the picture, whose only red is that of the legend
+    sheet.frame.mobile.push_back({0, {100, 0, 0, 0}, {1, static_cast<float>(i) / 255, 0, 1}, false, i + 1});
+  const auto entries = [&](int width, int height) {
+    sheet.view.width = width;
+    sheet.view.height = height;
+    const std::string svg = sheet.svg();
+    EXPECT_EQ(count_of(svg, ">and more</text>"), 1U);
+    EXPECT_EQ(count_of(svg, "fill=\"#ff"), count_of(svg, ">bot &amp; co (1)</text>")) << "one swatch each";
+    return count_of(svg, ">bot &amp; co (1)</text>");
+  };
+  EXPECT_EQ(entries(800, 400), 11U);
+  EXPECT_EQ(entries(240, 160), 4U);
+  EXPECT_EQ(entries(1600, 1800), 11U);
 }
 
 TEST(VectorDrawing, NamesThatAreNoTextAreMadeOne) {

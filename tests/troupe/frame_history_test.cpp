@@ -58,6 +58,24 @@ TEST(Trails, ReachBackTwentySecondsAndBeginAgainWithTheRun) {
   EXPECT_EQ(now.trails[0].points.size(), 2u);
 }
 
+TEST(Trails, DoNotDependOnTheFirstFrame) {
+  const auto trail = [](std::uint64_t first, std::uint64_t every) {
+    Trails trails(0.1);
+    for (std::uint64_t tick = first; tick <= 301; tick += every)
+      trails.see(frame_at(tick, {{1, {static_cast<double>(tick), 0}}}));
+    Frame now = frame_at(301, {{1, {301, 0}}});
+    trails.add_to(now);
+    std::vector<double> x;
+    for (const auto& point : now.trails[0].points) x.push_back(point.x());
+    return x;
+  };
+  EXPECT_NEAR(Trails(0.1).history_s(), 20.4, 1e-9);
+  const std::vector<double> of_run = trail(0, 1);
+  EXPECT_EQ(of_run.front(), 104);
+  for (const std::uint64_t first : {97U, 98U, 99U, 100U}) EXPECT_EQ(trail(first, 1), of_run) << first;
+  EXPECT_EQ(trail(98, 7), trail(0, 7)) << "every seventh tick, as a recording may have";
+}
+
 TEST(Trails, HaveNoPointsFromBeforeAGap) {
   Trails trails(0.1);
   for (const std::uint64_t tick : {0U, 50U, 100U, 400U, 500U, 600U})

@@ -21,6 +21,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 
 namespace troupe::worldio {
 namespace {

@@ -111,9 +111,7 @@ void add_shapes(const Json& json, RecordedScene::Type& type) {
       type.shape_parts.push_back(index);
     }
   }
-  for (const engine::FrameShape& shape : look.shapes)
-    for (const Ring& ring : shape.solid.contours)
-      for (const Vec2& point : ring) look.radius = std::max(look.radius, point.norm());
+  look.radius = engine::enclosing_radius(look.shapes);
 }
 
 /// Reads a stored block of parameters. `table` describes them; those that are not stored have their default
