@@ -78,7 +78,9 @@ std::string manual_page(const std::vector<Command>& commands, std::string_view v
   text +=
       ".SH ENVIRONMENT\n.TP\n.B TROUPE_PLUGIN_PATH\nFolders with plug\\-ins, separated by colons.\n"
       ".TP\n.B STAGEPATH\nFolders searched for worlds, included files and plug\\-ins.\n"
-      ".TP\n.B TROUPE_SIMD\nInstruction set for range finding, if \\-\\-simd is not given.\n";
+      ".TP\n.B TROUPE_SIMD\nInstruction set for range finding, if \\-\\-simd is not given.\n"
+      ".TP\n.B TROUPE_PYTHON\nPython interpreter for \\-\\-controller and troupe plot.\n"
+      ".TP\n.B TROUPE_MPI\nModule for the MPI of mpirun or srun: openmpi, mpich or the path of a file.\n";
   return text;
 }
 

@@ -144,8 +144,10 @@ void bind_models(py::module_& module) {
           "bounds of the world.")
       .def(
           "estimate", [](HeldModel& m) { return m.use().estimate(); },
-          "Estimated pose, m and rad: with the localization `gps` the true pose in the world frame, with "
-          "`odom` the\nodometry estimate, in the frame that `localization_origin` in the world file defines.")
+          "Estimated pose, m and rad: with the localization `gps` the true pose, with `odom` the odometry "
+          "estimate. The\nparameter `localization_origin` of the drive defines the frame; without it, this "
+          "is "
+          "the world frame for `gps`,\nand the frame of the robot's first pose for `odom`.")
       .def(
           "set_estimate", [](HeldModel& m, const Pose& pose) { m.use().set_estimate(pose); }, py::arg("pose"),
           "Overwrites the odometry estimate, m and rad, in the frame of estimate(). pose.z is ignored. "

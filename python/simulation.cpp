@@ -238,7 +238,8 @@ void bind_state(SimulationClass& simulation) {
           "pose=... velocity=...\nsensor=... memory=...`, with hashes as 16 hexadecimal digits.")
       .def("statistics", &statistics_of,
            "Returns a dict of numbers that describe the run: robots (number in the world now), ticks "
-           "(completed), time_s (world\ntime, s), beams (rays cast since tick 0), stalled (robots whose last "
+           "(completed), time_s (simulated\ntime, s), beams (rays cast since tick 0), stalled (robots whose "
+           "last "
            "motion was blocked or would have left the bounds),\nheld_at_bounds (those that would have left "
            "the bounds), mean_displacement_m (mean distance of the robots from their\nstart, m), "
            "conflict_rounds (rounds in which conflicting motions were resolved, since tick 0) and "
@@ -338,7 +339,7 @@ void bind_bodies(SimulationClass& simulation) {
           py::arg("model"),
           "Removes a body from the world for good; does nothing if the body is not in the world. Raises "
           "RuntimeError for a part of\na body, for static geometry, and if no body of the world can be "
-          "removed: the world has no reserve, no device and no\nevent that removes bodies, and no "
+          "removed: the world has no reserve, no device and no\nintervention that removes bodies, and no "
           "\"mortal\": true.")
       .def(
           "set",

@@ -49,6 +49,16 @@ class Tables(unittest.TestCase):
         self.assertEqual(len(rows), 3 + 1 + len(count_ranks.COMPUTED))
         self.assertEqual(self.call(*options).stdout, done.stdout)
 
+    def test_the_documentation_has_the_counts(self):
+        version = subprocess.run([PROGRAM, "--version"], capture_output=True, text=True).stdout
+        if "Release" not in version:
+            self.skipTest("slow in other builds")
+        rows = [line for line in self.call("--ranks", "2,4").stdout.splitlines() if line.startswith(("| 2 |", "| 4 |"))]
+        page = (ROOT / "docs" / "cluster.md").read_text(encoding="utf-8")
+        self.assertEqual(len(rows), 2)
+        for row in rows:
+            self.assertIn(row, page, "scripts/count-ranks prints both tables")
+
     def test_errors_say_what_is_expected(self):
         for arguments, text in ((("--ranks", "4"), "expected two or more numbers of ranks"),
                                 (("--ranks", "1,2"), "each at least 2"),

@@ -126,7 +126,7 @@ SHOWN_ONLY = [
     ("docs/library.md", "error: types[0]", "of a spec with a fault: tests/troupe/spec_simulation_test.cpp"),
     ("docs/library.md", "room.json:14", "of a world with a fault: tests/troupe/library_test.cpp"),
     ("docs/lint.md", "simple.world:33", "of a world that comes with Stage: tests/apps/lint_test.cpp"),
-    ("docs/live.md", "cave", "what troupe view prints: tests/view_test.py"),
+    ("docs/live.md", "Pioneer robots", "what troupe view prints: tests/view_test.py"),
     ("docs/live.md", '{"troupe_session"', "lines of a session: tests/troupe/session_test.cpp"),
     ("docs/live.md", "import troupe", "waits for a browser: tests/python/simulation_test.py"),
     ("docs/live.md", "import asyncio", "tests/view_test.py runs it, where websockets is installed"),

@@ -156,15 +156,15 @@ class Pictures {
   /// and if the size exceeds the limit of OSMesa. Do not call draw() or write() while another thread is in
   /// one of them.
   std::vector<std::uint8_t> draw(const Shot& shot);
-  /// Writes a picture to a file. The name must end in `.png`, or in `.svg` or `.pdf` for vector graphics
-  /// (docs/pictures.md). The metadata of the file state world, time, seed and
+  /// Writes a picture to a file, and replaces an existing file. The name must end in `.png`, or in `.svg` or
+  /// `.pdf` for vector graphics (docs/pictures.md). The metadata of the file state world, time, seed and
   /// state hash. The file is written under a temporary name and renamed when complete. Do not call draw() or
   /// write() while another thread is in one of them.
   ///
   /// Throws InputError for a name with another ending, and for vector graphics of a view that is not from
-  /// straight above. Throws
-  /// std::runtime_error if the file cannot be written. For PNG, also throws as draw() does. For PDF, also
-  /// throws std::runtime_error if the library cairo is missing (the text names the package to install).
+  /// straight above. Throws std::runtime_error if the file cannot be written. For PNG, also throws as draw()
+  /// does. For PDF, also throws std::runtime_error if the library cairo is missing (the text names the
+  /// package to install).
   void write(const Shot& shot, const std::filesystem::path& file);
 
  private:

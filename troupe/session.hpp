@@ -67,8 +67,8 @@ class SessionReplay {
   ///   results.
   /// - The simulation has not reached the first tick of the session.
   /// - The simulation is at the first tick of the session, but the content of its world (bodies, walls,
-  /// types,
-  ///   parameters, interventions) differs. Sessions that older versions of Troupe wrote cannot tell.
+  ///   types, parameters, interventions) differs. Sessions that older versions of Troupe wrote lack the hash
+  ///   of the content, and it is not compared.
   /// - The simulation is at the first tick of the session, but its state hash (a hash of the whole state of
   ///   the world) is not the one in the file.
   ///

@@ -838,10 +838,10 @@ class Simulation {
   const engine::Registry& registry() const;
 
   /// Draws the world from above into a file, whose name must end in .png, .svg or .pdf. width, height: size
-  /// in pixels; 0 or less: the default, 1280 x 720. Throws InputError for another name. Throws
-  /// std::runtime_error if the
-  /// library OSMesa (for PDF: cairo) is missing, if the build has no renderer, if the file cannot be written,
-  /// or if it is a file that the simulation was read from (world, image, plug-in, ...).
+  /// in pixels; 0 or less: the default, 1280 x 720. An existing file is replaced. Throws InputError for
+  /// another name. Throws std::runtime_error if the library OSMesa (for PDF: cairo) is missing, if the build
+  /// has no renderer, if the file cannot be written, or if it is a file that the simulation was read from
+  /// (world, image, plug-in, ...).
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
   /// Draws the world into a file with the camera, size and layers of `options` (troupe/pictures.hpp); the
   /// ending of the name selects the format, as in the other snapshot(). Throws std::runtime_error as the

@@ -10,6 +10,8 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 
 namespace troupe::apps {
 namespace {
@@ -73,7 +75,15 @@ TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(lines_of(outcome.out).size(), 1u);
   const auto json = nlohmann::json::parse(outcome.out);
-  for (const auto& [key, value] : json.items()) EXPECT_TRUE(value.is_primitive()) << key;
+  std::stringstream page;
+  page << std::ifstream(TROUPE_SOURCE_DIR "/docs/measures.md").rdbuf();
+  const std::string text = page.str();
+  const std::size_t begin = text.find("## The summary");
+  const std::string documented = text.substr(begin, text.find("## List of measures") - begin);
+  for (const auto& [key, value] : json.items()) {
+    EXPECT_TRUE(value.is_primitive()) << key;
+    EXPECT_THAT(documented, HasSubstr("`" + key + "`"));
+  }
   for (const char* key :
        {"robots", "ticks", "sim_s", "wall_s", "times_real_time", "ns_per_robot_tick", "beams_per_tick",
         "threads", "stalled", "mean_displacement_m", "load_s", "peak_rss_bytes"})

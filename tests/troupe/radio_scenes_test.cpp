@@ -144,6 +144,7 @@ TEST(FlockScene, RobotsComeToAgreeWhateverTheSeed) {
 TEST(PerceptionScene, TheSwarmFindsThatMoreOfTheFloorIsWhite) {
   if (test::k_slow_build) GTEST_SKIP() << "takes 40,000 ticks";
   int agreed = 0;
+  std::uint64_t last_divided = 0;  // last tick with two opinions, seed 1
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SimulationOptions options;
     options.threads = 2;
@@ -158,10 +159,13 @@ TEST(PerceptionScene, TheSwarmFindsThatMoreOfTheFloorIsWhite) {
       return count;
     };
     EXPECT_EQ(white(), 10) << "as many begin for white as for black";
+    if (seed == 1)
+      simulation.on_tick([&](Simulation& now) { last_divided = white() < 20 ? now.tick() : last_divided; });
     simulation.run_for(400);
     agreed += white() >= 18;
   }
   EXPECT_GE(agreed, 9) << "of ten seeds";
+  EXPECT_EQ(last_divided, 1297) << "docs/ground.md";
 }
 
 // ---- chatter.json
