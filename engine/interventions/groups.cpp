@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <set>
 
 namespace troupe::engine {
@@ -32,7 +33,7 @@ bool Groups::is_in(const GroupSpec& group, BodyId body) const {
   return world_.find(group.name) == body;
 }
 
-std::vector<BodyId> Groups::bodies_of(const GroupSpec& group) const {
+std::vector<BodyId> Groups::bodies_of(const GroupSpec& group) {
   const auto has_row = [&](BodyId body) { return world_.location(body) != RowLocation::none; };
   std::vector<BodyId> bodies;
   if (group.by == By::model) {
@@ -40,8 +41,28 @@ std::vector<BodyId> Groups::bodies_of(const GroupSpec& group) const {
     return bodies;
   }
   const WorldSpec& spec = world_.spec();
-  for (std::size_t b = 1; b < spec.bodies.size(); ++b)  // body 0 is the ground
-    if (has_row(BodyId(b)) && is_in(group, BodyId(b))) bodies.push_back(BodyId(b));
+  Index& index = indices_[group.by];
+  if (index.empty())
+    for (std::size_t b = 1; b < spec.bodies.size(); ++b)  // body 0 is the ground
+      if (has_row(BodyId(b)))
+        index[group.by == By::type ? std::string_view(world_.type(BodyId(b)).name)
+                                   : spec.names.words()[spec.bodies[b].name.word]]
+            .push_back(BodyId(b));
+  const auto add = [&](const std::vector<BodyId>& some) {
+    std::ranges::copy_if(some, std::back_inserter(bodies), [&](BodyId body) { return is_in(group, body); });
+  };
+  if (const auto same = index.find(group.name); same != index.end()) add(same->second);
+  if (group.by == By::type) return bodies;
+  // The word of a body is its name without its number, which has at most nine digits (Names). The word may
+  // therefore lack digits of the population's name, or have digits of the body's number in the population.
+  for (std::string_view word = group.name; without_number(word) != word;) {
+    word.remove_suffix(1);
+    if (const auto shorter = index.find(word); shorter != index.end()) add(shorter->second);
+  }
+  for (auto longer = index.upper_bound(group.name);
+       longer != index.end() && longer->first.starts_with(group.name); ++longer)
+    add(longer->second);
+  std::ranges::sort(bodies);
   return bodies;
 }
 

@@ -33,11 +33,16 @@ class Groups {
 
  private:
   bool is_in(const GroupSpec& group, BodyId body) const;
-  std::vector<BodyId> bodies_of(const GroupSpec& group) const;
+  std::vector<BodyId> bodies_of(const GroupSpec& group);
   bool may_be_empty(const GroupSpec& group) const;
   std::string text_of_unknown(const GroupSpec& group) const;
 
+  /// Bodies that are not static, in the order of ids: by the names of their types (GroupSpec::By::type), or
+  /// by the words of their names (GroupSpec::By::population).
+  using Index = std::map<std::string_view, std::vector<BodyId>>;
+
   const World& world_;
+  std::map<GroupSpec::By, Index> indices_;  // built on first use, so that no group searches all bodies
   std::map<std::pair<GroupSpec::By, std::string>, Bodies> lists_;  // by the members `by` and `name`
 };
 

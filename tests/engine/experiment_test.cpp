@@ -429,6 +429,45 @@ TEST(Experiment, WhatIsAddedMeetsWhoWasMovedInTheSameTick) {
   EXPECT_EQ(world->placed_before_step().size(), 3u) << "r0, r1 and more0";
 }
 
+TEST(Experiment, AnEntryForEachOfManyGroupsTakesNoSearchOfAllBodies) {
+  constexpr std::size_t k_robots = test::k_slow_build ? 10'000 : 60'000;
+  SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {box(0.4, 0.4)});
+  for (std::size_t i = 0; i < k_robots; ++i) {
+    scene.body(fmt::format("p{}x0", i), type,
+               {static_cast<double>(i % 250), static_cast<double>(i / 250), 0, 0});
+    scene.spec.experiment.at.push_back(at(0, Action::disable, population(fmt::format("p{}x", i))));
+  }
+  World world = scene.world();
+  world.step();
+  EXPECT_EQ(world.impaired_count(), k_robots);
+}
+
+TEST(Experiment, AGroupHasAllBodiesWhoseNamesContinueInDigits) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {box(0.4, 0.4)});
+  const std::vector<std::string> names{"team12",  "team1",          "team1x3", "team1234567890123",
+                                       "team107", "team1000000001", "team",    "tea12",
+                                       "team2"};
+  for (std::size_t i = 0; i < names.size(); ++i)
+    scene.body(names[i], type, {static_cast<double>(i), 0, 0, 0});
+  const World world = scene.world();
+  Groups groups(world);
+  Diagnostics diagnostics;
+  const auto members = [&](const GroupSpec& group) {
+    std::vector<std::string> found;
+    for (const BodyId body : *groups.find(group, {}, diagnostics)) found.push_back(world.spec().name(body));
+    return found;
+  };
+  EXPECT_THAT(members(population("team1")),
+              ElementsAre("team12", "team1234567890123", "team107", "team1000000001"));
+  EXPECT_THAT(members(population("team")),
+              ElementsAre("team12", "team1", "team1234567890123", "team107", "team1000000001", "team2"));
+  EXPECT_THAT(members(population("team1x")), ElementsAre("team1x3"));
+  EXPECT_THAT(members({By::type, "bot", {}, {}}), ::testing::ElementsAreArray(names));
+  EXPECT_FALSE(diagnostics.has_errors());
+}
+
 TEST(Experiment, EntriesOnOneGroupShareOneList) {
   Squad row(3);
   const auto world = row.world();
