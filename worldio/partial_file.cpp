@@ -142,7 +142,9 @@ void PartialFile::commit_to_disk() {
 void PartialFile::commit() {
   // Some file systems report a full disk only on close. Closing a duplicate of the descriptor also reports
   // this error, and keeps the lock until the file has its final name.
-  check(close(dup(descriptor_)));
+  const int duplicate = dup(descriptor_);
+  check(duplicate);
+  check(close(duplicate));
   if (permissions_)  // an error is ignored: some file systems have no permissions
     static_cast<void>(fchmod(descriptor_, static_cast<mode_t>(*permissions_)));
   check(std::rename(partial_.c_str(), file_.c_str()));

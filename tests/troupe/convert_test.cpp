@@ -360,6 +360,21 @@ TEST_F(ConvertTest, AModelMayHaveThousandsOfPartsAndSensors) {
   EXPECT_THAT(found, IsEmpty());
 }
 
+TEST_F(ConvertTest, APartMayHaveThousandsOfControllersAndSensors) {
+  constexpr int k_each = 10000;  // a search through all sensors for each controller would take a minute
+  std::string controllers, sensors;
+  for (int i = 0; i < k_each; ++i) {
+    controllers += fmt::format("{}{{\"kind\": \"rasterize\"}}", i > 0 ? ", " : "");
+    sensors += fmt::format("{}{{\"kind\": \"fiducial\", \"name\": \"eye{}\"}}", i > 0 ? ", " : "", i);
+  }
+  convert(write("many.json", fmt::format(R"({{"troupe": 1,
+  "types": {{"bot": {{"size_m": [1, 1, 1], "controllers": [{}], "sensors": [{}]}}}},
+  "models": [{{"name": "r", "type": "bot"}}]}})",
+                                         controllers, sensors)),
+          "many.world");
+  EXPECT_THAT(found, IsEmpty());
+}
+
 TEST_F(ConvertTest, OriginsOfSensorsComeBack) {
   const fs::path world = write("origin.world", R"(
 position( name "r" pose [0 0 0 17] size [0.3 0.3 0.3]

@@ -13,6 +13,7 @@
 #include <csignal>
 #include <span>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 namespace troupe::worldio {
@@ -195,6 +196,22 @@ TEST_F(SealedFile, ReplacesWhatAKilledWriterLeft) {
   seal("new");
   EXPECT_EQ(error_of(content(file_)), "");
   EXPECT_FALSE(fs::exists(file_.string() + ".partial"));
+}
+
+TEST_F(SealedFile, SaysThatTooManyFilesAreOpen) {
+  PartialFile out(file_);
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit none{0, before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &none);
+  std::error_code code;
+  try {
+    out.commit();
+  } catch (const std::system_error& error) {
+    code = error.code();
+  }
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(code, std::errc::too_many_files_open);
 }
 
 TEST_F(SealedFile, NamesTheFileThatCannotBeWritten) {

@@ -5,12 +5,12 @@
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_reader.hpp"
+#include "worldio/json/json_ring.hpp"
 #include "worldio/json/world_document.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -171,11 +171,6 @@ std::vector<std::string> quantities(std::string_view key) {
         names.push_back(
             fmt::format("{} {}", static_cast<int>(unit), key.substr(0, key.size() - in.suffix.size())));
   return names;
-}
-
-bool is_named_list(std::string_view key) {
-  constexpr std::array<std::string_view, 3> k_lists{"sensors", "devices", "parts"};
-  return std::ranges::find(k_lists, key) != k_lists.end();
 }
 
 /// Returns the description of a key that types can have; null for any other key.

@@ -21,14 +21,13 @@ namespace {
 /// Appends a number to the name of an entry, and to the names of the entries of its lists of sensors, devices
 /// and parts, because all devices of a type must have different names.
 void number_names(JsonNode& entry, std::size_t number) {
-  constexpr std::array<std::string_view, 3> k_named{"sensors", "devices", "parts"};
   auto* members = std::get_if<JsonNode::Object>(&entry.value);
   if (!members) return;
   for (JsonMember& member : *members) {
     if (auto* name = std::get_if<std::string>(&member.node.value); name && member.key == "name")
       *name += fmt::format("{}", number);
     auto* list = std::get_if<JsonNode::List>(&member.node.value);
-    if (!list || std::ranges::find(k_named, member.key) == k_named.end()) continue;
+    if (!list || !is_named_list(member.key)) continue;
     for (JsonNode& inner : *list) number_names(inner, number);
   }
 }
@@ -96,6 +95,11 @@ void count_ring_objects(const JsonCursor& at, double& objects) {
 }
 
 }  // namespace
+
+bool is_named_list(std::string_view key) {
+  constexpr std::array<std::string_view, 3> k_lists{"sensors", "devices", "parts"};
+  return std::ranges::find(k_lists, key) != k_lists.end();
+}
 
 void check_rings(const JsonCursor& root) {
   double objects = 0;

@@ -3,6 +3,7 @@
 #include "worldio/json/json_reader.hpp"
 
 #include <cstddef>
+#include <string_view>
 #include <vector>
 
 namespace troupe::worldio {
@@ -11,6 +12,10 @@ namespace troupe::worldio {
 /// entry by several copies, at equal angles on a circle. RingDocument (worldio/json/world_document.hpp)
 /// describes the value of the key.
 inline bool has_ring(const JsonNode& entry) { return entry.find("ring") != nullptr; }
+
+/// Whether the entries of the list with this key have names, by which types inherit them: `sensors`,
+/// `devices` and `parts`.
+bool is_named_list(std::string_view key);
 
 /// Returns the copies of the list entry at `at`, which must have the key `ring`. If the ring or the pose of
 /// the entry is wrong, reports errors and returns nothing.

@@ -278,18 +278,24 @@ void RoundTrip::check_joints() {
 }
 
 /// Compares the devices that a controller can use, and those that a power pack supplies. A part that the
-/// joint of another part moves is written inside that other part, which can change these devices.
+/// joint of another part moves is written inside that other part, which can change these devices. The devices
+/// of each pair of parts are compared only once.
 void RoundTrip::check_reach() {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, bool> known;  // a part may have thousands of controllers
+  const auto differ_below = [&](std::uint32_t part, std::uint32_t part_back) {
+    const auto [differ, is_new] = known.try_emplace({part, part_back});
+    if (is_new) differ->second = devices_below(type_, part) != devices_below(back_, part_back);
+    return differ->second;
+  };
   for (std::size_t i = 0; i < std::min(type_.controllers.size(), back_.controllers.size()); ++i) {
     const engine::ControllerSpec& a = type_.controllers[i];
-    if (devices_below(type_, a.part) != devices_below(back_, back_.controllers[i].part))
+    if (differ_below(a.part, back_.controllers[i].part))
       lacks(a.where, fmt::format("controller \"{}\": the devices that it can use", a.kind));
   }
   const std::vector<const DeviceSpec*> others = counterparts(type_.devices, back_.devices);
   for (std::size_t d = 0; d < others.size(); ++d) {
     const DeviceSpec& a = type_.devices[d];
-    if (a.kind == "power_pack" && others[d] &&
-        devices_below(type_, a.part) != devices_below(back_, others[d]->part))
+    if (a.kind == "power_pack" && others[d] && differ_below(a.part, others[d]->part))
       lacks(a.where, fmt::format("device \"{}\": the devices that it supplies", a.name));
   }
 }
