@@ -316,13 +316,14 @@ class RandomWorlds(unittest.TestCase):
         listed = header[header.index("k_acts{"):].split("}")[0]
         self.assertEqual(sorted(sessions.ACTS), sorted(listed.split('"')[1::2]))
 
-    def test_a_third_of_the_worlds_has_a_session_and_one_of_20_a_check_of_its_controllers(self):
+    def test_some_worlds_have_a_session_a_check_of_controllers_or_tables(self):
         made = [{check["check"] for check in checks.plan(1, i, 20)} for i in range(2000)]
         self.assertGreater(sum("session" in names for names in made), 2000 / 3)
         self.assertGreater(sum("controllers" in names for names in made), 2000 / 20)
+        self.assertGreater(sum("tables" in names for names in made), 2000 / 5)
         self.assertTrue(all("controllers" in {check["check"] for check in checks.plan(1, i, 20, controllers=True)} for i in range(50)))
         without_module = [checks.plan(1, i, 20, program_only=True) for i in range(200)]
-        self.assertNotIn("session", {check["check"] for plan in without_module for check in plan})
+        self.assertTrue({"session", "tables"}.isdisjoint(check["check"] for plan in without_module for check in plan))
 
     def test_checkpoints_of_a_plan_lie_within_the_run(self):
         planned = 0
