@@ -981,6 +981,7 @@ class RobotsThatAreBorn(unittest.TestCase):
             counts.add(int(done.sum()))
             self.assertEqual("final_info" in infos, bool(done.any()))
             if done.any():
+                self.assertTrue(all(last.base is None for last in infos["final_obs"][done]), "no views of all observations")
                 self.assertTrue(np.array_equal(infos["final_info"]["_finished"], done))
                 self.assertTrue(np.array_equal(infos["final_info"]["alive"], done))
                 self.assertFalse((infos["finished"] & done).any())
