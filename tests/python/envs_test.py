@@ -849,8 +849,10 @@ class Vector(unittest.TestCase):
             troupe.envs.Env(task)
         task = Short(2)
         task.second = 5.0
-        with self.assertWarnsRegex(UserWarning, 'Short has the attribute "second", which Task does not use: did you mean "seconds"'):
-            troupe.envs.Env(task)
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
+            with self.assertWarnsRegex(UserWarning, 'Short has the attribute "second", which Task does not use: did you mean "seconds"') as told:
+                make(task)
+            self.assertEqual(told.filename, __file__)
         for wrong in (0, 1, ""):
             for make in (troupe.envs.Env, lambda task, robot: troupe.envs.VectorEnv(task, 2, robot=robot)):
                 with self.assertRaises(TypeError) as raised:

@@ -75,7 +75,6 @@ class Batch:
             self._observation_space(index, simulation) for index in range(len(self.teams))
         ]
         self.action_spaces = [action_space(team) for team in self.teams]
-        self.world_seed = int(simulation.options["seed"])
         # One bool per copy: True before the first reset, and after a reset or a step that an exception has ended: the
         # task may then not have seen the last step of the simulation.
         self._needs_reset = np.ones(copies, np.bool_)

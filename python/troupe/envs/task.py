@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import numbers
 import os
+import sys
 import warnings
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 
@@ -140,7 +141,15 @@ def check_task(task: Task) -> None:
     own = {name for cls in type(task).__mro__ if issubclass(cls, Task) for name in vars(cls)} | set(vars(task))
     for name, near in misspelt_members(Task, own):
         warnings.warn(f'{type(task).__name__} has the attribute "{name}", which Task does not use: did you mean "{near}"?',
-                      stacklevel=4)
+                      stacklevel=_level_of_the_program())
+
+
+def _level_of_the_program() -> int:
+    """Returns the stack level, for warnings of the function that calls this one, of the code that called this package."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("troupe."):
+        level, frame = level + 1, frame.f_back
+    return level
 
 
 def check_team(team: Team) -> None:
