@@ -607,6 +607,20 @@ class Vector(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, rf"must have the shape \(3, 2, 2\), found \(3, 2, {columns}\)"):
                 batch.step([np.ones((3, 2, columns), np.int64)])
 
+    def test_a_task_may_change_the_array_of_actions(self):
+        class Halving(Short):
+            def act(self, batch, team, actions):
+                actions *= 0.5
+                return actions
+
+        env, halved = troupe.envs.VectorEnv(Halving(2), 4), troupe.envs.VectorEnv(Short(2), 4)
+        env.reset(seed=1)
+        halved.reset(seed=1)
+        for dtype in (np.float64, np.float32):
+            actions = np.full((4, 2), 0.5, dtype)
+            self.assertTrue(np.array_equal(env.step(actions)[0], halved.step(actions / 2)[0]))
+            self.assertTrue((actions == 0.5).all(), "the actions of the program are unchanged")
+
     def test_observed_columns_of_the_task_are_not_broadcast(self):
         class Observing(Short):
             def observe(self, batch, team, name):

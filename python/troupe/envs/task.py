@@ -85,8 +85,8 @@ class Task:
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
         robots x commands; the index of a discrete action has already been replaced by the numbers of Team.choices or
-        Team.levels. By default the actions are the commands. A result of another shape makes the step raise
-        ValueError."""
+        Team.levels. By default the actions are the commands. The function may change the array `actions`, which is a
+        copy. A result of another shape makes the step raise ValueError."""
         return actions
 
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
@@ -260,4 +260,4 @@ def commands_of(team: Team, actions: Any) -> npt.NDArray[np.float64]:
                 raise ValueError(f"actions, column {column} (counted from 0): must be whole numbers from 0 to {len(values) - 1}, found {at!r}")
             columns.append(np.asarray(values, np.float64)[at])
         return np.stack(columns, axis=-1)
-    return np.asarray(actions, np.float64)
+    return np.array(actions, np.float64)  # a copy, which Task.act() may change
