@@ -745,6 +745,30 @@ class Vector(unittest.TestCase):
             each.reset(begins)
         self.assertTrue(np.array_equal(batch.observations(), other.observations()))
 
+    def test_an_episode_that_cannot_begin_makes_all_copies_need_a_reset(self):
+        class Crowded:
+            """The core of a batch in which an episode cannot begin, because robots find no place."""
+
+            def __init__(self, core):
+                self.core = core
+
+            def __getattr__(self, name):
+                return getattr(self.core, name)
+
+            def step(self, begins):
+                raise troupe.InputError("placed 254 of 2000 bodies")
+
+        batch = troupe.envs.Batch(Short(2), 2, threads=1)
+        batch.reset()
+        core, batch.core = batch.core, Crowded(batch.core)
+        actions = np.zeros((2, 2, 2))
+        actions[1] = np.nan  # of the copy that begins an episode: not used
+        with self.assertRaisesRegex(troupe.InputError, "placed 254"):
+            batch.step([actions], [False, True])
+        batch.core = core
+        with self.assertRaisesRegex(RuntimeError, "2 of 2 copies need a reset"):
+            batch.step([np.zeros((2, 2, 2))])
+
     def test_rewards_are_finite(self):
         class Rewarding(Short):
             wrong = np.nan
