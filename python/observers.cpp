@@ -30,11 +30,15 @@ struct MeasureColumn {
 };
 
 /// Returns the column of a function. The decorator troupe.measure declares its name and unit; without the
-/// decorator, the name is that of the function, and there is no unit.
+/// decorator, the name is that of the function, and there is no unit. Throws TypeError for a function without
+/// a name.
 MeasureColumn column_of(const py::object& function) {
   const py::object declared = py::getattr(function, "_troupe_measure", py::none());
   const py::object bare =
       declared.is_none() ? py::getattr(function, "__name__", py::none()) : py::object(declared["name"]);
+  if (bare.is_none())  // such as a functools.partial
+    throw py::type_error("wanted: the function " + std::string(py::repr(function)) +
+                         " has no name: give it one with troupe.measure(function, name=...)");
   const engine::Unit unit = declared.is_none() ? engine::Unit::none : unit_of(py::str(declared["unit"]));
   const std::string name = py::str(bare);
   return {function, name + std::string(engine::unit_suffixes(unit).front().suffix), name};

@@ -488,7 +488,12 @@ void bind_values(py::module_& module) {
              if (three.size() != 3)
                throw py::value_error(fmt::format(
                    "a pose cannot be made from a tuple of {} numbers: give (x, y, heading)", three.size()));
-             return Pose{three[0].cast<double>(), three[1].cast<double>(), 0, three[2].cast<double>()};
+             try {
+               return Pose{three[0].cast<double>(), three[1].cast<double>(), 0, three[2].cast<double>()};
+             } catch (const py::cast_error&) {
+               throw py::type_error(
+                   fmt::format("x_y_heading: found {}: give three numbers", std::string(py::repr(three))));
+             }
            }),
            py::arg("x_y_heading"))
       .def_readwrite("x", &Pose::x)

@@ -68,6 +68,8 @@ def _words(kind: str) -> str:
         return "a NumPy array"
     if kind.startswith("numpy.ndarray"):
         return "an array of numbers"
+    if kind.startswith("List[Tuple["):
+        return f"a list of tuples ({', '.join(map(_words, _inside(_inside(kind)[0])))})"
     other = "a list" if kind.startswith("List[") else kind.replace("troupe._core.", "a troupe.")
     return _WORDS.get(kind, other)
 
@@ -85,6 +87,9 @@ def _fits(kind: str, value: Any) -> Optional[bool]:
         if "[float[" in kind or not isinstance(value, (list, tuple)):
             return None
         return all(_fits(_inside(kind)[0], each) is not False for each in value)
+    if kind.startswith("Tuple["):
+        kinds = _inside(kind)
+        return isinstance(value, (list, tuple)) and len(value) == len(kinds) and False not in map(_fits, kinds, value)
     if kind == "numpy.ndarray":  # without an element type, pybind11 converts no list
         return isinstance(value, np.ndarray)
     if kind.startswith("numpy.ndarray"):

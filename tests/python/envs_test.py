@@ -607,6 +607,20 @@ class Vector(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, rf"must have the shape \(3, 2, 2\), found \(3, 2, {columns}\)"):
                 batch.step([np.ones((3, 2, columns), np.int64)])
 
+    def test_a_task_may_change_the_array_of_actions(self):
+        class Halving(Short):
+            def act(self, batch, team, actions):
+                actions *= 0.5
+                return actions
+
+        env, halved = troupe.envs.VectorEnv(Halving(2), 4), troupe.envs.VectorEnv(Short(2), 4)
+        env.reset(seed=1)
+        halved.reset(seed=1)
+        for dtype in (np.float64, np.float32):
+            actions = np.full((4, 2), 0.5, dtype)
+            self.assertTrue(np.array_equal(env.step(actions)[0], halved.step(actions / 2)[0]))
+            self.assertTrue((actions == 0.5).all(), "the actions of the program are unchanged")
+
     def test_observed_columns_of_the_task_are_not_broadcast(self):
         class Observing(Short):
             def observe(self, batch, team, name):
@@ -731,6 +745,30 @@ class Vector(unittest.TestCase):
             each.reset(begins)
         self.assertTrue(np.array_equal(batch.observations(), other.observations()))
 
+    def test_an_episode_that_cannot_begin_makes_all_copies_need_a_reset(self):
+        class Crowded:
+            """The core of a batch in which an episode cannot begin, because robots find no place."""
+
+            def __init__(self, core):
+                self.core = core
+
+            def __getattr__(self, name):
+                return getattr(self.core, name)
+
+            def step(self, begins):
+                raise troupe.InputError("placed 254 of 2000 bodies")
+
+        batch = troupe.envs.Batch(Short(2), 2, threads=1)
+        batch.reset()
+        core, batch.core = batch.core, Crowded(batch.core)
+        actions = np.zeros((2, 2, 2))
+        actions[1] = np.nan  # of the copy that begins an episode: not used
+        with self.assertRaisesRegex(troupe.InputError, "placed 254"):
+            batch.step([actions], [False, True])
+        batch.core = core
+        with self.assertRaisesRegex(RuntimeError, "2 of 2 copies need a reset"):
+            batch.step([np.zeros((2, 2, 2))])
+
     def test_rewards_are_finite(self):
         class Rewarding(Short):
             wrong = np.nan
@@ -849,8 +887,10 @@ class Vector(unittest.TestCase):
             troupe.envs.Env(task)
         task = Short(2)
         task.second = 5.0
-        with self.assertWarnsRegex(UserWarning, 'Short has the attribute "second", which Task does not use: did you mean "seconds"'):
-            troupe.envs.Env(task)
+        for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task: troupe.envs.VectorEnv(task, 2)):
+            with self.assertWarnsRegex(UserWarning, 'Short has the attribute "second", which Task does not use: did you mean "seconds"') as told:
+                make(task)
+            self.assertEqual(told.filename, __file__)
         for wrong in (0, 1, ""):
             for make in (troupe.envs.Env, lambda task, robot: troupe.envs.VectorEnv(task, 2, robot=robot)):
                 with self.assertRaises(TypeError) as raised:
@@ -981,6 +1021,7 @@ class RobotsThatAreBorn(unittest.TestCase):
             counts.add(int(done.sum()))
             self.assertEqual("final_info" in infos, bool(done.any()))
             if done.any():
+                self.assertTrue(all(last.base is None for last in infos["final_obs"][done]), "no views of all observations")
                 self.assertTrue(np.array_equal(infos["final_info"]["_finished"], done))
                 self.assertTrue(np.array_equal(infos["final_info"]["alive"], done))
                 self.assertFalse((infos["finished"] & done).any())

@@ -2,6 +2,7 @@
 
 import contextlib
 import copy
+import functools
 import gc
 import json
 import math
@@ -173,6 +174,12 @@ class Loading(InAFolder):
             (lambda: troupe.Simulation.from_text(3), "text: found 3: give a text"),
             (lambda: world.cast((0, 0, 0), "far"), "range_max: found 'far': give a number"),
             (lambda: world.swarm().set_poses(None), "poses: found None: give an array of numbers"),
+            (lambda: world.set_poses([(world.find("cart"), "here")]),
+             "poses: found [(<Model cart>, 'here')]: give a list of tuples (a troupe.Model, a troupe.Pose)"),
+            (lambda: troupe.Pose(("a", 1, 2)), "x_y_heading: found ('a', 1, 2): give three numbers"),
+            (lambda: troupe.Measures(world, [functools.partial(len)]),
+             "wanted: the function functools.partial(<built-in function len>) has no name: give it one with "
+             "troupe.measure(function, name=...)"),
             (lambda: world.model(-1), "id: found -1: the number is out of range"),
             (lambda: world.view(port=70000), "port: found 70000: the number is out of range"),
             (lambda: batch.picture(-1, 64), "copy: found -1: the number is out of range"),

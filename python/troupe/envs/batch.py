@@ -75,7 +75,6 @@ class Batch:
             self._observation_space(index, simulation) for index in range(len(self.teams))
         ]
         self.action_spaces = [action_space(team) for team in self.teams]
-        self.world_seed = int(simulation.options["seed"])
         # One bool per copy: True before the first reset, and after a reset or a step that an exception has ended: the
         # task may then not have seen the last step of the simulation.
         self._needs_reset = np.ones(copies, np.bool_)
@@ -146,8 +145,9 @@ class Batch:
         try:
             self.core.step(marks)
         except ValueError:
-            # An action that is not finite is reported before any copy has made a step.
-            self._needs_reset[:] = all(np.isfinite(self.core.actions(index)).all() for index in range(len(self.teams)))
+            # An action that is not finite, of a copy that makes a step, is reported before any copy has made one.
+            steps = np.ones(self.copies, np.bool_) if marks is None else ~marks
+            self._needs_reset[:] = all(np.isfinite(self.core.actions(index)[steps]).all() for index in range(len(self.teams)))
             raise
         for index, team in enumerate(self.teams):
             # As with Team.rewards and Team.ends, a robot that is finished or not in the world gets no reward and no end.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import numbers
 import os
+import sys
 import warnings
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 
@@ -84,8 +85,8 @@ class Task:
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
         robots x commands; the index of a discrete action has already been replaced by the numbers of Team.choices or
-        Team.levels. By default the actions are the commands. A result of another shape makes the step raise
-        ValueError."""
+        Team.levels. By default the actions are the commands. The function may change the array `actions`, which is a
+        copy. A result of another shape makes the step raise ValueError."""
         return actions
 
     def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
@@ -140,7 +141,15 @@ def check_task(task: Task) -> None:
     own = {name for cls in type(task).__mro__ if issubclass(cls, Task) for name in vars(cls)} | set(vars(task))
     for name, near in misspelt_members(Task, own):
         warnings.warn(f'{type(task).__name__} has the attribute "{name}", which Task does not use: did you mean "{near}"?',
-                      stacklevel=4)
+                      stacklevel=_level_of_the_program())
+
+
+def _level_of_the_program() -> int:
+    """Returns the stack level, for warnings of the function that calls this one, of the code that called this package."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("troupe."):
+        level, frame = level + 1, frame.f_back
+    return level
 
 
 def check_team(team: Team) -> None:
@@ -251,4 +260,4 @@ def commands_of(team: Team, actions: Any) -> npt.NDArray[np.float64]:
                 raise ValueError(f"actions, column {column} (counted from 0): must be whole numbers from 0 to {len(values) - 1}, found {at!r}")
             columns.append(np.asarray(values, np.float64)[at])
         return np.stack(columns, axis=-1)
-    return np.asarray(actions, np.float64)
+    return np.array(actions, np.float64)  # a copy, which Task.act() may change

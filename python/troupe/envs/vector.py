@@ -157,11 +157,11 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         format of gymnasium.vector.SyncVectorEnv: one object per environment, None for the others."""
         observations = self._rows(self.batch.observations())
         final = np.full(self.num_envs, None, dtype=object)
-        for env in np.flatnonzero(done):
+        for env in np.flatnonzero(done):  # copies: a view would keep the observations of all environments in memory
             if isinstance(observations, dict):
-                final[env] = {name: array[env] for name, array in observations.items()}
+                final[env] = {name: array[env].copy() for name, array in observations.items()}
             else:
-                final[env] = observations[env]
+                final[env] = observations[env].copy()
         infos = {"final_obs": final, "_final_obs": done.copy()}
         return infos | {"final_info": self._robot_infos(done), "_final_info": done.copy()}
 
