@@ -132,8 +132,8 @@ def require_task(task: Any) -> None:
 
 
 def check_task(task: Task) -> None:
-    """Raises TypeError if Task.seconds is not a number, or Task.measures is not a list of texts. Warns of attributes of a task that Task does not have but whose
-    names are similar to those of its members, such as `second`."""
+    """Raises TypeError if Task.seconds is not a number, or if Task.measures is not a list of texts. Warns of attributes of
+    a task that Task does not have but whose names are similar to those of its members, such as `second`."""
     if not isinstance(task.seconds, numbers.Real):
         raise TypeError(f"{type(task).__name__}.seconds: must be a number of seconds, found {task.seconds!r}")
     if not isinstance(task.measures, (list, tuple)) or not all(isinstance(name, str) for name in task.measures):
