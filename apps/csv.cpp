@@ -11,7 +11,6 @@
 #include <cstring>
 #include <iterator>
 #include <span>
-#include <stdexcept>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
@@ -88,16 +87,7 @@ void CsvFile::end_line() {
 void CsvFile::flush(std::uint64_t tick) {
   if (pending_.empty()) return;
   stream_ << pending_ << std::flush;
-  if (!stream_) {
-    const int error = errno;
-    if (stream_.is_open()) {
-      stream_.close();  // first: it tries again to write what is left in its buffer
-      std::error_code ignored;
-      if (fs::is_regular_file(file_, ignored)) fs::resize_file(file_, written_.bytes, ignored);
-    }
-    throw std::runtime_error(
-        fmt::format("{}: error: writing failed at tick {}: {}", file_.string(), tick, std::strerror(error)));
-  }
+  if (!stream_) throw_write_error(stream_, file_, written_.bytes, tick);
   if (tick != last_tick_) before_ = written_;
   last_tick_ = tick;
   count(pending_);

@@ -7,8 +7,7 @@ namespace troupe::apps {
 
 /// Installs the signal handlers of the program. The first Ctrl-C or SIGTERM only makes stop_requested()
 /// return true; runs then end after their current tick (simulation step). The second one ends the program
-/// immediately. SIGXFSZ is ignored. A file that exceeds the size limit therefore causes a write error,
-/// instead of ending the program.
+/// immediately.
 void stop_on_signals();
 /// Whether Ctrl-C or SIGTERM has arrived since the start of the program.
 bool stop_requested();

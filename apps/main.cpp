@@ -3,6 +3,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <csignal>
+
 namespace {
 
 /// Opens standard streams that the caller has closed, in a mode in which using them fails. Otherwise the
@@ -18,5 +20,7 @@ void fill_closed_streams() {
 
 int main(int argc, char** argv) {
   fill_closed_streams();
+  // A file that exceeds the size limit then causes a write error, instead of ending the program.
+  std::signal(SIGXFSZ, SIG_IGN);
   return troupe::apps::run_command_line(argc, argv);
 }

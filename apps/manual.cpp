@@ -79,8 +79,11 @@ std::string manual_page(const std::vector<Command>& commands, std::string_view v
       ".SH ENVIRONMENT\n.TP\n.B TROUPE_PLUGIN_PATH\nFolders with plug\\-ins, separated by colons.\n"
       ".TP\n.B STAGEPATH\nFolders searched for worlds, included files and plug\\-ins.\n"
       ".TP\n.B TROUPE_SIMD\nInstruction set for range finding, if \\-\\-simd is not given.\n"
-      ".TP\n.B TROUPE_PYTHON\nPython interpreter for \\-\\-controller and troupe plot.\n"
-      ".TP\n.B TROUPE_MPI\nModule for the MPI of mpirun or srun: openmpi, mpich or the path of a file.\n";
+      ".TP\n.B TROUPE_PYTHON\nPython interpreter for \\-\\-controller and for the command plot.\n"
+      ".TP\n.B TROUPE_MPI\nModule that connects the processes of a launcher: openmpi, mpich, or a file "
+      "(default: the module for the MPI of the launcher).\n"
+      ".TP\n.B SLURM_CPUS_PER_TASK\nUnder a launcher of several processes: number of threads of each "
+      "process, if \\-\\-threads is not given.\n";
   return text;
 }
 

@@ -16,6 +16,7 @@
 #include <charconv>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
@@ -183,6 +184,18 @@ void refuse_output(const fs::path& file, std::string_view reason) {
   throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
 }
 
+void throw_write_error(std::ofstream& stream, const fs::path& file, std::uintmax_t bytes,
+                       std::uint64_t tick) {
+  const int error = errno;
+  if (stream.is_open()) {
+    stream.close();  // first: it tries again to write what is left in its buffer
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored)) fs::resize_file(file, bytes, ignored);
+  }
+  throw std::runtime_error(
+      fmt::format("{}: error: writing failed at tick {}: {}", file.string(), tick, std::strerror(error)));
+}
+
 void check_outputs(const std::vector<Input>& inputs, const std::vector<fs::path>& outputs) {
   std::vector<NamedFile> read;
   for (const Input& input : inputs) read.emplace_back(input.file);
@@ -242,26 +255,26 @@ HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(fil
     header_ = simulation.hash_log_header();
     return;
   }
-  kept_bytes_ = bytes_to_tick(file, simulation);
+  whole_bytes_ = bytes_to_tick(file, simulation);
   written_ = simulation.tick();
 }
 
 void HashLog::open() {
-  stream_.open(file_, kept_bytes_ ? std::ios::app : std::ios::trunc);  // before the file is cut
+  stream_.open(file_, written_ ? std::ios::app : std::ios::trunc);  // before the file is cut
   if (!stream_) refuse_output(file_, std::strerror(errno));
   stream_ << header_;
-  if (!kept_bytes_) return;
+  if (!written_) return;
   std::error_code error;
-  fs::resize_file(file_, *kept_bytes_, error);
+  fs::resize_file(file_, whole_bytes_, error);
   if (error) refuse_output(file_, error.message());
 }
 
 void HashLog::observe(const Simulation& simulation) {
   if (written_ == simulation.tick()) return;
-  stream_ << simulation.hash_log_line() << '\n' << std::flush;
-  if (!stream_)
-    throw std::runtime_error(fmt::format("{}: error: writing failed at tick {}: {}", file_.string(),
-                                         simulation.tick(), std::strerror(errno)));
+  const std::string line = simulation.hash_log_line() + '\n';
+  stream_ << line << std::flush;
+  if (!stream_) throw_write_error(stream_, file_, whole_bytes_, simulation.tick());
+  whole_bytes_ += std::exchange(header_, {}).size() + line.size();
 }
 
 namespace {

@@ -28,6 +28,12 @@ class OutputError : public std::runtime_error {
 /// Throws OutputError: `file: error: cannot be written: reason`.
 [[noreturn]] void refuse_output(const std::filesystem::path& file, std::string_view reason);
 
+/// Throws std::runtime_error after a write to an output has failed: `file: error: writing failed at tick 5:
+/// reason`, with the reason that errno gives. Before, closes `stream` if it is open, and cuts the file to its
+/// first `bytes` bytes, the lines that were written completely. Does not cut a device or a pipe.
+[[noreturn]] void throw_write_error(std::ofstream& stream, const std::filesystem::path& file,
+                                    std::uintmax_t bytes, std::uint64_t tick);
+
 /// A file that a run reads, which no output may replace.
 struct Input {
   std::filesystem::path file;
@@ -85,16 +91,17 @@ class HashLog : public Observer {
   void open();
 
   /// Writes the line of the current tick. Does nothing if the log was continued and already ends with this
-  /// line. Throws std::runtime_error if writing fails, for example because the disk is full.
+  /// line. Throws std::runtime_error if writing fails, for example because the disk is full. The file then
+  /// contains only whole lines.
   void observe(const Simulation& simulation) override;
   bool reads_robots() const override { return false; }
 
  private:
   std::filesystem::path file_;
   std::ofstream stream_;
-  std::string header_;                        // of a new log
-  std::optional<std::uint64_t> written_;      // the last tick of a continued log
-  std::optional<std::uintmax_t> kept_bytes_;  // length of the lines that a continued log keeps
+  std::string header_;                    // of a new log, until it is in the file
+  std::optional<std::uint64_t> written_;  // the last tick of a continued log
+  std::uintmax_t whole_bytes_ = 0;  // length of the lines in the file, or of those that a continued log keeps
 };
 
 /// Returns the RunOutput for a hash log (HashLog). A RunOutput is one output of a run, together with its

@@ -48,6 +48,7 @@ Examples:
   troupe info run.log)";
 
 constexpr std::size_t k_start_bytes = 4096;
+constexpr std::size_t k_header_bytes = 1 << 20;  // for the column names of a table with many parameters
 constexpr std::string_view k_byte_order_mark = "\xef\xbb\xbf";  // of UTF-8; some editors write it
 constexpr std::string_view k_blanks = " \t\r\n";
 
@@ -57,14 +58,14 @@ constexpr std::string_view k_blanks = " \t\r\n";
   throw InputError(fmt::format("{}: error: cannot be read: {}", file.string(), reason));
 }
 
-/// Returns the first bytes of a file, at most k_start_bytes. Throws InputError if it cannot be read.
-std::string start_of(const fs::path& file) {
+/// Returns the first bytes of a file, at most k_header_bytes. Throws InputError if it cannot be read.
+std::string first_bytes_of(const fs::path& file) {
   if (const Result<> readable = worldio::check_readable(file); !readable)
     throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  std::string start(k_start_bytes, '\0');
-  stream.read(start.data(), k_start_bytes);
+  std::string start(k_header_bytes, '\0');
+  stream.read(start.data(), k_header_bytes);
   start.resize(static_cast<std::size_t>(stream.gcount()));
   if (!stream.eof() && !stream) throw_unreadable(file);
   return start;
@@ -122,9 +123,10 @@ std::optional<Summary> summary_of_json(const InfoOptions& options, std::string_v
 
 std::optional<Summary> summary_of(const InfoOptions& options) {
   const fs::path& file = options.file;
-  const std::string bytes = start_of(file);
-  std::string_view start = bytes;
-  if (start.starts_with(k_byte_order_mark)) start.remove_prefix(k_byte_order_mark.size());
+  const std::string bytes = first_bytes_of(file);
+  std::string_view header = bytes;
+  if (header.starts_with(k_byte_order_mark)) header.remove_prefix(k_byte_order_mark.size());
+  const std::string_view start = header.substr(0, k_start_bytes);
   if (start.starts_with(k_hash_log_mark)) return summary_of_hash_log(file);
   if (start.starts_with(worldio::k_hdf5_signature)) return summary_of_hdf5(file);
   if (worldio::is_checkpoint(file)) return summary_of_checkpoint(file);
@@ -133,7 +135,7 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
   constexpr std::string_view k_profile_line = k_profile_mark.substr(0, k_profile_mark.find('\n'));
   if (start.starts_with(k_profile_line)) return summary_of_profile(file);
   // First: the name of a parameter, such as time_step, may begin like the column time_s of the series.
-  if (is_start_of_results(start)) return summary_of_results(file);
+  if (is_start_of_results(header)) return summary_of_results(file);
   if (start.starts_with(k_series_mark)) return summary_of_series(file);
   if (start.starts_with(k_journal_mark)) return summary_of_journal(file);
   if (file.extension() == ".json" && worldio::is_utf16(start))

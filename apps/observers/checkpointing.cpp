@@ -31,9 +31,10 @@ bool SaveRequests::has_new(const Simulation& simulation) {
   return true;
 }
 
-Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, const Simulation& simulation,
-                             std::vector<Observer*> others)
+Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, bool was_resumed_from_file,
+                             const Simulation& simulation, std::vector<Observer*> others)
     : file_(std::move(file)),
+      has_checkpoint_(was_resumed_from_file),
       others_(std::move(others)),
       period_(every_s ? engine::period_ticks(*every_s, simulation.tick_s()) : 0),
       first_tick_(simulation.tick()) {}
@@ -51,14 +52,13 @@ void Checkpointing::finish(const Simulation& simulation) {
 }
 
 void Checkpointing::save_at_least(const Simulation& simulation) {
-  std::error_code ignored;
-  const bool was_resumed_from = first_tick_ > 0 && fs::exists(file_, ignored);
-  if (!saved_ && !was_resumed_from) save(simulation);
+  if (!has_checkpoint_) save(simulation);
 }
 
 void Checkpointing::save(const Simulation& simulation) {
   simulation.save(file_);
   saved_ = simulation.tick();
+  has_checkpoint_ = true;
 }
 
 void rehearse_checkpoint(const fs::path& file, const Simulation& simulation) {
@@ -90,6 +90,11 @@ void check_checkpoint(const fs::path& file, const fs::path& resumed_from, bool f
   throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", file.string()));
 }
 
+/// Returns the checkpoint from which the run is resumed; empty for a new run.
+fs::path resumed_from(const RunOptions& options) {
+  return options.is_checkpoint ? options.world : fs::path();
+}
+
 class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
  public:
   void add_options(CLI::App& app, RunOptions& options) override {
@@ -110,10 +115,9 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
   }
   std::vector<fs::path*> names(RunOptions& options) override { return {&options.checkpoint}; }
   std::vector<fs::path> files(const RunOptions& options) const override {
-    const fs::path resumed_from = options.is_checkpoint ? options.world : "";
-    check_checkpoint(options.checkpoint, resumed_from, options.force);
+    check_checkpoint(options.checkpoint, resumed_from(options), options.force);
     // A checkpoint that replaces the resumed one is also an input; check_outputs() would refuse it.
-    if (same_file(options.checkpoint, resumed_from)) return {};
+    if (same_file(options.checkpoint, resumed_from(options))) return {};
     return {options.checkpoint};
   }
   OpenOutput prepare(const RunOptions& options, Simulation& simulation, std::uint64_t) const override {
@@ -122,8 +126,9 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
     return [&options, &simulation](Observers& observers) {
       std::vector<Observer*> others;
       for (const auto& observer : observers) others.push_back(observer.get());
-      observers.push_back(std::make_unique<Checkpointing>(options.checkpoint, options.checkpoint_every_s,
-                                                          simulation, std::move(others)));
+      observers.push_back(std::make_unique<Checkpointing>(
+          options.checkpoint, options.checkpoint_every_s,
+          same_file(options.checkpoint, resumed_from(options)), simulation, std::move(others)));
     };
   }
 };

@@ -35,11 +35,12 @@ class Checkpointing : public Observer {
  public:
   /// file: the checkpoint. Each save replaces it.
   /// every_s: interval of the periodic checkpoints, simulated seconds; not given: no periodic checkpoints
+  /// was_resumed_from_file: whether `file` is the checkpoint from which the run was resumed
   /// simulation: the simulation of the run
   /// others: the other observers of the run, which must outlive this object. Before each checkpoint during
   /// the run, this object calls their before_save().
-  Checkpointing(std::filesystem::path file, std::optional<double> every_s, const Simulation& simulation,
-                std::vector<Observer*> others);
+  Checkpointing(std::filesystem::path file, std::optional<double> every_s, bool was_resumed_from_file,
+                const Simulation& simulation, std::vector<Observer*> others);
 
   void observe(const Simulation& simulation) override;
   bool reads_robots() const override { return false; }
@@ -52,6 +53,7 @@ class Checkpointing : public Observer {
   void save(const Simulation& simulation);
 
   std::filesystem::path file_;
+  bool has_checkpoint_;  // whether file_ is a checkpoint of this run
   std::vector<Observer*> others_;
   std::uint64_t period_ = 0;            // ticks; 0: only at the end
   std::uint64_t first_tick_;            // tick at which the run began or was resumed; needs no checkpoint

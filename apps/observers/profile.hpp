@@ -70,8 +70,9 @@ class Profile : public Observer, public TickWatcher {
   void observe(const Simulation& simulation) override;
   bool reads_robots() const override { return false; }
 
-  /// Returns one line that states which ticks and tasks were omitted because of the limits. The text is empty
-  /// if none were omitted.
+  /// Returns one line that states which ticks and tasks were omitted because of the limits, or that the
+  /// limits exclude all ticks of the run. The text is empty if no tick and no task was omitted to keep the
+  /// file small.
   std::string warning() const override;
 
  private:

@@ -72,6 +72,7 @@ Ffmpeg::Ffmpeg(fs::path film, int width, int height, double fps) : film_(std::mo
       program,
       {"ffmpeg",
        "-y",
+       "-xerror",  // otherwise, the exit code is 0 although the end of the film cannot be written
        "-loglevel",
        "error",
        "-f",

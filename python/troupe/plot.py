@@ -326,7 +326,9 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     try:
         figure.savefig(file, dpi=150)
     except OSError as error:
-        raise PlotError(f"{file}: error: cannot be written: {error.strerror}") from None
+        into = os.path.dirname(file)
+        reason = f"there is no folder {into}" if into and not os.path.exists(into) else error.strerror
+        raise PlotError(f"{file}: error: cannot be written: {reason}") from None
     finally:
         pyplot.close(figure)
     return file

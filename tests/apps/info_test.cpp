@@ -206,6 +206,9 @@ TEST_F(Info, OfAStudyAndItsTables) {
   EXPECT_THAT(info("table"),
               ElementsAre("table", "kind table of the results of a sweep", columns,
                           "runs 2, of which 1 failed: see the column \"error\"", "complete yes"));
+  write("table",
+        "run," + std::string(5000, 'x') + columns.substr(columns.find(",seed,")) + "\n0,0.5,4,10,1,0,,aa,\n");
+  EXPECT_THAT(info("table"), Contains("kind table of the results of a sweep"));
   write("table", "run,time_step,seed,ticks,time_s,stalls,stopped_by,state_hash,error\n0,0.5,4,10,1,0,,aa,\n");
   EXPECT_THAT(info("table"), Contains("kind table of the results of a sweep"));
   write("table", columns.substr(8) + "\n0,0.5,4,10,1,0,,aa,\n1,0.5");

@@ -1,3 +1,4 @@
+#include "apps/pictures/film.hpp"
 #include "tests/apps/program.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
@@ -253,6 +254,15 @@ TEST_F(RunPictures, AFilmThatFailsIsAFailureAndLeavesNothing) {
   const Outcome outcome = run({"--film", "f.mp4"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("f.mp4: error: writing failed: ffmpeg ended with exit code 7"));
+  EXPECT_THAT(files(), ElementsAre("bin", "room.world"));
+}
+
+TEST_F(RunPictures, AFilmOnAFullDiskIsAFailureAndLeavesNothing) {
+  if (find_ffmpeg().empty()) GTEST_SKIP() << "ffmpeg is not installed";
+  const Outcome outcome = troupe_with_file_limit(
+      {"run", "room.world", "--for", "0.2", "--quiet", "--size", "64x48", "--film", "f.mp4"}, 1024);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("f.mp4: error: writing failed: ffmpeg ended with exit code 1"));
   EXPECT_THAT(files(), ElementsAre("bin", "room.world"));
 }
 

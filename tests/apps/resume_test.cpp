@@ -352,6 +352,18 @@ TEST_F(Resume, AFullDiskIsAnErrorThatKeepsTheLastCheckpoint) {
   EXPECT_THAT(files(), ElementsAre("c.h5", "room.world"));
 }
 
+TEST_F(Resume, ARunWithAnOutputThatFailsReplacesTheCheckpointOfAnotherRun) {
+  good({"run", "room.world", "--for", "1", "--checkpoint", "c.h5"});
+  good({"run", "room.world", "--for", "0.5", "--checkpoint", "other.h5"});
+  const Outcome failed = troupe_with_file_limit({"resume", "c.h5", "--for", "90", "--checkpoint", "other.h5",
+                                                 "--force", "--hash-log", "h.log", "--quiet"},
+                                                70000);
+  EXPECT_EQ(failed.code, 1);
+  EXPECT_THAT(failed.err, HasSubstr("h.log: error: writing failed at tick "));
+  EXPECT_THAT(troupe({"resume", "other.h5", "--for", "2"}).err, HasSubstr("after the end of the run at 2 s"))
+      << "it was saved later than at 2 s";
+}
+
 /// A run with one file of each output that a resumed run continues. The files go on after the checkpoint.
 class ResumeOutputs : public Resume {
  protected:

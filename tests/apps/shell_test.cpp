@@ -82,9 +82,9 @@ TEST_F(Shell, TheManualIsAPageWithoutWhatRoffWouldMisread) {
   EXPECT_THAT(manual, StartsWith(".TH TROUPE 1 "));
   EXPECT_THAT(manual, AllOf(HasSubstr("\n.SH NAME\n"), HasSubstr("\n.SS troupe run\n"),
                             HasSubstr("\n.SH ENVIRONMENT\n")));
-  for (const char* variable :
-       {"TROUPE_PLUGIN_PATH", "STAGEPATH", "TROUPE_SIMD", "TROUPE_PYTHON", "TROUPE_MPI"})
-    EXPECT_THAT(manual, HasSubstr("\n.B " + std::string(variable) + "\n"));
+  for (const std::string variable : {"TROUPE_PLUGIN_PATH", "STAGEPATH", "TROUPE_SIMD", "TROUPE_PYTHON",
+                                     "TROUPE_MPI", "SLURM_CPUS_PER_TASK"})
+    EXPECT_THAT(manual, HasSubstr("\n.B " + variable + "\n"));
   for (const std::string& line : lines_of(manual))
     if (line.starts_with('.') || line.starts_with('\'')) {
       EXPECT_THAT(line, ::testing::MatchesRegex(R"(\.(TH|SH|SS|TP|PP|br|nf|fi|B)( .*)?)"));

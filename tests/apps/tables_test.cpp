@@ -408,6 +408,7 @@ TEST_F(Tables, AreCompleteIfTheRunEndsBecauseAnotherOutputFailed) {
       70000);
   EXPECT_EQ(failed.code, 1);
   EXPECT_THAT(failed.err, HasSubstr("h.log: error: writing failed at tick "));
+  EXPECT_THAT(read("h.log"), ::testing::EndsWith("\n")) << "it has only whole lines";
   const Outcome resumed = troupe(with_tables({"resume", "c.h5", "--for", "90", "--quiet"}));
   EXPECT_EQ(resumed.code, 0) << resumed.err;
   EXPECT_EQ(read("m.csv"), measures);

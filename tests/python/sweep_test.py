@@ -404,6 +404,10 @@ class Plot(unittest.TestCase):
     def test_a_picture_is_drawn(self):
         out = troupe.plot.draw(self.folder, by="robots", title="Order")
         self.assertEqual(pathlib.Path(out).read_bytes()[:4], b"\x89PNG")
+        nowhere = self.folder / "nowhere"
+        with self.assertRaises(troupe.plot.PlotError) as raised:
+            troupe.plot.draw(self.folder, out=nowhere / "o.svg")
+        self.assertEqual(str(raised.exception), f"{nowhere}/o.svg: error: cannot be written: there is no folder {nowhere}")
         svg = troupe.plot.draw(self.folder, out=self.folder / "o.svg")
         self.assertIn("<svg", pathlib.Path(svg).read_text())
         done = subprocess.run([sys.executable, "-c", pathlib.Path(troupe.plot.__file__).read_text(), "--measure=x", "--",
