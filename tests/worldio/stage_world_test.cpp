@@ -972,6 +972,16 @@ TEST_F(StageWorld, RefusesWrongArguments) {
           "without blanks, found \"1,,2\""));
 }
 
+TEST_F(StageWorld, AnArgumentThatIsGivenTwiceIsAWarning) {
+  const auto spec = load("position( ctrl \"expand 0.4 gain=2 speed=0.2\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: controller \"expand\": \"speed\" is given twice; the "
+                          "last value is used"));
+  const auto& controllers = type_of(spec, 1).controllers;
+  ASSERT_THAT(controllers, SizeIs(1));
+  EXPECT_EQ(get(test_registry().controller("expand")->params, controllers[0].params, "speed").number(), 0.2);
+}
+
 TEST_F(StageWorld, ControllersThatDriveNeedATopLevelPosition) {
   load("model( ctrl \"wander\" )\nposition( ranger( sensor() ctrl \"wander\" ) )");
   EXPECT_THAT(messages(), ElementsAre("w.world:1: error: controller \"wander\" must be in a model of type "

@@ -1,5 +1,6 @@
 #include "worldio/stage/stage_lint.hpp"
 
+#include "worldio/stage/stage_limits.hpp"
 #include "worldio/stage/stage_properties.hpp"
 
 #include <fmt/format.h>
@@ -11,8 +12,6 @@
 
 namespace troupe::worldio {
 namespace {
-
-constexpr std::size_t k_deepest = 200;  // levels; the parser and the macros have the same limit
 
 std::string with_article(std::string_view type) {
   if (type == "world") return "the world";
@@ -43,7 +42,7 @@ void StageLint::check_world() {
 }
 
 void StageLint::check(const StageEntity& entity, std::size_t depth) {
-  if (depth > k_deepest) return;
+  if (depth > k_deepest_nesting) return;
   const auto model = macros_.resolve(entity);
   if (!model) return;
   if (macros_.is_only_a_body(model->type))
