@@ -323,6 +323,20 @@ TEST_F(ConvertTest, FullPowerPacksAndThoseThatNeverRunOutComeBack) {
   EXPECT_THAT(found, IsEmpty());
 }
 
+TEST_F(ConvertTest, ConstantDrawsComeBackInModelsThatRun) {
+  const fs::path world = write("draws.world", R"(
+define bot position( size [0.3 0.3 0.3] joules 100 )
+bot( name "a" model( size [0.1 0.1 0.1] take_watts 5 ) model( size [0.1 0.1 0.1] watts 3 alwayson 1 )
+  fiducial( watts 4 alwayson 1 ) )
+bot( name "b" pose [3 0 0 0] fiducial( watts 4 alwayson 1 ) )
+model( name "c" pose [6 0 0 0] joules 100 watts 2 alwayson 1 fiducial() )
+)");
+  const fs::path back = convert(convert(world, "draws.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(back), HasSubstr("watts 7\n"));
+  EXPECT_EQ(hash_log(back, 5), hash_log(world, 5));
+}
+
 TEST_F(ConvertTest, AnArenaWithoutWallsIsNotOfStage) {
   const auto world = [](const std::string& walls) {
     return R"({"troupe": 1,

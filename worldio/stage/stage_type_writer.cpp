@@ -6,12 +6,14 @@
 #include "worldio/json/type_document.hpp"
 #include "worldio/stage/stage_demos.hpp"
 #include "worldio/stage/stage_device_writer.hpp"
+#include "worldio/stage/stage_power.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -80,6 +82,11 @@ class TypeText {
   void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind);
   void write_returns(const engine::Returns& returns);
   void write_controllers(std::uint32_t p);
+  /// Returns the part whose property `watts` gives the power pack this constant draw. In Stage, only the
+  /// watts of running models count, and not those of models whose power Troupe determines. Empty if no part
+  /// of the type is such a model.
+  std::optional<std::uint32_t> draw_part(std::size_t pack) const;
+  void find_draws();
   void write_power(std::uint32_t p);
   void write_children(std::uint32_t p);
   /// Writes the name of a child of `parent`, unless it is the name that the reader generates. `generated`
@@ -94,10 +101,12 @@ class TypeText {
   FloorImages& images_;
   Diagnostics& diagnostics_;
   StageText& text_;
+  std::map<std::uint32_t, double> draws_;  // parts with the property `watts`, and its value
 };
 
 void TypeText::write() {
   const PartSpec& root = type_.parts.front();
+  find_draws();
   text_.at(root.where);
   text_.define(macro_.word, root.kind);
   if (macro_.has_many_colors)
@@ -305,8 +314,38 @@ void TypeText::write_controllers(std::uint32_t p) {
   if (calls.size() > 1) text_.texts("ctrl", calls);
 }
 
-/// Writes power packs and power contacts. In Stage, they are properties of the model that has them.
+std::optional<std::uint32_t> TypeText::draw_part(std::size_t pack) const {
+  for (std::uint32_t p = 0; p < type_.parts.size(); ++p) {
+    if (pack_of(type_, p) != pack || has_own_draw(type_.parts[p].kind) || macro_.added[p] || is_brought(p))
+      continue;
+    // `alwayson` must not switch on the device or the contact of the model.
+    const DeviceSpec* own = own_device(p);
+    const bool is_off = std::ranges::any_of(type_.devices, [&](const DeviceSpec& device) {
+      return device.part == p && !device.active && (&device == own || device.kind == "power_contact");
+    });
+    if (!is_off) return p;
+  }
+  return std::nullopt;
+}
+
+/// Finds the models in which the constant draws of the power packs are written.
+void TypeText::find_draws() {
+  for (std::size_t d = 0; d < type_.devices.size(); ++d) {
+    const DeviceKind* kind = kind_of(type_.devices[d]);
+    if (!kind || kind->name != "power_pack") continue;
+    const double watts = get(kind->params, type_.devices[d].params, "draw").number();
+    if (watts <= 0) continue;
+    if (const std::optional<std::uint32_t> part = draw_part(d)) draws_[*part] = watts;
+  }
+}
+
+/// Writes power packs, power contacts and constant draws. In Stage, they are properties of the model that has
+/// them.
 void TypeText::write_power(std::uint32_t p) {
+  if (const auto draw = draws_.find(p); draw != draws_.end()) {
+    text_.number("watts", draw->second);
+    text_.flag("alwayson", true);
+  }
   for (const DeviceSpec& device : type_.devices) {
     const DeviceKind* kind = kind_of(device);
     if (device.part != p || !kind) continue;
@@ -317,10 +356,6 @@ void TypeText::write_power(std::uint32_t p) {
       text_.number("joules", value("infinite").boolean() ? -1 : stored);
       if (!value("infinite").boolean() && stored != capacity) text_.number("joules_capacity", capacity);
       if (value("mass").number() > 0) text_.number("mass", value("mass").number());
-      if (value("draw").number() > 0) {  // in Stage, only a running model draws power
-        text_.number("watts", value("draw").number());
-        text_.flag("alwayson", true);
-      }
       if (value("when_empty").text() != "stop") text_.text("when_empty", value("when_empty").text());
       if (p == 0 && type_.drive && value("idle").number() > 0 && type_.controllers.empty())
         text_.flag("alwayson", true);
