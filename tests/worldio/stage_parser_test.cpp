@@ -451,6 +451,14 @@ TEST_F(StageParser, AnUnknownBaseIsReportedWhereTheMacroIsDefined) {
       ElementsAre(HasSubstr("robots.inc:2: error: \"positron\" is neither a model type nor a macro")));
 }
 
+TEST_F(StageParser, ManyModelsMayUseAMacroWithAnUnknownBase) {
+  std::string text = "define bot positron()\n";
+  for (int i = 0; i < 1900; ++i) text += fmt::format("define macro_with_a_long_name_{} model()\n", i);
+  for (int i = 0; i < 100000; ++i) text += "bot()\n";
+  load(text);
+  EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:1: error: \"positron\" is neither a model type")));
+}
+
 TEST_F(StageParser, AMacroMayShadowAType) {
   load("define model position()\nmodel()");
   EXPECT_THAT(messages(), IsEmpty());
