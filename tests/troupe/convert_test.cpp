@@ -334,6 +334,7 @@ model( name "c" pose [6 0 0 0] joules 100 watts 2 alwayson 1 fiducial() )
   const fs::path back = convert(convert(world, "draws.json"), "back.world");
   ASSERT_THAT(found, IsEmpty());
   EXPECT_THAT(content(back), HasSubstr("watts 7\n"));
+  EXPECT_THAT(content(back), Not(HasSubstr("alwayson 1\n    alwayson 1")));
   EXPECT_EQ(hash_log(back, 5), hash_log(world, 5));
 }
 

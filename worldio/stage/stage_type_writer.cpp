@@ -342,10 +342,9 @@ void TypeText::find_draws() {
 /// Writes power packs, power contacts and constant draws. In Stage, they are properties of the model that has
 /// them.
 void TypeText::write_power(std::uint32_t p) {
-  if (const auto draw = draws_.find(p); draw != draws_.end()) {
-    text_.number("watts", draw->second);
-    text_.flag("alwayson", true);
-  }
+  const auto draw = draws_.find(p);
+  bool is_on = draw != draws_.end();
+  if (is_on) text_.number("watts", draw->second);
   for (const DeviceSpec& device : type_.devices) {
     const DeviceKind* kind = kind_of(device);
     if (device.part != p || !kind) continue;
@@ -357,14 +356,14 @@ void TypeText::write_power(std::uint32_t p) {
       if (!value("infinite").boolean() && stored != capacity) text_.number("joules_capacity", capacity);
       if (value("mass").number() > 0) text_.number("mass", value("mass").number());
       if (value("when_empty").text() != "stop") text_.text("when_empty", value("when_empty").text());
-      if (p == 0 && type_.drive && value("idle").number() > 0 && type_.controllers.empty())
-        text_.flag("alwayson", true);
+      is_on = is_on || (p == 0 && type_.drive && value("idle").number() > 0 && type_.controllers.empty());
     } else if (device.kind == "power_contact") {
       if (value("give").number() > 0) text_.number("give_watts", value("give").number());
       if (value("take").number() > 0) text_.number("take_watts", value("take").number());
-      if (device.active && !own_device(p)) text_.flag("alwayson", true);
+      is_on = is_on || device.active;
     }
   }
+  if (is_on && !own_device(p)) text_.flag("alwayson", true);  // a device is written with its own `alwayson`
 }
 
 void TypeText::write_children(std::uint32_t p) {
