@@ -440,6 +440,17 @@ position( name "r" size [0.25 0.25 0.25]
   EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
 }
 
+TEST_F(ConvertTest, GrippersWithBlocksOrWallsComeBack) {
+  const fs::path world = write("hands.world", R"(
+model( size [0.25 0.25 0.25]
+  gripper( size [0.5 0.5 0.25] boundary 1 )
+  gripper( size [0.25 0.5 0.25] block( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 1] point[3] [0 1] z [0 1] ) ) )
+)");
+  const fs::path back = convert(convert(world, "hands.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(back, 2), hash_log(world, 2));
+}
+
 TEST_F(ConvertTest, ValuesThatAreRoundedAreAWarning) {
   const fs::path json = write("w.json", R"({"troupe": 1, "types": {
     "bot": {"size_m": [0.4, 0.4, 0.3], "sensors": [{"name": "eye", "kind": "ranger", "transducers": [

@@ -74,7 +74,7 @@ class TypeText {
   bool is_brought(std::uint32_t p) const;
 
   void write_part(std::uint32_t p);
-  void write_body(const PartSpec& part, const DeviceSpec* own);
+  void write_body(std::uint32_t p, const DeviceSpec* own);
   static bool is_default_box(const PartSpec& part, const engine::ModelKind& kind);
   bool write_image(const PartSpec& part);
   void write_blocks(const PartSpec& part, const DeviceSpec* own);
@@ -159,7 +159,7 @@ void TypeText::write_part(std::uint32_t p) {
   if ((part.kind == "position") != (p == 0 ? type_.drive.has_value() : own && is_wheels(*own)))
     lacks(part.where, part.kind == "position" ? std::string("a part of kind \"position\" without a drive")
                                               : fmt::format("a drive in a part of kind \"{}\"", part.kind));
-  write_body(part, own);
+  write_body(p, own);
   write_returns(part.returns);
   if (part.returns.pushable) lacks(part.where, "a \"pushable\" body");
   const engine::DriveKind* drive = p == 0 && type_.drive ? registry_.drive(type_.drive->kind) : nullptr;
@@ -175,11 +175,16 @@ void TypeText::write_part(std::uint32_t p) {
   write_children(p);
 }
 
-void TypeText::write_body(const PartSpec& part, const DeviceSpec* own) {
+void TypeText::write_body(std::uint32_t p, const DeviceSpec* own) {
+  const PartSpec& part = type_.parts[p];
   const engine::ModelKind* kind = registry_.model(part.kind);
   const DeviceKind* device = own ? kind_of(*own) : nullptr;
   if (write_image(part)) return;
-  const bool is_brought_along = device && device->body && !part.fitted && !part.solids.empty();
+  // The reader gives a gripper its base and its paddles, unless its model has blocks or walls.
+  bool is_brought_along = false;
+  if (device && device->body)
+    for (std::uint32_t q = p + 1; q < type_.parts.size(); ++q)
+      is_brought_along = is_brought_along || (type_.parts[q].parent == p && is_brought(q));
   if (!is_brought_along) {
     if (is_default_box(part, *kind)) return write_size(part.size, kind);
     if (!part.solids.empty()) return write_blocks(part, own);
