@@ -16,6 +16,7 @@
 #include "troupe/script.hpp"
 #include "worldio/load.hpp"
 #include "worldio/results/recording_fields.hpp"
+#include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -121,6 +122,7 @@ class Lint {
     check_sensors();
     check_radios();
     check_floor_plans();
+    check_window();
     check_interventions();
     check_selections();
   }
@@ -140,6 +142,7 @@ class Lint {
   void check_floor_plans();
   Result<> can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const;
   void check_who_stands_in(const std::vector<BodyId>& plans);
+  void check_window();
   void check_interventions();
   void check_selections();
 
@@ -483,6 +486,16 @@ void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
     diagnostics_.warning(last,
                          fmt::format("{} more robot{} inside walls of floor plans", found - k_most_listed,
                                      found - k_most_listed == 1 ? " starts" : "s start"));
+}
+
+/// Warns of a window that follows a body that the world does not have.
+void Lint::check_window() {
+  if (!spec_.window) return;
+  const std::string& name = get(worldio::window_fields(), *spec_.window, "follow").text();
+  if (name.empty() || world_.find(name).valid()) return;
+  diagnostics_.warning(
+      {spec_.resolution_where.file, 0},
+      fmt::format("the window follows the model \"{}\", but there is no such model: correct the name", name));
 }
 
 /// Warns of interventions that add several bodies at one pose, and of interventions and faults that are later

@@ -142,6 +142,15 @@ TEST_F(LintTest, ReportsFloorPlansThatBlockNothingAndWhoStandsInThem) {
   expect_nothing("right.world", "model( size [4 4 1] bitmap \"gate.pgm\" )\nposition()\n");
 }
 
+TEST_F(LintTest, ReportsAWindowThatFollowsNoModel) {
+  EXPECT_THAT(
+      findings("w.world", "position( name \"r0\" )\nwindow( follow_model \"r1\" )\n"),
+      ElementsAre("w.world: warning: the window follows the model \"r1\", but there is no such model: "
+                  "correct the name",
+                  "w.world: 1 finding"));
+  expect_nothing("right.world", "position( name \"r0\" )\nwindow( follow_model \"r0\" )\n");
+}
+
 TEST_F(LintTest, ReportsFloorPlansInJson) {
   write("gate.pgm", k_gate);
   EXPECT_THAT(

@@ -323,6 +323,21 @@ TEST_F(ConvertTest, FullPowerPacksAndThoseThatNeverRunOutComeBack) {
   EXPECT_THAT(found, IsEmpty());
 }
 
+TEST_F(ConvertTest, ConstantDrawsComeBackInModelsThatRun) {
+  const fs::path world = write("draws.world", R"(
+define bot position( size [0.3 0.3 0.3] joules 100 )
+bot( name "a" model( size [0.1 0.1 0.1] take_watts 5 ) model( size [0.1 0.1 0.1] watts 3 alwayson 1 )
+  fiducial( watts 4 alwayson 1 ) )
+bot( name "b" pose [3 0 0 0] fiducial( watts 4 alwayson 1 ) )
+model( name "c" pose [6 0 0 0] joules 100 watts 2 alwayson 1 fiducial() )
+)");
+  const fs::path back = convert(convert(world, "draws.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(back), HasSubstr("watts 7\n"));
+  EXPECT_THAT(content(back), Not(HasSubstr("alwayson 1\n    alwayson 1")));
+  EXPECT_EQ(hash_log(back, 5), hash_log(world, 5));
+}
+
 TEST_F(ConvertTest, AnArenaWithoutWallsIsNotOfStage) {
   const auto world = [](const std::string& walls) {
     return R"({"troupe": 1,
@@ -446,6 +461,17 @@ position( name "r" size [0.25 0.25 0.25]
   ASSERT_THAT(found, IsEmpty());
   EXPECT_THAT(content(back), HasSubstr("origin ["));
   EXPECT_EQ(hash_log(back, 3), hash_log(world, 3));
+}
+
+TEST_F(ConvertTest, GrippersWithBlocksOrWallsComeBack) {
+  const fs::path world = write("hands.world", R"(
+model( size [0.25 0.25 0.25]
+  gripper( size [0.5 0.5 0.25] boundary 1 )
+  gripper( size [0.25 0.5 0.25] block( points 4 point[0] [0 0] point[1] [1 0] point[2] [1 1] point[3] [0 1] z [0 1] ) ) )
+)");
+  const fs::path back = convert(convert(world, "hands.json"), "back.world");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_EQ(hash_log(back, 2), hash_log(world, 2));
 }
 
 TEST_F(ConvertTest, ValuesThatAreRoundedAreAWarning) {

@@ -189,6 +189,10 @@ TEST_F(StageOtherWorlds, AWholeTurnMayBeWrittenWithFewDigits) {
     EXPECT_NEAR(fov_of_first(type_of(spec, 1).devices[0]), 2 * k_pi, 1e-9) << turn;
     EXPECT_NEAR(param(type_of(spec, 1).devices[1], "fov").number(), 2 * k_pi, 1e-9) << turn;
   }
+  const auto panned = load_all("unit_angle \"radians\"\nposition( blobfinder( pan -6.2832 ) )");
+  EXPECT_THAT(messages(), IsEmpty());
+  ASSERT_THAT(type_of(panned, 1).devices, SizeIs(1));
+  EXPECT_EQ(param(type_of(panned, 1).devices[0], "pan").number(), -2 * k_pi);
   load_all("unit_angle \"radians\"\nranger( sensor( fov 6.3 ) )");
   EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:2: error: \"fov\" must be at most 6.28")));
 }

@@ -290,6 +290,21 @@ TEST_F(StageParser, AFileInUtf16IsOneError) {
   EXPECT_THAT(messages(), ElementsAre("w.world: error: the file is encoded in UTF-16: save it in UTF-8"));
 }
 
+TEST_F(StageParser, AWrongTupleCausesNoFurtherSyntaxErrors) {
+  load("model( pose [1 2\n 0 90] size [1 1 1] )\nmodel( pose [9 9 # far\n 0 0] )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: a tuple must end with ] on the line on which it begins",
+                          "w.world:3: error: a tuple must end with ] on the line on which it begins"));
+  load("model( wibble [1 [2] 3] name \"a\" )\n");
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr("w.world:1: warning: a model has no property \"wibble\""),
+                          "w.world:1: error: a tuple cannot contain a tuple: remove the inner [ and ]"));
+  load("model( pose [1 2 0 0 )\nmodel( size [1 1\n name \"a\" )\n");
+  EXPECT_THAT(messages(), testing::IsSupersetOf(
+                              {"w.world:1: error: a tuple must end with ] on the line on which it begins",
+                               "w.world:2: error: a tuple must end with ] on the line on which it begins"}));
+}
+
 TEST_F(StageParser, NulIsAllowedOnlyInComments) {
   using std::string_view_literals::operator""sv;
   load("# \0\nmodel( name \"a\0b\" )\n\0model()\n"sv);
@@ -440,6 +455,14 @@ TEST_F(StageParser, AnUnknownBaseIsReportedWhereTheMacroIsDefined) {
   EXPECT_THAT(
       messages(),
       ElementsAre(HasSubstr("robots.inc:2: error: \"positron\" is neither a model type nor a macro")));
+}
+
+TEST_F(StageParser, ManyModelsMayUseAMacroWithAnUnknownBase) {
+  std::string text = "define bot positron()\n";
+  for (int i = 0; i < 1900; ++i) text += fmt::format("define macro_with_a_long_name_{} model()\n", i);
+  for (int i = 0; i < 100000; ++i) text += "bot()\n";
+  load(text);
+  EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:1: error: \"positron\" is neither a model type")));
 }
 
 TEST_F(StageParser, AMacroMayShadowAType) {

@@ -145,15 +145,14 @@ TEST_F(StageWorld, RefusesWrongWindows) {
       " follow_model [\"a\"] )");
   std::vector<std::string> found = messages();
   std::erase_if(found, [](const std::string& line) { return line.find("error") == line.npos; });
-  EXPECT_THAT(found,
-              testing::UnorderedElementsAre(
-                  "w.world:1: error: \"size\" needs 2 values [a b], found 1",
-                  "w.world:2: error: \"scale\" must be above 0 and at most 1000000, found 0",
-                  "w.world:3: error: \"interval\" must be above 0 and at most 1000000000, found -3",
-                  "w.world:4: error: \"rotate\" needs a number such as 2, -0.5 or .25, found \"two\"",
-                  "w.world:5: error: \"show_grid\" needs a whole number, found 0.5",
-                  "w.world:6: error: \"screenshot_skip\" must be at least 1 and at most 1000000000, found 0",
-                  "w.world:7: error: \"follow_model\" needs one value, not a tuple"));
+  EXPECT_THAT(found, testing::UnorderedElementsAre(
+                         "w.world:1: error: \"size\" needs 2 values [a b], found 1",
+                         "w.world:2: error: \"scale\" must be above 0, found 0",
+                         "w.world:3: error: \"interval\" must be above 0, found -3",
+                         "w.world:4: error: \"rotate\" needs a number such as 2, -0.5 or .25, found \"two\"",
+                         "w.world:5: error: \"show_grid\" needs a whole number, found 0.5",
+                         "w.world:6: error: \"screenshot_skip\" must be at least 1, found 0",
+                         "w.world:7: error: \"follow_model\" needs one value, not a tuple"));
 }
 
 TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
@@ -970,6 +969,16 @@ TEST_F(StageWorld, RefusesWrongArguments) {
           "found \"1\"",
           "w.world:9: error: controller \"expand\": \"clearances\" needs numbers separated by commas, "
           "without blanks, found \"1,,2\""));
+}
+
+TEST_F(StageWorld, AnArgumentThatIsGivenTwiceIsAWarning) {
+  const auto spec = load("position( ctrl \"expand 0.4 gain=2 speed=0.2\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: controller \"expand\": \"speed\" is given twice; the "
+                          "last value is used"));
+  const auto& controllers = type_of(spec, 1).controllers;
+  ASSERT_THAT(controllers, SizeIs(1));
+  EXPECT_EQ(get(test_registry().controller("expand")->params, controllers[0].params, "speed").number(), 0.2);
 }
 
 TEST_F(StageWorld, ControllersThatDriveNeedATopLevelPosition) {

@@ -400,8 +400,14 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
     for (const auto& [field, value] : preset->params) set(kind->params, spec.params, field, value);
 
   std::size_t positional = 0;
+  std::vector<bool> is_set(fields.size());
   for (const std::string_view word : std::span(words).subspan(1)) {
     const std::optional<Argument> given = argument(word, fields, name, where, positional);
+    if (given && is_set[given->field])
+      values_.warning_once(
+          where, fmt::format("controller \"{}\": \"{}\" is given twice; the last value is used", name,
+                             fields[given->field].name));
+    if (given) is_set[given->field] = true;
     if (!given || !set_argument(fields[given->field], given->to_si, given->text, name, where,
                                 spec.params[given->field]))
       return {};

@@ -36,7 +36,8 @@ Result<> check_limits(const engine::Field& field, double value, double to_si) {
 double within_a_turn(double angle) {
   constexpr double k_turn = 2 * k_pi;
   constexpr double k_rounding = 1e-5;
-  return angle > k_turn && angle < k_turn * (1 + k_rounding) ? k_turn : angle;
+  const double size = std::abs(angle);
+  return size > k_turn && size < k_turn * (1 + k_rounding) ? std::copysign(k_turn, angle) : angle;
 }
 
 }  // namespace troupe::worldio

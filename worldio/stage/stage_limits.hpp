@@ -26,8 +26,8 @@ std::string in_unit(double value, const engine::Field& field, double to_si = 1);
 /// of the error is the end of a sentence about the number, such as "must be above 0 m".
 Result<> check_limits(const engine::Field& field, double value, double to_si = 1);
 
-/// Returns 2 pi for an angle, rad, that exceeds 2 pi by less than 1e-5 of a turn. Returns every other angle
-/// unchanged. Files write a whole turn as 6.2832, which is slightly more than 2 pi.
+/// Returns a whole turn, 2 pi or -2 pi, for an angle, rad, that exceeds it by less than 1e-5 of a turn.
+/// Returns every other angle unchanged. Files write a whole turn as 6.2832, which is slightly more than 2 pi.
 double within_a_turn(double angle);
 
 }  // namespace troupe::worldio

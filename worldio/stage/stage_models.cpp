@@ -94,6 +94,8 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   const bool is_known = model.type == "block" || model.type == "sensor" || model.type == "window" ||
                         registry_.model(model.type) != nullptr;
   if (is_known) return model;
+  // Many models may use the same macro, and the names that are similar to its unknown base take time to find.
+  if (!reported_.insert(model.type.data()).second) return {};
   std::vector<std::string_view> types;
   for (const engine::ModelKind& kind : registry_.models) types.push_back(kind.name);
   std::vector<std::string_view> near = types;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace troupe::worldio {
@@ -79,6 +80,7 @@ class StageMacros {
   const engine::Registry& registry_;
   StageValues& values_;
   std::unordered_map<std::string_view, Macro> macros_;
+  std::unordered_set<const char*> reported_;  // the unknown types of which resolve() has reported an error
   std::size_t steps_ = 0;
 };
 

@@ -435,24 +435,36 @@ class Parser {
     return false;
   }
 
-  /// Parses a tuple, from [ to ] on one line. Returns the number of values before the first error.
+  /// Parses a tuple, from [ to ] on one line. A tuple over several lines is one error, and its values are
+  /// read. Returns the number of values before the first other error.
   std::uint32_t tuple() {
     const StageToken open = peek();
     ++at_;
     std::uint32_t count = 0;
     bool clean = true;
+    bool is_on_line = true;
+    std::size_t inner = 0;  // number of tuples in this tuple that are not closed yet
     for (;; ++at_) {
       const StageToken token = peek();
-      if (token.kind == TokenKind::tuple_close && same_line(open, token)) break;
-      if (token.kind == TokenKind::end || !same_line(open, token) || token.kind == TokenKind::open ||
-          token.kind == TokenKind::close) {
+      const bool is_value = token.kind == TokenKind::number || token.kind == TokenKind::string;
+      const bool is_end = token.kind == TokenKind::tuple_close;
+      const bool is_outside =
+          token.kind == TokenKind::end || token.kind == TokenKind::open || token.kind == TokenKind::close;
+      if (is_on_line && (is_outside || !same_line(open, token))) {
         errors_.add(open.where(), "a tuple must end with ] on the line on which it begins");
-        return count;
+        is_on_line = false;
       }
-      if (token.kind == TokenKind::number || token.kind == TokenKind::string) {
+      if (!is_on_line && !is_value && !is_end) return count;
+      if (is_end && inner == 0) break;
+      if (is_end) {
+        --inner;
+        continue;
+      }
+      if (is_value) {
         count += clean;
         continue;
       }
+      inner += token.kind == TokenKind::tuple_open;
       clean = false;
       errors_.add(
           token.where(),

@@ -31,17 +31,19 @@ std::string device_name(const TypeSpec& type, std::uint32_t part, std::string_vi
   return below.empty() ? std::string(last) : fmt::format("{}.{}", below, last);
 }
 
-/// Returns the power pack that supplies a part: its own pack, or else that of the nearest part on which it is
-/// mounted. Null if there is none.
-DeviceSpec* pack_of(TypeSpec& type, std::uint32_t part) {
-  for (;; part = type.parts[part].parent) {
-    for (DeviceSpec& device : type.devices)
-      if (device.kind == "power_pack" && device.part == part) return &device;
-    if (part == 0) return nullptr;
-  }
+}  // namespace
+
+bool has_own_draw(std::string_view model_type) {
+  return std::ranges::find(k_own_draw, model_type) != k_own_draw.end();
 }
 
-}  // namespace
+std::optional<std::size_t> pack_of(const TypeSpec& type, std::uint32_t part) {
+  for (;; part = type.parts[part].parent) {
+    for (std::size_t d = 0; d < type.devices.size(); ++d)
+      if (type.devices[d].kind == "power_pack" && type.devices[d].part == part) return d;
+    if (part == 0) return std::nullopt;
+  }
+}
 
 bool StagePower::is_on(const StageModel& model) {
   const StageProperty* always = model.find(document_, "alwayson");
@@ -65,7 +67,7 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
     drives_ = is_on(model);
   }
   const double constant = watts(model, "watts");
-  if (constant > 0 && std::ranges::find(k_own_draw, model.type) == k_own_draw.end())
+  if (constant > 0 && !has_own_draw(model.type))
     draws_.push_back({part, constant, is_on(model)});
   else if (constant > 0)
     values_.warning_once(
@@ -184,18 +186,20 @@ void StagePower::finish(TypeSpec& type) {
       registry_.device("power_pack") ? &registry_.device("power_pack")->params : nullptr;
   if (!table) return;
   for (const Draw& draw : draws_) {
-    DeviceSpec* pack = pack_of(type, draw.part);
+    const std::optional<std::size_t> pack = pack_of(type, draw.part);
     const bool is_device = std::ranges::any_of(type.devices, [&](const DeviceSpec& device) {
       return device.part == draw.part && device.kind != "power_pack" && device.kind != "power_contact";
     });
     if (!pack || !(draw.runs || (is_device && is_controlled))) continue;
     const auto at = static_cast<std::size_t>(table->find("draw"));
-    pack->params[at] = pack->params[at].number() + draw.watts;
+    Value& power = type.devices[*pack].params[at];
+    power = power.number() + draw.watts;
   }
-  DeviceSpec* own = type.drive ? pack_of(type, 0) : nullptr;
+  const std::optional<std::size_t> own = type.drive ? pack_of(type, 0) : std::nullopt;
   if (!own) return;
-  set_field(*table, own->params, "mass", mass_);
-  set_field(*table, own->params, "idle", drives_ || is_controlled ? 1.0 : 0.0);
+  Record& params = type.devices[*own].params;
+  set_field(*table, params, "mass", mass_);
+  set_field(*table, params, "idle", drives_ || is_controlled ? 1.0 : 0.0);
 }
 
 }  // namespace troupe::worldio

@@ -5,9 +5,20 @@
 #include "worldio/stage/stage_models.hpp"
 #include "worldio/stage/stage_values.hpp"
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 namespace troupe::worldio {
+
+/// Whether Troupe itself determines the power of models of this type, such as "position" or "ranger". Their
+/// property `watts` is ignored.
+bool has_own_draw(std::string_view model_type);
+/// Returns the power pack that supplies a part, as an index into TypeSpec::devices: the part's own pack, or
+/// else that of the nearest part on which it is mounted. Empty if there is none.
+std::optional<std::size_t> pack_of(const engine::TypeSpec& type, std::uint32_t part);
 
 /// Converts the energy properties (joules, watts, give_watts, ...) of models in `.world` files to Troupe's
 /// devices. Such files belong to Stage, an older robot simulator. A model becomes a part (rigid piece) of a

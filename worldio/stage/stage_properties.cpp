@@ -54,7 +54,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "[x y z], above 0 if the model has a body; with the older form [x y], the height is the default of the "
      "model type, and a warning says so"},
     {"model", "origin", honoured, "offset of the body from `pose`; it does not move the children"},
-    {"model", "update_interval", fixed, "time between two updates, ms; 0: every tick (with 0, Stage hangs)"},
+    {"model", "update_interval", fixed,
+     "time between two updates, ms; 0: every tick (with 0, Stage hangs). Stage drops a fraction of a "
+     "millisecond"},
     {"model", "color", fixed,
      "X11 name, or \"random\": a random colour, which depends on the seed and on the id of the body (for a "
      "top-level model) or the name of the model (for a child)"},

@@ -6,12 +6,14 @@
 #include "worldio/json/type_document.hpp"
 #include "worldio/stage/stage_demos.hpp"
 #include "worldio/stage/stage_device_writer.hpp"
+#include "worldio/stage/stage_power.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -81,7 +83,7 @@ class TypeText {
   bool is_brought(std::uint32_t p) const;
 
   void write_part(std::uint32_t p);
-  void write_body(const PartSpec& part, const DeviceSpec* own);
+  void write_body(std::uint32_t p, const DeviceSpec* own);
   static bool is_default_box(const PartSpec& part, const engine::ModelKind& kind);
   bool write_image(const PartSpec& part);
   void write_blocks(const PartSpec& part, const DeviceSpec* own);
@@ -89,6 +91,11 @@ class TypeText {
   void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind);
   void write_returns(const engine::Returns& returns);
   void write_controllers(std::uint32_t p);
+  /// Returns the part whose property `watts` gives the power pack this constant draw. In Stage, only the
+  /// watts of running models count, and not those of models whose power Troupe determines. Empty if no part
+  /// of the type is such a model.
+  std::optional<std::uint32_t> draw_part(std::size_t pack) const;
+  void find_draws();
   void write_power(std::uint32_t p);
   void write_children(std::uint32_t p);
   /// Writes the name of a child of `parent`, unless it is the name that the reader generates. `generated`
@@ -105,10 +112,12 @@ class TypeText {
   StageText& text_;
   std::vector<const DeviceSpec*> own_devices_;  // per part: see own_device()
   std::vector<Inside> inside_;                  // per part: see struct Inside
+  std::map<std::uint32_t, double> draws_;  // parts with the property `watts`, and its value
 };
 
 void TypeText::write() {
   find_models();
+  find_draws();
   const PartSpec& root = type_.parts.front();
   text_.at(root.where);
   text_.define(macro_.word, root.kind);
@@ -177,7 +186,7 @@ void TypeText::write_part(std::uint32_t p) {
   if ((part.kind == "position") != (p == 0 ? type_.drive.has_value() : own && is_wheels(*own)))
     lacks(part.where, part.kind == "position" ? std::string("a part of kind \"position\" without a drive")
                                               : fmt::format("a drive in a part of kind \"{}\"", part.kind));
-  write_body(part, own);
+  write_body(p, own);
   write_returns(part.returns);
   if (part.returns.pushable) lacks(part.where, "a \"pushable\" body");
   const engine::DriveKind* drive = p == 0 && type_.drive ? registry_.drive(type_.drive->kind) : nullptr;
@@ -193,11 +202,16 @@ void TypeText::write_part(std::uint32_t p) {
   write_children(p);
 }
 
-void TypeText::write_body(const PartSpec& part, const DeviceSpec* own) {
+void TypeText::write_body(std::uint32_t p, const DeviceSpec* own) {
+  const PartSpec& part = type_.parts[p];
   const engine::ModelKind* kind = registry_.model(part.kind);
   const DeviceKind* device = own ? kind_of(*own) : nullptr;
   if (write_image(part)) return;
-  const bool is_brought_along = device && device->body && !part.fitted && !part.solids.empty();
+  // The reader gives a gripper its base and its paddles, unless its model has blocks or walls.
+  bool is_brought_along = false;
+  if (device && device->body)
+    for (std::uint32_t q = p + 1; q < type_.parts.size(); ++q)
+      is_brought_along = is_brought_along || (type_.parts[q].parent == p && is_brought(q));
   if (!is_brought_along) {
     if (is_default_box(part, *kind)) return write_size(part.size, kind);
     if (!part.solids.empty()) return write_blocks(part, own);
@@ -333,8 +347,37 @@ void TypeText::write_controllers(std::uint32_t p) {
   if (calls.size() > 1) text_.texts("ctrl", calls);
 }
 
-/// Writes power packs and power contacts. In Stage, they are properties of the model that has them.
+std::optional<std::uint32_t> TypeText::draw_part(std::size_t pack) const {
+  for (std::uint32_t p = 0; p < type_.parts.size(); ++p) {
+    if (pack_of(type_, p) != pack || has_own_draw(type_.parts[p].kind) || macro_.added[p] || is_brought(p))
+      continue;
+    // `alwayson` must not switch on the device or the contact of the model.
+    const DeviceSpec* own = own_device(p);
+    const bool is_off = std::ranges::any_of(type_.devices, [&](const DeviceSpec& device) {
+      return device.part == p && !device.active && (&device == own || device.kind == "power_contact");
+    });
+    if (!is_off) return p;
+  }
+  return std::nullopt;
+}
+
+/// Finds the models in which the constant draws of the power packs are written.
+void TypeText::find_draws() {
+  for (std::size_t d = 0; d < type_.devices.size(); ++d) {
+    const DeviceKind* kind = kind_of(type_.devices[d]);
+    if (!kind || kind->name != "power_pack") continue;
+    const double watts = get(kind->params, type_.devices[d].params, "draw").number();
+    if (watts <= 0) continue;
+    if (const std::optional<std::uint32_t> part = draw_part(d)) draws_[*part] = watts;
+  }
+}
+
+/// Writes power packs, power contacts and constant draws. In Stage, they are properties of the model that has
+/// them.
 void TypeText::write_power(std::uint32_t p) {
+  const auto draw = draws_.find(p);
+  bool is_on = draw != draws_.end();
+  if (is_on) text_.number("watts", draw->second);
   for (const DeviceSpec& device : type_.devices) {
     if (device.part != p) continue;
     const DeviceKind* kind = kind_of(device);
@@ -346,19 +389,15 @@ void TypeText::write_power(std::uint32_t p) {
       text_.number("joules", value("infinite").boolean() ? -1 : stored);
       if (!value("infinite").boolean() && stored != capacity) text_.number("joules_capacity", capacity);
       if (value("mass").number() > 0) text_.number("mass", value("mass").number());
-      if (value("draw").number() > 0) {  // in Stage, only a running model draws power
-        text_.number("watts", value("draw").number());
-        text_.flag("alwayson", true);
-      }
       if (value("when_empty").text() != "stop") text_.text("when_empty", value("when_empty").text());
-      if (p == 0 && type_.drive && value("idle").number() > 0 && type_.controllers.empty())
-        text_.flag("alwayson", true);
+      is_on = is_on || (p == 0 && type_.drive && value("idle").number() > 0 && type_.controllers.empty());
     } else if (device.kind == "power_contact") {
       if (value("give").number() > 0) text_.number("give_watts", value("give").number());
       if (value("take").number() > 0) text_.number("take_watts", value("take").number());
-      if (device.active && !own_device(p)) text_.flag("alwayson", true);
+      is_on = is_on || device.active;
     }
   }
+  if (is_on && !own_device(p)) text_.flag("alwayson", true);  // a device is written with its own `alwayson`
 }
 
 void TypeText::write_children(std::uint32_t p) {

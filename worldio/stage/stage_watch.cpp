@@ -1,6 +1,5 @@
 #include "worldio/stage/stage_watch.hpp"
 
-#include "base/number_text.hpp"
 #include "worldio/window_fields.hpp"
 
 #include <fmt/format.h>
@@ -58,27 +57,17 @@ double factor(Scale scale, double length_unit) {
   return 1;
 }
 
-/// Whether a number is within the limits of its field. If not, reports an error. `written` is the number in
-/// the file, and written * to_si is the number in SI units.
-bool is_within(const Field& field, double written, double to_si, const StageProperty& property,
-               StageValues& values) {
-  const double value = written * to_si;
-  if (value >= field.min && value <= field.max && !(field.above_min && value == field.min)) return true;
-  values.error(values.where(property),
-               fmt::format("\"{}\" must be {} {} and at most {}, found {}", values.key(property),
-                           field.above_min ? "above" : "at least", plain_number(field.min / to_si, 6),
-                           plain_number(field.max / to_si, 6), plain_number(written, 6)));
-  return false;
-}
-
 Value read_value(const StageProperty& property, const Field& field, double to_si, StageValues& values) {
+  const auto within = [&](double written) {
+    return values.is_within(property, field, written * to_si, written);
+  };
   switch (field.type) {
     case FieldType::boolean:
       if (const auto flag = values.flag(property)) return *flag;
       return {};
     case FieldType::integer: {
       const auto number = values.integer(property);
-      if (!number || !is_within(field, static_cast<double>(*number), 1, property, values)) return {};
+      if (!number || !within(static_cast<double>(*number))) return {};
       return *number;
     }
     case FieldType::text:
@@ -89,7 +78,7 @@ Value read_value(const StageProperty& property, const Field& field, double to_si
           values.tuple(property, field.columns, field.columns, field.columns == 2 ? "[a b]" : "[x y z]");
       if (!numbers) return {};
       for (double& number : *numbers) {
-        if (!is_within(field, number, to_si, property, values)) return {};
+        if (!within(number)) return {};
         number *= to_si;
       }
       return *numbers;
@@ -97,7 +86,7 @@ Value read_value(const StageProperty& property, const Field& field, double to_si
     default: break;
   }
   const auto number = values.number(property);
-  if (!number || !is_within(field, *number, to_si, property, values)) return {};
+  if (!number || !within(*number)) return {};
   return *number * to_si;
 }
 
