@@ -269,6 +269,8 @@ struct Pictures::Impl {
               shown.links,
               shown.energy,
               shown.names,
+              shown.tiles,
+              shown.cells,
               std::nullopt};
     if (!options.color_by.empty()) {
       Result<ChosenValue> value = source.find_value(options.color_by);

@@ -466,7 +466,8 @@ Result<> RecordedRun::check(const FrameWishes& wishes) const {
   };
   if (wishes.charges && !has("sensors", "stored")) return not_recorded("power packs", "power_pack");
   for (const auto& [wished, layer] : {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
-                                      std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links")})
+                                      std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links"),
+                                      std::pair(wishes.tiles, "tiles"), std::pair(wishes.cells, "cells")})
     if (wished)
       return Error{fmt::format(
           "the layer \"{}\" can be drawn for worlds and checkpoints, but not for recordings: omit this layer",

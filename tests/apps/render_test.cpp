@@ -344,7 +344,7 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
   EXPECT_EQ(refusal({"run.h5", "--layers", "energy"}),
             "run.h5: error: the recording has no power packs: record the run with --record-fields "
             "pose,power_pack (in C++ and Python: fields)\n");
-  for (const char* layer : {"sights", "blobs", "grips", "links", "speed"})
+  for (const char* layer : {"sights", "blobs", "grips", "links", "tiles", "cells", "speed"})
     EXPECT_EQ(refusal({"run.h5", "--layers", layer}),
               "run.h5: error: the layer \"" + std::string(layer) +
                   "\" can be drawn for worlds and checkpoints, but not for recordings: omit this layer\n");
