@@ -42,8 +42,8 @@ constexpr double k_stale_opacity = 70, k_fresh_opacity = 150;
 
 constexpr double k_grid_strokes = 48;      // least distance between grid lines, strokes
 constexpr double k_most_grid_lines = 120;  // greatest number of grid lines in each direction
-// Grid lines on each side of a point outside of the world's bounds that is in the middle of the picture: with
-// k_grid_strokes, enough for pictures that are 1.6 times as wide as high.
+// Grid lines on each side of a point outside of the world's bounds that is in the middle of the picture. At
+// the least distance between them, they fill a width of 1440 strokes.
 constexpr double k_lines_around = 15;
 constexpr double k_density_strokes = 36;  // least edge of a square of the layer `density`, strokes
 constexpr std::size_t k_fan_steps = 8;    // triangles that show a single beam with an opening angle
