@@ -32,9 +32,9 @@ struct FrameWishes {
   bool links = false;                ///< lines to carried bodies: Frame::links
   bool charges = false;              ///< charges of energy stores: Frame::charges
   bool names = false;                ///< names of bodies: Frame::names
+  std::optional<ChosenValue> value;  ///< the value by which bodies are coloured: Frame::values; empty: none
   bool tiles = false;                ///< tiles of the spatial index: FrameScene::tile_m
   bool cells = false;                ///< cells of the spatial index: FrameScene::cell_m
-  std::optional<ChosenValue> value;  ///< the value by which bodies are coloured: Frame::values; empty: none
 };
 
 /// A state to draw: the current state of a simulation, or a frame of a recording. A frame of a recording is

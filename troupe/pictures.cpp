@@ -269,9 +269,9 @@ struct Pictures::Impl {
               shown.links,
               shown.energy,
               shown.names,
+              std::nullopt,
               shown.tiles,
-              shown.cells,
-              std::nullopt};
+              shown.cells};
     if (!options.color_by.empty()) {
       Result<ChosenValue> value = source.find_value(options.color_by);
       require(value);
