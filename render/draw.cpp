@@ -181,6 +181,7 @@ Projection project(const FrameScene& scene, const Frame& frame, const View& view
   }
   Box everything = shown;
   if (scene.bounds.min.allFinite() && !scene.bounds.empty()) everything.extend(scene.bounds);
+  if (view.layers.grid) everything.extend(grid_box(scene, projection, grid_pitch(projection)));
   const ZInterval of_mobile = heights_in(scene, frame.mobile);
   heights.min = std::min(heights.min, of_mobile.min);
   heights.max = std::max({heights.max, of_mobile.max, top_of_overlays(scene, frame)});

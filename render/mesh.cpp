@@ -49,7 +49,8 @@ std::vector<const FrameShape*> upwards(const FrameType& type) {
 }
 
 /// Adds the heading mark: a triangle at the front of the body, above all shapes, in a colour that contrasts
-/// with the shape below the mark.
+/// with the shape below the mark. If there is no shape below it, as between the paddles of a gripper, the
+/// mark is at the front of the highest shape.
 void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
   Box extent;
   for (const FrameShape* shape : upwards) {
@@ -64,14 +65,13 @@ void add_mark(Mesh& mesh, std::span<const FrameShape* const> upwards) {
   const double tip = extent.max.x() - 0.10 * length;
   const double base = tip - 1.3 * half_width;
 
-  Paint paint = Paint::edge;  // used if there is no shape below the mark
-  Rgba own{};
+  const FrameShape* below = nullptr;
   const Vec2 middle((tip + 2 * base) / 3, y);
-  for (const FrameShape* shape : upwards) {
-    if (!contains(shape->solid, middle)) continue;
-    paint = shape->color ? Paint::own : Paint::mark;
-    if (shape->color) own = contrasting(to_rgba(*shape->color));
-  }
+  for (const FrameShape* shape : upwards)
+    if (contains(shape->solid, middle)) below = shape;
+  if (!below && upwards.size() > 1) return add_mark(mesh, upwards.last(1));
+  const Paint paint = !below ? Paint::edge : below->color ? Paint::own : Paint::mark;
+  const Rgba own = below && below->color ? contrasting(to_rgba(*below->color)) : Rgba{};
   add_convex(mesh, {{tip, y}, {base, y + half_width}, {base, y - half_width}}, upwards.back()->solid.z.max,
              paint, own);
 }

@@ -42,8 +42,11 @@ constexpr double k_stale_opacity = 70, k_fresh_opacity = 150;
 
 constexpr double k_grid_strokes = 48;      // least distance between grid lines, strokes
 constexpr double k_most_grid_lines = 120;  // greatest number of grid lines in each direction
-constexpr double k_density_strokes = 36;   // least edge of a square of the layer `density`, strokes
-constexpr std::size_t k_fan_steps = 8;     // triangles that show a single beam with an opening angle
+// Grid lines on each side of a point outside of the world's bounds that is in the middle of the picture. At
+// the least distance between them, they fill a width of 1440 strokes.
+constexpr double k_lines_around = 15;
+constexpr double k_density_strokes = 36;  // least edge of a square of the layer `density`, strokes
+constexpr std::size_t k_fan_steps = 8;    // triangles that show a single beam with an opening angle
 
 /// A layer with one instance of a mesh that is in metres relative to Projection::origin().
 SolidLayer in_world(SolidMesh mesh, SolidLayer::Depth depth) {
@@ -325,14 +328,22 @@ double grid_pitch(const Projection& projection) {
   return RoundLength::at_most(2.5 * at_least).metres;
 }
 
+Box grid_box(const FrameScene& scene, const Projection& projection, double pitch) {
+  const Vec3 center = projection.floor_center();
+  const Vec2 middle(center.x(), center.y());
+  Box shown = scene.bounds;
+  // In a level view, the floor's centre is below the eye, and not in the picture.
+  if (projection.pixels_per_metre(center) > 0 && !shown.contains(middle))
+    shown.extend(Box::around(middle, k_lines_around * pitch));
+  const Box near = Box::around(middle, 0.5 * k_most_grid_lines * pitch);
+  shown = {shown.min.cwiseMax(near.min), shown.max.cwiseMin(near.max)};
+  return shown.empty() ? Box::around(middle, 5 * pitch) : shown;
+}
+
 SolidLayer solid_grid(const FrameScene& scene, const Projection& projection, double pitch, Rgba color) {
   SolidMesh mesh;
   const Vec3& origin = projection.origin();
-  const Vec2 middle(origin.x(), origin.y());
-  Box shown = scene.bounds.empty() ? Box::around(middle, 5) : scene.bounds;
-  const Box near = Box::around(middle, 0.5 * k_most_grid_lines * pitch);
-  shown = {shown.min.cwiseMax(near.min), shown.max.cwiseMin(near.max)};
-  if (shown.empty()) shown = Box::around(middle, 5 * pitch);
+  const Box shown = grid_box(scene, projection, pitch);
   const Vec2 first = pitch * (shown.min / pitch).array().floor().matrix();
   const Vec2 last = pitch * (shown.max / pitch).array().ceil().matrix();
   for (const int axis : {0, 1}) {

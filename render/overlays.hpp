@@ -13,10 +13,14 @@ namespace troupe::render {
 // appends only overlays that `shown` selects. `colors` has one colour per body of Frame::mobile; if it is
 // empty, bodies have their own colours.
 
-/// Returns the floor grid of a view that is not from above: lines on the floor, at multiples of `pitch` (m).
-/// The grid covers the part of scene.bounds within 60 times `pitch` of Projection::origin() along x and y. If
-/// scene.bounds are farther away, the grid extends 5 times `pitch` from Projection::origin() in each
-/// direction. If scene.bounds are empty, it covers 10 m x 10 m about Projection::origin().
+/// The part of the floor that the grid of solid_grid() covers, world frame, m: the part of scene.bounds
+/// within 60 times `pitch` of Projection::floor_center() along x and y. If that point is in the middle of the
+/// picture and outside of scene.bounds, for example because the camera follows a robot, the grid also extends
+/// 15 times `pitch` from it in each direction. In a level view from far outside of scene.bounds, the grid
+/// extends only 5 times `pitch` in each direction.
+Box grid_box(const engine::FrameScene& scene, const Projection& projection, double pitch);
+/// Returns the floor grid of a view that is not from above: lines on the floor, at multiples of `pitch` (m),
+/// that cover grid_box().
 SolidLayer solid_grid(const engine::FrameScene& scene, const Projection& projection, double pitch,
                       Rgba color);
 /// Returns the distance between grid lines for a view that is not from above, m: a RoundLength (1, 2 or 5

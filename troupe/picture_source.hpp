@@ -23,7 +23,7 @@ struct ChosenValue {
 
 /// The data that a caller requests from a PictureSource, in addition to the poses of bodies. The data are
 /// members of engine::Frame, the struct with all that a viewer needs to draw the world at one tick (time
-/// step).
+/// step), and of engine::FrameScene, which has the constant data.
 struct FrameWishes {
   bool scans = false;                ///< readings of range sensors: Frame::scans and Frame::ranges
   bool sights = false;               ///< lines to detected markers: Frame::sights
@@ -33,6 +33,8 @@ struct FrameWishes {
   bool charges = false;              ///< charges of energy stores: Frame::charges
   bool names = false;                ///< names of bodies: Frame::names
   std::optional<ChosenValue> value;  ///< the value by which bodies are coloured: Frame::values; empty: none
+  bool tiles = false;                ///< tiles of the spatial index: FrameScene::tile_m
+  bool cells = false;                ///< cells of the spatial index: FrameScene::cell_m
 };
 
 /// A state to draw: the current state of a simulation, or a frame of a recording. A frame of a recording is

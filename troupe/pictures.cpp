@@ -273,7 +273,9 @@ struct Pictures::Impl {
               shown.links,
               shown.energy,
               shown.names,
-              std::nullopt};
+              std::nullopt,
+              shown.tiles,
+              shown.cells};
     if (!options.color_by.empty()) {
       Result<ChosenValue> value = source.find_value(options.color_by);
       require(value);

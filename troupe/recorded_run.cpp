@@ -301,14 +301,16 @@ struct RecordedRun::Impl {
         const std::size_t columns = array.field.columns;
         for (std::size_t r = 0; r < array.bodies.size(); ++r) {
           const std::uint32_t place = places[array.bodies[r]];
-          if (place == k_none || columns == 0 || !(ranges[r * columns] > 0))
-            continue;  // the ranger did not run
+          const auto of_body = std::span(ranges).subspan(r * columns, columns);
+          // The readings of a ranger that did not run are NaN; at tick 0 they are 0. A single 0 is the
+          // reading of a beam that begins on an edge.
+          if (place == k_none || std::ranges::none_of(of_body, [](double range) { return range > 0; }))
+            continue;
           Pose by_joint;
           if (eye.joint >= 0 && !moved.empty())
             by_joint = moved[array.bodies[r]][static_cast<std::size_t>(eye.joint)].pose();
           shown.scans.push_back({place, static_cast<std::uint32_t>(index), shown.ranges.size(), by_joint});
-          for (std::size_t c = 0; c < columns; ++c)
-            shown.ranges.push_back(static_cast<float>(ranges[r * columns + c]));
+          for (const double range : of_body) shown.ranges.push_back(static_cast<float>(range));
         }
       }
     }
@@ -471,7 +473,8 @@ Result<> RecordedRun::check(const FrameWishes& wishes) const {
   };
   if (wishes.charges && !has("sensors", "stored")) return not_recorded("power packs", "power_pack");
   for (const auto& [wished, layer] : {std::pair(wishes.sights, "sights"), std::pair(wishes.blobs, "blobs"),
-                                      std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links")})
+                                      std::pair(wishes.grips, "grips"), std::pair(wishes.links, "links"),
+                                      std::pair(wishes.tiles, "tiles"), std::pair(wishes.cells, "cells")})
     if (wished)
       return Error{fmt::format(
           "the layer \"{}\" can be drawn for worlds and checkpoints, but not for recordings: omit this layer",

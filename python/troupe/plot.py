@@ -25,6 +25,7 @@ COLORS = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#00
 MOST_LINES = 12
 LARGEST = 1e300  # largest value in a plot: matplotlib computes limits of the axes that exceed the values
 LABEL_WIDTH = 36  # most characters in a line of the label of the y axis: a longer line would not fit
+TITLE_WIDTH = 56  # most characters in a line of the title
 OWN_COLUMNS = ("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "error")
 
 
@@ -269,15 +270,21 @@ def _finite(lines: Mapping[_Key, _Points], measure: str) -> Dict[_Key, _Points]:
     return finite
 
 
+def _literal(text: str) -> str:
+    """Returns the text for a label in which matplotlib draws dollar signs, instead of a formula between them."""
+    return text.replace("$", r"\$")
+
+
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
          title: Optional[str] = None, over: Optional[str] = None) -> str:
     """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter
     of the x axis, for the results at the end of the runs as final_by() reads them; None: the time, for the series that
     series_by() reads. folder, measure, by: as in these functions. out: name of the file; None: MEASURE.png or
-    MEASURE-over-PARAMETER.png in the folder. title: title of the plot; None: no title. Points with an infinite mean are
+    MEASURE-over-PARAMETER.png in the folder. title: title of the plot, which may contain formulas between dollar signs
+    as matplotlib draws them; None: no title. Points with an infinite mean are
     left out, and so are failed runs, which a RuntimeWarning counts. Raises PlotError in the cases of these functions, if
-    all means are infinite, if a value exceeds 1e300, if the name has another ending, and if the file cannot be written;
-    raises ImportError if matplotlib is missing."""
+    all means are infinite, if a value exceeds 1e300, if the name has another ending, if a formula in the title is
+    invalid, and if the file cannot be written; raises ImportError if matplotlib is missing."""
     ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
     if over is None:
         measure, names, lines = series_by(folder, measure, by)
@@ -303,7 +310,9 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         at, means, deviations, _ = zip(*points)
         color = COLORS[i % len(COLORS)]
         style = "-" if i < len(COLORS) else "--"
-        label = ", ".join(f"{name} = {value}" for name, value in zip(names, key)) or None
+        label = _literal(", ".join(f"{name} = {value}" for name, value in zip(names, key))) or None
+        if label and label.startswith("_"):
+            label = " " + label  # a legend leaves out labels that begin with an underscore
         if over is None:
             axes.plot(at, means, style, color=color, label=label, linewidth=1.6)
             axes.fill_between(at, [m - d for m, d in zip(means, deviations)], [m + d for m, d in zip(means, deviations)],
@@ -312,23 +321,26 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
             axes.errorbar(at, means, deviations, color=color, label=label, linewidth=1.6, elinewidth=1.0, capsize=3,
                           marker="o", markersize=4, linestyle=style if ticks is None else "none")
     most = max(runs for points in lines.values() for *_, runs in points)
-    axes.set_xlabel(over or "time (s)")
+    axes.set_xlabel(_literal(over) if over else "time (s)")
     if ticks is not None:
-        axes.set_xticks(list(ticks.values()), list(ticks))
+        axes.set_xticks(list(ticks.values()), [_literal(value) for value in ticks])
     label = f"{measure}, mean and standard deviation" if most > 1 else measure
-    axes.set_ylabel(textwrap.fill(label, LABEL_WIDTH))
+    axes.set_ylabel(_literal(textwrap.fill(label, LABEL_WIDTH)))
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
     if names:
         axes.legend(frameon=False, title=None if most == 1 else f"{most} runs per {'line' if over is None else 'point'}")
     if title:
-        axes.set_title(title)
+        axes.set_title("\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines()))
     try:
         figure.savefig(file, dpi=150)
     except OSError as error:
         into = os.path.dirname(file)
         reason = f"there is no folder {into}" if into and not os.path.exists(into) else error.strerror
         raise PlotError(f"{file}: error: cannot be written: {reason}") from None
+    except ValueError:  # all other texts are literal
+        raise PlotError(f'error: the title "{title}" has dollar signs, but matplotlib cannot draw the text between them as a '
+                        r"formula: write \$ for a dollar sign") from None
     finally:
         pyplot.close(figure)
     return file

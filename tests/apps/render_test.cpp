@@ -210,6 +210,28 @@ TEST_F(Render, AFrameOfARecordingIsFoundByItsTimeHoweverLate) {
   EXPECT_THAT(read("p.png"), HasSubstr(std::string("time_s\0", 7) + "16923129.900000002"));
 }
 
+TEST_F(Render, ScansWhoseFirstReadingIsZeroAreDrawn) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  // The first transducer is on the surface of the wall.
+  write("touch.json", R"({"troupe": 1, "types": {
+    "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
+      {"name": "eye", "kind": "ranger", "transducers": [
+        {"range_max_m": 2, "samples": 1, "pose": {"x_m": 0.5}},
+        {"range_max_m": 2, "samples": 9, "fov_deg": 90, "pose": {"heading_deg": 90}}]}]},
+    "wall": {"size_m": [1, 2, 1]}},
+    "models": [{"name": "b", "type": "bot"}, {"name": "w", "type": "wall", "pose": {"x_m": 1}}]})");
+  ASSERT_EQ(troupe({"run", "touch.json", "--for", "0.2", "--quiet", "--record", "touch.h5", "--record-fields",
+                    "pose,ranges"})
+                .code,
+            0);
+  ASSERT_EQ(draw({"touch.json", "--at", "0.2", "--layers=scans"}).code, 0);
+  const std::string of_world = pixels("p.png");
+  ASSERT_EQ(draw({"touch.h5", "--layers=scans"}).code, 0);
+  EXPECT_EQ(pixels("p.png"), of_world);
+  ASSERT_EQ(draw({"touch.h5"}).code, 0);
+  EXPECT_NE(pixels("p.png"), of_world);
+}
+
 TEST_F(Render, TrailsOfARecordingAreThoseOfTheRun) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
   ASSERT_EQ(troupe({"run", "room.world", "--for", "30.1", "--quiet", "--record", "long.h5"}).code, 0);
@@ -361,7 +383,7 @@ TEST_F(Render, WhatARecordingHasNotIsRefused) {
   EXPECT_EQ(refusal({"run.h5", "--layers", "energy"}),
             "run.h5: error: the recording has no power packs: record the run with --record-fields "
             "pose,power_pack (in C++ and Python: fields)\n");
-  for (const char* layer : {"sights", "blobs", "grips", "links", "speed"})
+  for (const char* layer : {"sights", "blobs", "grips", "links", "tiles", "cells", "speed"})
     EXPECT_EQ(refusal({"run.h5", "--layers", layer}),
               "run.h5: error: the layer \"" + std::string(layer) +
                   "\" can be drawn for worlds and checkpoints, but not for recordings: omit this layer\n");

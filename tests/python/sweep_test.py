@@ -415,6 +415,38 @@ class Plot(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (2, 'troupe plot: error: unknown measure "x"; known: order\n'))
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_names_are_no_formulas(self):
+        from matplotlib import pyplot
+
+        for name in (r"$\bad$", "_robots"):
+            (self.folder / "table.csv").write_text(TABLE.replace("robots", name).replace(",10,1,10,", ",$ten$,1,10,"))
+            for over in (None, name):
+                with self.subTest(name, over=over), unittest.mock.patch.object(pyplot, "close"):
+                    troupe.plot.draw(self.folder, over=over, out=self.folder / "p.png")
+                    figure = pyplot.gcf()
+                    self.addCleanup(pyplot.close, figure)
+                    if over is None:
+                        self.assertEqual(len(figure.axes[0].get_legend().get_texts()), 2)
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_a_title_may_be_long_and_have_formulas(self):
+        from matplotlib import pyplot
+
+        with unittest.mock.patch.object(pyplot, "close"):
+            troupe.plot.draw(self.folder, title="Order of $x^2$ " + 20 * "in words ")
+        figure = pyplot.gcf()
+        self.addCleanup(pyplot.close, figure)
+        figure.canvas.draw()
+        title = figure.axes[0].title.get_window_extent()
+        self.assertTrue(figure.bbox.x0 <= title.x0 and title.x1 <= figure.bbox.x1 and title.y1 <= figure.bbox.y1, title)
+
+        with self.assertRaises(troupe.plot.PlotError) as raised:
+            troupe.plot.draw(self.folder, title=r"in $\bad$")
+        self.assertEqual(str(raised.exception), r'error: the title "in $\bad$" has dollar signs, but matplotlib cannot draw '
+                         r"the text between them as a formula: write \$ for a dollar sign")
+        troupe.plot.draw(self.folder, title=r"5 \$ and 6 \$")
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_failed_runs_are_named_in_a_warning(self):
         table = self.folder / "table.csv"
         runs = len(TABLE.splitlines()) - 1

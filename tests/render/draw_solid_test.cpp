@@ -235,6 +235,27 @@ TEST(DrawSolid, ACameraMayStandAmongTheRobots) {
   EXPECT_EQ(yard.count(is_green), 0);
 }
 
+TEST(DrawSolid, TheGridIsAlsoAroundRobotsThatHaveLeftTheBounds) {
+  Yard yard;
+  const auto lines_at = [&](double x, double y) {  // pixels of grid lines in a picture without bodies
+    yard.view.camera.center = Eigen::Vector3d(x, y, 0);
+    yard.view.layers.grid = false;
+    yard.draw();
+    const Picture without = yard.picture;
+    yard.view.layers.grid = true;
+    yard.draw();
+    return yard.differing(without);
+  };
+  yard.view.layers.scale = false;
+  const int inside = lines_at(0, 0);
+  for (const double away : {40.0, 1000.0, -1e5}) {
+    EXPECT_GT(lines_at(away, 0), inside / 2) << away;
+    EXPECT_GT(lines_at(0, away), inside / 2) << away;
+  }
+  yard.scene.bounds = {};
+  EXPECT_GT(lines_at(3, 0), inside / 2);
+}
+
 TEST(DrawSolid, CloseViewsOfLargeWorldsShowTheirTargets) {
   for (const double half : {8.0, 5000.0}) {
     Yard yard;

@@ -115,6 +115,19 @@ TEST(Draw, MarksAreDarkOnLightRobotsAndFollowTheColourUnderThem) {
   EXPECT_EQ(stage.at(2.75, 0.5), k_white);
 }
 
+TEST(Draw, MarksAreOnTheBodyOfARobotWithPaddles) {
+  Stage stage;
+  FrameType& robot = stage.scene.types[0];
+  robot.shapes = {FrameShape{Solid{{rectangle(-0.5, -0.5, 0.2, 0.5)}, {0, 0.3}}, std::nullopt},
+                  FrameShape{Solid{{rectangle(0.2, 0.35, 0.9, 0.5)}, {0, 0.2}}, std::nullopt},
+                  FrameShape{Solid{{rectangle(0.2, -0.5, 0.9, -0.35)}, {0, 0.2}}, std::nullopt}};
+  robot.radius = 1.03;
+  stage.frame.mobile = {body_at(0, {0.05, 0.05, 0, 0}, k_blue)};
+  stage.draw();
+  EXPECT_EQ(stage.at(0.02, 0.05), k_white);
+  EXPECT_EQ(stage.at(0.65, 0.05), k_paper) << "between the paddles";
+}
+
 TEST(Draw, FixedBodiesHaveNoMark) {
   Stage stage;
   stage.scene.fixed = {body_at(0, {0.5, 0.5, 0, 0}, k_blue)};

@@ -112,7 +112,7 @@ class TypeText {
   StageText& text_;
   std::vector<const DeviceSpec*> own_devices_;  // per part: see own_device()
   std::vector<Inside> inside_;                  // per part: see struct Inside
-  std::map<std::uint32_t, double> draws_;  // parts with the property `watts`, and its value
+  std::map<std::uint32_t, double> draws_;       // parts with the property `watts`, and its value
 };
 
 void TypeText::write() {
