@@ -611,7 +611,7 @@ TEST_F(StageConvertWalk, EveryParameterOfAKindIsWrittenOrReported) {
   };
   // Stage has these devices only under these names, as properties of a model.
   const std::map<std::string_view, std::string_view> own_keys{
-      {"power_pack", R"("name": "power", "capacity_J": 100, "stored_J": 50)"},
+      {"power_pack", R"("name": "power", "capacity_J": 100, "stored_J": 0)"},
       {"power_contact", R"("name": "contact", "give_W": 5)"},
       {"flags", R"("name": "flags")"}};
   const auto object = [&](std::string_view kind, const FieldTable& params) {
@@ -643,7 +643,9 @@ TEST_F(StageConvertWalk, EveryParameterOfAKindIsWrittenOrReported) {
                 is_sensor ? "/types/bot/sensors/-" : "/types/bot/devices/-", object(kind.name, kind.params),
                 fmt::format("device {}", kind.name), before);
   }
-  EXPECT_EQ(lost_, "");
+  EXPECT_EQ(lost_,
+            "/types/bot/devices/0/infinite = true: bodies/bot/sensors/<power>/params/capacity_J: 100 -> 0\n")
+      << "the capacity of a pack that never runs out has no effect";
   // With a drive, the period of a controller has no effect. Flags and power packs have no place. The device
   // with a joint comes after these devices, which therefore cannot be on it.
   std::set<std::string> expected{
