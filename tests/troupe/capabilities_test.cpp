@@ -68,8 +68,8 @@ TEST(Capabilities, NoTextOfTheEngineOrTheLibraryIsTheNameOfAKind) {
       R"(engine/spec/watch_spec.cpp "camera")",          // a parameter of a world's window
       R"(engine/spec/world_spec.cpp "ground")",          // the type of body 0
       R"(troupe/pictures.cpp "camera")",                 // the same, and the option --camera
-      R"re(troupe/lint.cpp get(worldio::window_fields(), *spec_.window, "follow")re",  // another parameter of
-                                                                                       // it
+      // Another parameter of a window.
+      R"re(troupe/lint.cpp get(worldio::window_fields(), *spec_.window, "follow")re",
       R"(troupe/recorded_run.cpp "power_pack")"  // what to write behind --record-fields
   };
   const std::filesystem::path root(TROUPE_SOURCE_DIR);
