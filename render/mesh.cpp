@@ -115,7 +115,7 @@ Mesh body_mesh(const FrameType& type, const Pieces& pieces, const MeshStyle& sty
   for (const FrameShape* shape : shapes) {
     const Rgba own = shape->color ? to_rgba(*shape->color) : Rgba{};
     const Paint fill = shape->color ? Paint::own : Paint::body;
-    const Paint edge = shape->color ? Paint::own : Paint::edge;
+    const Paint edge = shape->color && style.halo == 0 ? Paint::own : Paint::edge;
     for (const ConvexPrism& piece : pieces[static_cast<std::size_t>(shape - type.shapes.data())]) {
       add_convex(mesh, piece.outline, shape->solid.z.max, fill, own);
     }

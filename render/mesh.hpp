@@ -8,7 +8,10 @@ namespace troupe::render {
 /// bodies that look alike have the same type.
 struct MeshStyle {
   float edge = 0;  ///< width of the outline of each contour, pixels; 0: no outline
-  float halo = 0;  ///< width of a white line drawn under the outline, pixels; 0: no line
+  /// Width of a white line drawn under the outline, pixels; 0: no line. With this line, the outlines of all
+  /// shapes have the colour Paint::edge. Without it, those of shapes with a colour of their own are a darker
+  /// shade of it.
+  float halo = 0;
   /// Shapes shorter than this along both x and y, m, have no outline, because an outline would hide their
   /// colour (for example that of an LED). The widest shape of a type keeps its outline, whatever its size.
   double least_edged = 0;

@@ -73,8 +73,9 @@ void add_edges(SolidMesh& mesh, const FrameType& type, std::size_t shape, const 
                bool is_halo) {
   const Solid& solid = type.shapes[shape].solid;
   const auto& color = type.shapes[shape].color;
-  const Paint paint = color || is_halo ? Paint::own : Paint::edge;
-  const Rgba own = is_halo ? Rgba{255, 255, 255, 255} : color ? darker(to_rgba(*color)) : Rgba{};
+  const bool is_of_shape = color && style.halo == 0;  // not of a body: see MeshStyle::halo
+  const Paint paint = is_of_shape || is_halo ? Paint::own : Paint::edge;
+  const Rgba own = is_halo ? Rgba{255, 255, 255, 255} : is_of_shape ? darker(to_rgba(*color)) : Rgba{};
   const double width = is_halo ? style.halo : style.edge;
   const auto add = [&](const Vec2& a, double za, const Vec2& b, double zb) {
     if (!is_inside_others(type, shape, (a + b) / 2, (za + zb) / 2))

@@ -10,7 +10,7 @@ namespace troupe::render {
 /// bodies that look alike have the same type.
 struct SolidStyle {
   float edge = 0;          ///< width of the lines along edges, pixels; 0: no lines
-  float halo = 0;          ///< width of a white line drawn under each line of width `edge`, pixels; 0: none
+  float halo = 0;          ///< width of a white line under each line of width `edge`, as MeshStyle::halo
   bool mark = false;       ///< whether there is a triangle at the front that points forward
   double least_side = 0;   ///< vertical edges next to a side shorter than this, m, have no line
   double least_edged = 0;  ///< shapes shorter than this along both x and y, m, have no lines

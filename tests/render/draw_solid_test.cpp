@@ -167,6 +167,19 @@ TEST(DrawSolid, EdgesAreDarkAndRedWhenStalled) {
   EXPECT_EQ(yard.count(is_red), 0);
 }
 
+TEST(DrawSolid, ShapesOfAColourOfTheirOwnAreOutlinedInRedToo) {
+  Yard yard;
+  yard.scene.types[0].shapes[0].color = Color{0, 1, 0, 1};
+  yard.add(0, 0, 0, k_blue);
+  const auto red = [&] {
+    yard.draw();
+    return yard.count([](const Pixel& p) { return p[0] > 150 && p[1] < 90 && p[2] < 110; });
+  };
+  EXPECT_EQ(red(), 0);
+  yard.frame.mobile[0].stalled = true;
+  EXPECT_GT(red(), 40);
+}
+
 TEST(DrawSolid, ShadowsFallToTheRightAndOnlyOnTheFloor) {
   Yard yard;
   yard.add(0, 0, 0, k_blue);

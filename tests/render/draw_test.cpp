@@ -170,6 +170,19 @@ TEST(Draw, RobotsOfSmallShapesOnlyHaveOutlines) {
   EXPECT_GT(stage.count([](const Pixel& p) { return p[0] > 150 && p[1] < 80 && p[2] < 80; }), 0);
 }
 
+TEST(Draw, ShapesOfAColourOfTheirOwnAreOutlinedInRedToo) {
+  Stage stage;
+  stage.scene.types[0].shapes[0].color = Color{0, 1, 0, 1};
+  stage.frame.mobile = {body_at(0, {0.5, 0.5, 0, 0}, k_blue)};
+  const auto red = [&] {
+    stage.draw();
+    return stage.count([](const Pixel& p) { return p[0] > 150 && p[1] < 80 && p[2] < 80; });
+  };
+  EXPECT_EQ(red(), 0);
+  stage.frame.mobile[0].stalled = true;
+  EXPECT_GT(red(), 40);
+}
+
 TEST(Draw, AStalledRobotIsSeenWhateverItsColour) {
   const std::array<Color, 4> colors = {Color{0.88F, 0.13F, 0.13F, 1}, Color{1, 1, 1, 1}, k_blue,
                                        Color{0, 0, 0, 1}};
