@@ -139,13 +139,17 @@ TEST_F(Record, ReadingsAndMemoriesOfThoseThatHaveThem) {
   }
 
   // Only the bots have memories; those of the others are 0, and /bodies/has says that they mean nothing.
+  std::size_t memories = 0;
   for (const RecordingReader::Array& memory : run.arrays()) {
     if (memory.component != "wander/0") continue;
+    ++memories;
     ASSERT_EQ(memory.bodies.size(), 4u);
     const std::vector<std::int32_t> recorded = values<std::int32_t>(run, memory, 5);
     EXPECT_EQ(recorded[0], 0);
+    EXPECT_GT(recorded[1], 0) << "it avoids c1, which is before it";
     EXPECT_EQ(recorded[2], 0);
   }
+  EXPECT_GT(memories, 0u);
   EXPECT_THAT(worldio::Hdf5File::open(path("run.h5"))
                   .group("bodies")
                   .group("has")
