@@ -3,6 +3,7 @@
 
 #include <sys/stat.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <ostream>
 
@@ -248,6 +249,35 @@ class NoRegularFile : public ProgramTest {
     }
   }
 };
+
+class HugeFile : public ProgramTest {
+ protected:
+  /// Makes a file of zeros that takes no space on the disk and is one byte longer than allowed.
+  void write_huge(const std::string& name) {
+    write(name, "");
+    std::filesystem::resize_file(path(name), (std::uintmax_t{4} << 30) + 1);
+  }
+};
+
+TEST_F(HugeFile, OfAWorldAStudyOrAnImageIsRefused) {
+  const std::string too_large = "the file is too large: 4294967297 bytes; at most 4294967296 are allowed\n";
+  write_huge("huge.json");
+  write_huge("huge.world");
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"run", "huge.json", "--for", "1"},
+                                             {"run", "huge.world", "--for", "1"},
+                                             {"sweep", "huge.json", "-o", "out"}}) {
+    const Outcome outcome = troupe(command);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_EQ(outcome.err, command[1] + ": error: " + too_large);
+  }
+  write_huge("huge.pgm");
+  write("w.json",
+        R"({"troupe": 1, "floorplans": [{"name": "f", "bitmap": "huge.pgm", "size_m": [3, 3, 1]}]})");
+  const Outcome outcome = troupe({"run", "w.json", "--for", "1"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err, "w.json:1: error: cannot read the image huge.pgm: " + too_large);
+}
 
 TEST_F(NoRegularFile, IsRefusedByEveryCommandAtOnce) {
   ASSERT_EQ(mkfifo(path("pipe.world").c_str(), 0600), 0);
