@@ -345,6 +345,19 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
   EXPECT_THAT(error_of({"diff", "a.h5", "none.h5"}), HasSubstr("none.h5: error: there is no such file"));
 }
 
+TEST_F(Record, DiffNeedsTheSameBodiesAndACommonTick) {
+  record("a.h5", {"--for", "0.4"});
+  ASSERT_EQ(troupe({"run", "room.world", "--for", "0.8", "--quiet", "--checkpoint", "c.h5"}).code, 0);
+  ASSERT_EQ(troupe({"resume", "c.h5", "--for", "1", "--quiet", "--record", "late.h5"}).code, 0);
+  EXPECT_EQ(error_of({"diff", "a.h5", "late.h5"}),
+            "late.h5: error: the recording has no tick in common with a.h5: record both runs with the same "
+            "--record-every, over the same time\n");
+  record("mixed.h5", {}, "mixed.json");
+  EXPECT_EQ(
+      error_of({"diff", "a.h5", "mixed.h5", "--across-runs"}),
+      "mixed.h5: error: the recording has other bodies than a.h5: give two recordings of the same world\n");
+}
+
 TEST_F(Record, DiffSeesOneBit) {
   record("a.h5");
   record("b.h5");
