@@ -29,6 +29,15 @@ std::optional<std::uint64_t> hash_of(std::string_view text) {
   return hash;
 }
 
+/// Whether a file begins with a text. The next read starts at the beginning of the file again.
+bool begins_with(std::ifstream& stream, std::string_view text) {
+  std::string start(text.size(), '\0');
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  stream.clear();
+  stream.seekg(0);
+  return start == text;
+}
+
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
   for (std::size_t start = 0; start <= line.size();) {
@@ -47,7 +56,8 @@ HashLogReader::HashLogReader(const std::filesystem::path& file) : header_{.file 
   stream_.open(file, std::ios::binary);
   if (!stream_) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
   std::string line;
-  if (!read_line(line) || line != k_hash_log_mark)
+  // Another file may have no line break at all, so read_line() could need as much memory as the file is long.
+  if (!begins_with(stream_, k_hash_log_mark) || !read_line(line) || line != k_hash_log_mark)
     throw InputError(
         fmt::format("{}:1: error: not a hash log (troupe run --hash-log): the first line must be \"{}\"",
                     file.string(), k_hash_log_mark));

@@ -764,6 +764,8 @@ class Attacked(unittest.TestCase):
                 break
             except ConnectionError:
                 time.sleep(0.02)  # the server has not yet noticed the end of the connection
+        else:
+            self.fail("a viewer that leaves makes no room for another")
 
     def test_half_open_connections(self):
         soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)

@@ -3,6 +3,7 @@
 
 #include <sys/stat.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <ostream>
 
@@ -131,6 +132,22 @@ std::vector<BadInput> json_inputs() {
        json_world("\"tick_s\": 0.1,",
                   R"("floorplans": [{ "name": "p", "bitmap": "broken.png", "size_m": [9, 9, 1] }],)"),
        "bad.json:2", "broken.png"},
+      {"pushable_drive", "bad.json",
+       json_world("\"drive\": { \"kind\": \"diff\" },", R"("drive": { "kind": "diff" }, "pushable": true,)"),
+       "bad.json:5", "type \"bot\" has a drive and is pushable"},
+      {"two_power_supplies", "bad.json",
+       json_world("\"sensors\": [", R"("devices": [ {"name": "a", "kind": "power_pack", "capacity_J": 1},
+         {"name": "b", "kind": "power_pack", "capacity_J": 1} ], "sensors": [)"),
+       "bad.json:3", "the power supplies \"a\" and \"b\" are on the same part"},
+      {"flags_of_no_device", "bad.json",
+       json_world(
+           "\"sensors\": [",
+           R"("devices": [ {"kind": "spawner", "population": "bots", "per_flags": 2} ], "sensors": [)"),
+       "bad.json:6", "its body has no device of kind \"flags\""},
+      {"no_orders", "bad.json", json_world("\"wander\"", "\"operate\""), "bad.json:8", "has no orders"},
+      {"set_without_parameter", "bad.json",
+       json_world("\"tick_s\": 0.1,", R"("at": [ {"time_s": 1, "set": {"type": "bot", "drive": {}}} ],)"),
+       "bad.json:2", "/at/0/set/drive: no parameter is given"},
       {"robots_of_no_population",
        "good.json",
        json_world(),
@@ -248,6 +265,35 @@ class NoRegularFile : public ProgramTest {
     }
   }
 };
+
+class HugeFile : public ProgramTest {
+ protected:
+  /// Makes a file of zeros that takes no space on the disk and is one byte longer than allowed.
+  void write_huge(const std::string& name) {
+    write(name, "");
+    std::filesystem::resize_file(path(name), (std::uintmax_t{4} << 30) + 1);
+  }
+};
+
+TEST_F(HugeFile, OfAWorldAStudyOrAnImageIsRefused) {
+  const std::string too_large = "the file is too large: 4294967297 bytes; at most 4294967296 are allowed\n";
+  write_huge("huge.json");
+  write_huge("huge.world");
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"run", "huge.json", "--for", "1"},
+                                             {"run", "huge.world", "--for", "1"},
+                                             {"sweep", "huge.json", "-o", "out"}}) {
+    const Outcome outcome = troupe(command);
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_EQ(outcome.err, command[1] + ": error: " + too_large);
+  }
+  write_huge("huge.pgm");
+  write("w.json",
+        R"({"troupe": 1, "floorplans": [{"name": "f", "bitmap": "huge.pgm", "size_m": [3, 3, 1]}]})");
+  const Outcome outcome = troupe({"run", "w.json", "--for", "1"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err, "w.json:1: error: cannot read the image huge.pgm: " + too_large);
+}
 
 TEST_F(NoRegularFile, IsRefusedByEveryCommandAtOnce) {
   ASSERT_EQ(mkfifo(path("pipe.world").c_str(), 0600), 0);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -172,8 +173,19 @@ TEST_F(Diff, MalformedLogsAreErrorsWithTheirLine) {
   const std::string none =
       "b.log:1: error: not a hash log (troupe run --hash-log): the first line must be \"# troupe hash log "
       "1\"\n";
-  for (const char* other : {"", "{}\n", "\x89PNG\r\n\x1a\n", "# troupe hash log 2\n"})
+  for (const char* other : {"", "{}\n", "\x89PNG\r\n\x1a\n", "# troupe hash log 2\n", "no line break"})
     EXPECT_EQ(error_of(other), none);
+}
+
+// A reader of whole lines would need 64 GiB of memory for the first one.
+TEST_F(Diff, AHugeFileWithoutLineBreaksIsNoHashLog) {
+  write("huge.log", "");
+  std::filesystem::resize_file(path("huge.log"), std::uintmax_t{64} << 30);  // takes no space on the disk
+  const Outcome outcome = troupe({"diff", "huge.log", "huge.log"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err,
+            "huge.log:1: error: not a hash log (troupe run --hash-log): the first line must be \"# troupe "
+            "hash log 1\"\n");
 }
 
 TEST_F(Diff, FilesThatCannotBeReadAreErrors) {

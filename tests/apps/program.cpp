@@ -168,6 +168,11 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+bool lacks_pictures(const Outcome& outcome) {
+  return outcome.code == 1 && (outcome.err.find("this build cannot draw pictures") != std::string::npos ||
+                               outcome.err.find("OSMesa is not installed") != std::string::npos);
+}
+
 const std::string_view k_room = R"(interval_sim 100
 define wall model ( color "gray" )
 wall( name "north" pose [0 4 0 0] size [8 0.2 1] )

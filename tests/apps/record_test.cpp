@@ -139,13 +139,17 @@ TEST_F(Record, ReadingsAndMemoriesOfThoseThatHaveThem) {
   }
 
   // Only the bots have memories; those of the others are 0, and /bodies/has says that they mean nothing.
+  std::size_t memories = 0;
   for (const RecordingReader::Array& memory : run.arrays()) {
     if (memory.component != "wander/0") continue;
+    ++memories;
     ASSERT_EQ(memory.bodies.size(), 4u);
     const std::vector<std::int32_t> recorded = values<std::int32_t>(run, memory, 5);
     EXPECT_EQ(recorded[0], 0);
+    EXPECT_GT(recorded[1], 0) << "it avoids c1, which is before it";
     EXPECT_EQ(recorded[2], 0);
   }
+  EXPECT_GT(memories, 0u);
   EXPECT_THAT(worldio::Hdf5File::open(path("run.h5"))
                   .group("bodies")
                   .group("has")
@@ -339,6 +343,19 @@ TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {
               HasSubstr("log: error: not a recording (troupe run --record), but a.h5 is one: give two "
                         "recordings or two hash logs"));
   EXPECT_THAT(error_of({"diff", "a.h5", "none.h5"}), HasSubstr("none.h5: error: there is no such file"));
+}
+
+TEST_F(Record, DiffNeedsTheSameBodiesAndACommonTick) {
+  record("a.h5", {"--for", "0.4"});
+  ASSERT_EQ(troupe({"run", "room.world", "--for", "0.8", "--quiet", "--checkpoint", "c.h5"}).code, 0);
+  ASSERT_EQ(troupe({"resume", "c.h5", "--for", "1", "--quiet", "--record", "late.h5"}).code, 0);
+  EXPECT_EQ(error_of({"diff", "a.h5", "late.h5"}),
+            "late.h5: error: the recording has no tick in common with a.h5: record both runs with the same "
+            "--record-every, over the same time\n");
+  record("mixed.h5", {}, "mixed.json");
+  EXPECT_EQ(
+      error_of({"diff", "a.h5", "mixed.h5", "--across-runs"}),
+      "mixed.h5: error: the recording has other bodies than a.h5: give two recordings of the same world\n");
 }
 
 TEST_F(Record, DiffSeesOneBit) {

@@ -117,5 +117,17 @@ TEST(ExactSum, OfManyEqualTerms) {
   EXPECT_EQ(exact.value(), 1e6) << "0.1 is slightly too large, by less than half a unit of the sum";
 }
 
+TEST(ExactSum, OfSumsOfMoreTermsThanAnyIntegerCounts) {
+  for (const double term : {0.1, -0.1, Limits::denorm_min()}) {
+    ExactSum exact;
+    exact.add(term);
+    for (int doublings = 0; doublings < 80; ++doublings) {
+      const ExactSum same = exact;
+      exact.add(same);
+    }
+    EXPECT_EQ(exact.value(), std::ldexp(term, 80));
+  }
+}
+
 }  // namespace
 }  // namespace troupe

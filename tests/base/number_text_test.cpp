@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace troupe {
 namespace {
@@ -38,6 +41,24 @@ TEST(ExtentText, GivesBothAxesInPlainNumbers) {
   box.extend(Vec2(-2, 0.000001));
   box.extend(Vec2(3600, 5.5));
   EXPECT_EQ(extent_text(box), "x -2 to 3600, y 0.000001 to 5.5 m");
+}
+
+TEST(NumberOf, IsThatOfAWholeTextInRange) {
+  EXPECT_EQ(number_of<double>("-2.5e-3"), -2.5e-3);
+  EXPECT_EQ(number_of<std::uint8_t>("255"), 255);
+  EXPECT_EQ(number_of<int>("-7"), -7);
+  for (const char* text : {"", " 1", "1 ", "+1", "1m", "0x10", "1,5", "1e999", "--1", "e5"})
+    EXPECT_EQ(number_of<double>(text), std::nullopt) << text;
+  for (const char* text : {"256", "-1", "1.0", "1e2"})
+    EXPECT_EQ(number_of<std::uint8_t>(text), std::nullopt) << text;
+}
+
+TEST(NumberOf, MayBeInfiniteUnlessItMustBeFinite) {
+  EXPECT_EQ(number_of<double>("-inf"), -std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(number_of<double>("nan").value()));
+  for (const char* text : {"inf", "-inf", "nan", "1 "})
+    EXPECT_EQ(finite_number_of(text), std::nullopt) << text;
+  EXPECT_EQ(finite_number_of("1e308"), 1e308);
 }
 
 }  // namespace

@@ -119,24 +119,25 @@ TEST(Expand, SwarmPresetLooksAtExactlyItsSevenBeams) {
   const double d = 0.5;
   const std::vector<std::pair<int, double>> limits = {{0, d},     {1, d / 1.5}, {2, d / 3},   {3, d / 5},
                                                       {9, d / 5}, {10, d / 3},  {11, d / 1.5}};
+  // The long readings ahead keep the vector sum within the cone, and off the x axis, whatever one beam reads.
+  const auto decision = [](std::size_t beam, double reading) {
+    Decision decide(Decision::ring(swarm_headings()), "expand", preset("expand_swarm"));
+    std::vector<float> ranges(12, 1.0f);
+    ranges[0] = ranges[11] = 4.0f;
+    ranges[1] = 4.1f;
+    ranges[beam] = static_cast<float>(reading);
+    return decide(ranges);
+  };
   for (int beam = 0; beam < 12; ++beam) {
     const auto limit = std::ranges::find(limits, beam, &std::pair<int, double>::first);
-    for (const double factor : {0.98, 1.02}) {
-      Decision decide(Decision::ring(swarm_headings()), "expand", preset("expand_swarm"));
-      std::vector<float> ranges(12, 1.9f);
-      ranges[0] = 2.0f;
-      ranges[3] = 1.95f;  // no sum of exactly 0
+    for (const double factor : {0.999, 1.001}) {
       const double reading = factor * (limit == limits.end() ? 0.05 : limit->second);
-      ranges[static_cast<std::size_t>(beam)] = static_cast<float>(reading);
-      ranges[static_cast<std::size_t>((beam + 6) % 12)] =
-          static_cast<float>(reading) + 0.1f;  // sum stays ahead
-      if (limits.end() != std::ranges::find(limits, (beam + 6) % 12, &std::pair<int, double>::first))
-        continue;
-      const Command c = decide(ranges);
-      if (std::abs(c.turn) >= 0.5) continue;
+      const Command c = decision(static_cast<std::size_t>(beam), reading);
+      ASSERT_LT(std::abs(c.turn), 0.5) << "beam " << beam;
       EXPECT_EQ(c.x, limit != limits.end() && factor < 1 ? 0 : 0.3) << "beam " << beam << " at " << reading;
     }
   }
+  EXPECT_EQ(decision(0, d).x, 0) << "exactly the limit";
 }
 
 TEST(Expand, PioneerPresetHasTheNumbersOfTheCaveBenchmark) {
@@ -151,9 +152,8 @@ TEST(Expand, PioneerPresetHasTheNumbersOfTheCaveBenchmark) {
       ranges[3] = 5;
       ranges[static_cast<std::size_t>(beam)] = static_cast<float>(limit * factor);
       const Command c = decide(ranges);
-      if (std::abs(c.turn) < 0.5) {
-        EXPECT_EQ(c.x, factor < 1 ? 0 : 0.2) << "beam " << beam;
-      }
+      ASSERT_LT(std::abs(c.turn), 0.5) << "beam " << beam;
+      EXPECT_EQ(c.x, factor < 1 ? 0 : 0.2) << "beam " << beam;
     }
   }
 }

@@ -153,6 +153,23 @@ TEST_P(ParallelOf, TellsOfEachTaskAsItBeginsAndEnds) {
   EXPECT_EQ(begun, std::vector<int>(k_tasks, 1));
 }
 
+TEST_P(ParallelOf, RethrowsTheExceptionOfTheLowestIndex) {
+  Parallel parallel(GetParam());
+  for (int round = 0; round < 50; ++round) {
+    std::atomic<int> run = 0;
+    try {
+      parallel.for_each(100, [&](std::size_t i) {
+        ++run;
+        if (i % 30 == 13) throw std::runtime_error(std::to_string(i));
+      });
+      FAIL() << "no exception";
+    } catch (const std::runtime_error& error) {
+      ASSERT_STREQ(error.what(), "13");
+    }
+    ASSERT_EQ(run, 100);
+  }
+}
+
 TEST_P(ParallelOf, TellsOfEachLoopAsItBeginsAndEnds) {
   Parallel parallel(GetParam());
   std::vector<bool> told;

@@ -21,7 +21,7 @@ import weakref
 
 import numpy as np
 import troupe
-from support import HOSPITAL, ROOM, ROOT, WAIT_S, InAFolder, has_view, needs_view
+from support import HOSPITAL, ROOM, ROOT, WAIT_S, InAFolder, has_view, needs_view, skipped_where_lacking
 
 sys.path.insert(0, str(ROOT))
 from tests.support.websocket import Socket  # noqa: E402
@@ -239,10 +239,8 @@ class Running(InAFolder):
         swarm.set_speeds(0.3, np.linspace(-1, 1, len(swarm)))
         world.step(10)
         self.assertEqual(world.state_hash(), middle)
-        try:
+        with skipped_where_lacking():
             world.save("middle.h5")
-        except RuntimeError as error:
-            self.skipTest(str(error))
         world.step(10)
         later = troupe.Simulation.resume("middle.h5", threads=2)
         self.assertEqual(later.state_hash(), middle)
@@ -276,10 +274,8 @@ class Running(InAFolder):
             seen = tuple(tuple(view) for view in views)
             hashes.add((world.state_hash(), seen, tuple(world.table("command")["x"])))
         self.assertEqual(len(hashes), 1)
-        try:
+        with skipped_where_lacking():
             worlds[2].save("c.h5")
-        except RuntimeError as error:
-            self.skipTest(str(error))
         resumed = troupe.Simulation.resume("c.h5", threads=1, ranks=2)
         self.assertEqual(resumed.ranks, 2)
         for world in (worlds[0], resumed):
@@ -1225,11 +1221,9 @@ class Looking(InAFolder):
 
     def test_recordings(self):
         world = troupe.Simulation(ROOM)
-        try:
+        with skipped_where_lacking():
             with troupe.Recording("run.h5", world, every_s=0.2) as recording:
                 world.run_for(1, lambda _: recording.observe())
-        except RuntimeError as error:
-            self.skipTest(str(error))
         self.assertGreater(os.path.getsize("run.h5"), 1000)
         with troupe.Recording("two.h5", world) as recording:
             world.reset(seed=99)
@@ -1246,10 +1240,8 @@ class Looking(InAFolder):
     def test_a_run_records_itself(self):
         world = troupe.Simulation(ROOM, seed=9)
         self.assertEqual((world.seed, world.resumed_at_tick), (9, None))
-        try:
+        with skipped_where_lacking():
             world.record("own.h5", fields=["pose"], every_s=0.2)
-        except RuntimeError as error:
-            self.skipTest(str(error))
         with self.assertRaisesRegex(RuntimeError, "this run is already being recorded"):
             world.record("other.h5")
         with self.assertRaisesRegex(troupe.InputError, "^run.csv: error: the file would be in the format HDF5"):
@@ -1296,10 +1288,8 @@ class Looking(InAFolder):
 
     def test_pictures(self):
         world = troupe.Simulation(ROOM)
-        try:
+        with skipped_where_lacking():
             picture = world.picture(320, 200)
-        except RuntimeError as error:
-            self.skipTest(str(error))
         self.assertEqual((picture.dtype, picture.shape), (np.uint8, (200, 320, 3)))
         self.assertGreater(len(np.unique(picture.reshape(-1, 3), axis=0)), 5)
         blue = (picture == (0x00, 0x72, 0xB2)).all(axis=2)

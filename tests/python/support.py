@@ -53,6 +53,23 @@ ROOM = {
 
 
 
+def is_lacking(error):
+    """Whether a text is the error of a build without HDF5 or without pictures, or of a machine without OSMesa."""
+    return any(text in error for text in ("this build of Troupe has no HDF5", "this build cannot draw pictures",
+                                          "OSMesa is not installed"))
+
+
+@contextlib.contextmanager
+def skipped_where_lacking():
+    """Skips the test if its block fails as is_lacking() describes. Any other error is a failure."""
+    try:
+        yield
+    except RuntimeError as error:
+        if not is_lacking(str(error)):
+            raise
+        raise unittest.SkipTest(str(error)) from error
+
+
 @functools.cache
 def has_view():
     """Whether this build of Troupe can show a run in a browser (the option TROUPE_VIEW of CMake)."""

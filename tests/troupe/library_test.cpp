@@ -185,8 +185,14 @@ TEST(WorldBuilder, RefusesWhatNoFileCanSay) {
             "numbers in a world must be finite, found nan");
   WorldBuilder world;
   const std::string empty = world.json();
-  EXPECT_THROW(world.wall({1, 1}, {1, 1}), std::invalid_argument);
-  EXPECT_THROW(world.wall({1, 1}, {2, 1}, std::nan("")), std::invalid_argument);
+  EXPECT_EQ(message_of<std::invalid_argument>([&] {
+              world.wall({1, 1}, {1, 1});
+            }),
+            "wall(): the end points must be finite and different, found (1, 1) m and (1, 1) m");
+  EXPECT_EQ(message_of<std::invalid_argument>([&] {
+              world.wall({1, 1}, {2, 1}, std::nan(""));
+            }),
+            "wall(): the thickness and the height must be finite, found nan m and 0.5 m");
   EXPECT_THROW(world.wall({1, 1}, {std::numeric_limits<double>::infinity(), 1}), std::invalid_argument);
   EXPECT_EQ(world.json(), empty);
   EXPECT_EQ(Setting("a \"b\"\n\\").json(), R"("a \"b\"\u000a\\")");

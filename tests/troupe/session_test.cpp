@@ -345,6 +345,9 @@ TEST_F(Sessions, AnActThatCannotBeDoneSaysWhyAndChangesNothing) {
               HasSubstr("give exactly one of \"drive\", \"device\" and \"controller\""));
   EXPECT_THAT(setting("bot", "{"), HasSubstr("error"));
   EXPECT_THAT(setting("rock", R"({"drive": {"velocity_max_x_mps": 1}})"), HasSubstr("has no drive"));
+  simulation.act({.kind = Kind::disable, .whom = "b0"});
+  EXPECT_THAT([&] { simulation.act({.kind = Kind::disable, .whom = "b0"}); },
+              ::testing::ThrowsMessage<ActRefused>(HasSubstr("\"b0\" is already disabled")));
 }
 
 TEST_F(Sessions, ThatDoNotFitAreRefusedWithFileAndLine) {
@@ -407,7 +410,12 @@ TEST_F(Sessions, SpareBodiesComeBehindAllOthersAndAreAdded) {
   EXPECT_EQ(simulation.robots(), 6u);
   EXPECT_EQ(simulation.find("b4").pose().x, 8);
   EXPECT_GT(simulation.find("b3").id().value, simulation.find("scout").id().value);
-  EXPECT_THROW(simulation.act({.kind = Kind::add, .whom = "b", .pose = {9, 0, 0, 0}}), ActRefused);
+  EXPECT_THAT(
+      [&] {
+        simulation.act({.kind = Kind::add, .whom = "b", .pose = {9, 0, 0, 0}});
+      },
+      ::testing::ThrowsMessage<ActRefused>(
+          HasSubstr("the reserve of population \"b\" is used up: all its bodies have been born")));
   const fs::path session = SessionLog(folder_, simulation).file();
   Simulation other = world(1);
   EXPECT_THAT([&] { const SessionReplay replay(session, other); },

@@ -7,6 +7,7 @@
 #include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
+#include "troupe/effective_options.hpp"
 #include "troupe/frame_data.hpp"
 #include "troupe/registry.hpp"
 
@@ -619,6 +620,14 @@ TEST_F(SimulationTest, StatisticsCount) {
 }
 
 // ---- hashes
+
+TEST_F(SimulationTest, AnOptionIsOneLineOfTheHashLog) {
+  const std::string name = "a\nb\\nc.json";
+  const Simulation simulation = Simulation::from_text(R"({"troupe": 1})", name);
+  const std::string line = R"(a\nb\\nc.json)";
+  EXPECT_THAT(simulation.hash_log_header(), HasSubstr("\n# world: " + line + "\n"));
+  EXPECT_EQ(from_one_line(line), name);
+}
 
 TEST_F(SimulationTest, HashLogHasTheAgreedForm) {
   SimulationOptions options;

@@ -138,10 +138,19 @@ TEST(BitmapLimits, CornersAreCounted) {
   EXPECT_THAT(error_of(png(1500, 1500, checkers)), HasSubstr("too large: its outlines have 45"));
 }
 
+TEST(BitmapLimits, ColumnsOfAPgm) {
+  const auto pgm = [](std::size_t columns) {
+    return fmt::format("P5\n{} 1\n255\n", columns) + std::string(columns, '\0');
+  };
+  EXPECT_THAT(error_of(pgm(1000000)), HasSubstr("its header is invalid, has a number above 999999, or "));
+  Diagnostics diagnostics;
+  EXPECT_TRUE(decode_bitmap(pgm(999999), "map.pgm", {}, diagnostics));
+}
+
 TEST(BitmapLimits, ImagesThatAreCutOffAreDamaged) {
   using std::string_view_literals::operator""sv;
-  EXPECT_THAT(error_of("P5\n4 4\n255\n0123456789"), HasSubstr("it is cut off"));
-  EXPECT_THAT(error_of("P6\n2 1\n65535\n0123456789"), HasSubstr("it is cut off"));
+  EXPECT_THAT(error_of("P5\n4 4\n255\n0123456789"), HasSubstr("the image is cut off"));
+  EXPECT_THAT(error_of("P6\n2 1\n65535\n0123456789"), HasSubstr("the image is cut off"));
   EXPECT_THAT(error_of("P5\n552562327681 1\n255\n0"), HasSubstr("its header is invalid"));
   EXPECT_THAT(error_of("BM\xff\0\0\0"sv), HasSubstr("it is cut off"));
   EXPECT_THAT(error_of("\xff\xd8\xff\xc4\0\x14\0\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x07"sv),
@@ -201,6 +210,20 @@ TEST_F(Limits, OutlinesOfRobotsThatCrossThemselves) {
               HasSubstr("w.world:1: error: a body of type \"position\": the outline is too intricate"));
   EXPECT_NO_THROW(Simulation(write("fixed.world", "model( " + block + ") )\n")))
       << "what stands still is not cut up";
+}
+
+TEST_F(Limits, DistancesOfTheJointsOfABody) {
+  const auto world = [](int most_m) {
+    const std::string arm = R"("kind": "actuator", "max_position": )";
+    return R"({"troupe": 1, "types": {"crane": {"size_m": [1, 1, 1], "devices": [
+{"name": "boom", )" +
+           arm + R"(600}, {"name": "trolley", )" + arm + std::to_string(most_m) +
+           R"(}]}}, "models": [{"name": "c", "type": "crane"}]})";
+  };
+  EXPECT_THAT(refusal("far.json", world(401)),
+              HasSubstr("far.json:1: error: too large: the joints of type \"crane\" can move by 1001 m in "
+                        "total, at most 1000 m are allowed"));
+  EXPECT_NO_THROW(Simulation(write("near.json", world(400))));
 }
 
 TEST_F(Limits, SamplesAndReadings) {

@@ -364,7 +364,7 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
       {png_is_damaged,
        "a part is cut off, a checksum does not match, or there is more data than the pixels need"},
       {jpeg_is_damaged, "it violates the JPEG format, or is cut off"},
-      {pnm_is_damaged, "its header is invalid, or it is cut off"},
+      {pnm_is_damaged, "its header is invalid, has a number above 999999, or the image is cut off"},
       {bmp_is_damaged, "it is cut off"}};
   for (const auto& [is_damaged, what] : k_formats)
     if (is_damaged(bytes)) {
