@@ -29,15 +29,6 @@ std::optional<std::uint64_t> hash_of(std::string_view text) {
   return hash;
 }
 
-/// Whether a file begins with a text. The next read starts at the beginning of the file again.
-bool begins_with(std::ifstream& stream, std::string_view text) {
-  std::string start(text.size(), '\0');
-  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  stream.clear();
-  stream.seekg(0);
-  return start == text;
-}
-
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
   for (std::size_t start = 0; start <= line.size();) {
@@ -55,9 +46,11 @@ HashLogReader::HashLogReader(const std::filesystem::path& file) : header_{.file 
     throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
   stream_.open(file, std::ios::binary);
   if (!stream_) throw InputError(fmt::format("{}: error: cannot be read", file.string()));
-  std::string line;
-  // Another file may have no line break at all, so read_line() could need as much memory as the file is long.
-  if (!begins_with(stream_, k_hash_log_mark) || !read_line(line) || line != k_hash_log_mark)
+  // The mark is read without read_line(), which could need as much memory as the file is long: another file
+  // may have no line break at all.
+  std::string line(k_hash_log_mark.size(), '\0');
+  stream_.read(line.data(), static_cast<std::streamsize>(line.size()));
+  if (line != k_hash_log_mark || !read_line(line) || !line.empty())
     throw InputError(
         fmt::format("{}:1: error: not a hash log (troupe run --hash-log): the first line must be \"{}\"",
                     file.string(), k_hash_log_mark));
