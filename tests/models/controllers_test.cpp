@@ -417,8 +417,11 @@ TEST(Decisions, AreTheNumberOfPeriodsInADuration) {
   EXPECT_EQ(whole_decisions(1, 2.5), 0u);
   EXPECT_EQ(whole_decisions(1e6, 1e-6), k_most_decisions);
   // 0.3 / 0.1 is not exactly 3 in binary.
-  for (const auto& [seconds, count] : {std::pair(0.3, 3u), {0.8, 8u}, {1.5, 15u}, {2.0, 20u}, {3.0, 30u}})
+  for (const auto& [seconds, count] :
+       {std::pair(0.3, 3u), {0.7, 7u}, {0.8, 8u}, {1.5, 15u}, {2.0, 20u}, {3.0, 30u}}) {
+    EXPECT_EQ(whole_decisions(seconds, 0.1), count) << seconds;
     EXPECT_EQ(decisions_for(seconds, 0.1), count) << seconds;
+  }
   EXPECT_EQ(decisions_for(1.5, 0.02), 75u);
   EXPECT_EQ(decisions_for(1.5, 1), 2u);
   EXPECT_EQ(decisions_for(1.5, 10), 1u);
