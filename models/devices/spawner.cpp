@@ -27,11 +27,8 @@ using engine::World;
 std::uint64_t periods_ended(const engine::SensingView& view, Row row, std::uint64_t own_period,
                             double every_s) {
   const std::uint64_t age = view.tick() - view.birth_tick(row);
-  const double every_ticks = std::max(every_s / view.tick_s(), 1.0);
-  const auto ended_at = [every_ticks](std::uint64_t ticks) {
-    const double periods = static_cast<double>(ticks) / every_ticks;
-    // A tolerance as in ticks_until(): rounding must not shift the end of a period by a tick.
-    return static_cast<std::uint64_t>(periods + std::min(1e-9 * std::max(1.0, periods), 0.5));
+  const auto ended_at = [&](std::uint64_t ticks) {
+    return engine::ticks_within(static_cast<double>(ticks) * view.tick_s(), std::max(every_s, view.tick_s()));
   };
   return ended_at(age) - ended_at(age - std::min(age, own_period));
 }
