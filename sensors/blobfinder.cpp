@@ -200,7 +200,8 @@ void BlobFinder::draw(const engine::DeviceView& view, engine::Frame& frame) cons
   const std::span<const std::uint8_t> colors = view.state.cell<std::uint8_t>(view.slot, k_blob_color);
   const std::size_t count =
       std::min<std::size_t>(view.state.cell<std::uint32_t>(view.slot, k_blob_count)[0], ranges.size());
-  // Columns count from the left of the image; each is as wide as the angle between two rays.
+  // Columns count from the left of the image. Each is drawn with the width fov / columns, so that all of them
+  // fill the field of view; the ray of a column is within this width.
   const auto end = [&](double column, double range) {
     const double bearing = columns > 1 ? params.fov * (0.5 - column / columns) : 0;
     const Vec2 way = Rotation(params.pan + bearing) * Vec2(range, 0);

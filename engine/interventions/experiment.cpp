@@ -151,13 +151,25 @@ struct SettingContext {
   const BodyType& type;
 };
 
+/// Compiles the controllers of the type again, after the setting of a drive, and stores their data in
+/// `intervention`: only their hook bind_world shows the drive to controllers.
+Result<> bind_controllers(const SettingContext& context, const TypeSpec& spec,
+                          Experiment::Intervention& intervention) {
+  const BodyType& type = context.type;
+  if (!type.binds_controllers()) return {};
+  Result<std::vector<std::any>> data =
+      prepare_controllers(type.controllers.size(), context.world, spec, type, context.registry);
+  if (!data) return data.error();
+  intervention.controllers = *std::move(data);
+  return {};
+}
+
 /// Compiles a setting of a drive, of a device or of a controller: applies it to `spec`, and stores the
 /// prepared data in `intervention`. The error says why the parameter cannot have this value or cannot change.
 /// spec  the spec of the type with all earlier settings applied
 Result<> build_drive_setting(const SettingContext& context, TypeSpec& spec,
                              Experiment::Intervention& intervention) {
-  const BodyType& type = context.type;
-  const DriveKind& kind = *type.drive->kind;
+  const DriveKind& kind = *context.type.drive->kind;
   Record params = changed(spec.drive->params, context.setting);
   try {
     if (const Result<> checked = check_change(kind, spec.drive->params, params); !checked)
@@ -167,12 +179,7 @@ Result<> build_drive_setting(const SettingContext& context, TypeSpec& spec,
   } catch (...) {
     return Error{fmt::format("drive \"{}\" {}", spec.drive->kind, thrown_text())};
   }
-  if (!type.binds_controllers()) return {};  // only the hook bind_world shows the drive to controllers
-  Result<std::vector<std::any>> data =
-      prepare_controllers(type.controllers.size(), context.world, spec, type, context.registry);
-  if (!data) return data.error();
-  intervention.controllers = *std::move(data);
-  return {};
+  return bind_controllers(context, spec, intervention);
 }
 
 Result<> build_device_setting(const SettingContext& context, TypeSpec& spec,
@@ -199,7 +206,8 @@ Result<> build_device_setting(const SettingContext& context, TypeSpec& spec,
   if (!keeps_body || !same_shape(*prepared, now.prepared))
     return Error{fmt::format("{}: {}", owner, k_keeps_shape)};
   intervention.device = *std::move(prepared);
-  return {};
+  if (!kind.drives) return {};
+  return bind_controllers(context, spec, intervention);
 }
 
 Result<> build_controller_setting(const SettingContext& context, TypeSpec& spec,
@@ -656,14 +664,12 @@ void World::swap_setting(Experiment::Intervention& intervention) {
   const SettingSpec& setting = *state_.spec.experiment.at[intervention.spec].setting;
   BodyType& type = state_.types[setting.type.index()];
   switch (setting.of) {
-    case Of::drive:
-      std::swap(type.drive->data, intervention.data);
-      for (std::size_t c = 0; c < intervention.controllers.size(); ++c)
-        std::swap(type.controllers[c].data, intervention.controllers[c]);
-      break;
+    case Of::drive: std::swap(type.drive->data, intervention.data); break;
     case Of::device: std::swap(type.devices[setting.index].prepared, intervention.device); break;
     case Of::controller: std::swap(type.controllers[setting.index].data, intervention.data); break;
   }
+  for (std::size_t c = 0; c < intervention.controllers.size(); ++c)
+    std::swap(type.controllers[c].data, intervention.controllers[c]);
 }
 
 /// Applies the settings among the first `count` interventions, in their order.

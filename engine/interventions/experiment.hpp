@@ -50,9 +50,9 @@ struct Experiment {
     /// To apply the intervention, World swaps `data` with the data in BodyType.
     std::any data;
     DeviceKind::Prepared device;  ///< for `set` of a device: used in place of `data`
-    /// For `set` of a drive: new data of all controllers of the type, because controllers may have stored
-    /// limits of the drive. Swapped in the same way as `data`. Empty if no controller kind of the type has
-    /// the function `bind_world`: controllers can read the drive only in that function.
+    /// For `set` of a drive or a drive device: new data of all controllers of the type, because controllers
+    /// may have stored limits of the drive. Swapped in the same way as `data`. Empty if no controller kind of
+    /// the type has the function `bind_world`: controllers can read the drive only in that function.
     std::vector<std::any> controllers;
     /// Set only for the last `set` of a type that World::set() has added: what the next call for this type
     /// needs. The call then need not read all earlier interventions.

@@ -29,4 +29,10 @@ std::uint64_t period_ticks(double period_s, double tick_s);
 /// more than k_most_ticks.
 std::uint64_t ticks_until(double end_s, double tick_s);
 
+/// Returns the number of whole ticks in the duration `time_s`, s, rounded down, but with the tolerance of
+/// ticks_until() for rounding errors: 0.3 s contains 3 ticks of 0.1 s, although 0.3 / 0.1 is slightly below 3
+/// in floating point. `tick_s` must be above 0. The result is 0 if `time_s` is NaN or negative, and never
+/// more than k_most_ticks.
+std::uint64_t ticks_within(double time_s, double tick_s);
+
 }  // namespace troupe::engine

@@ -13,13 +13,15 @@ namespace troupe::models {
 inline constexpr std::uint32_t k_most_decisions = 1'000'000'000;
 
 /// Returns the number of whole decisions (calls of a controller) in a duration: seconds / period_s, rounded
-/// down. The result may be 0, and is at most k_most_decisions. Controllers use it for durations that are
-/// random or that the user gives.
+/// down. If the quotient is below a whole number only by a rounding error, the result is this whole number
+/// (engine::ticks_within()). The result may be 0, and is at most k_most_decisions. Controllers use it for
+/// durations that are random or that the user gives.
 ///
 /// seconds: the duration, s, at least 0
 /// period_s: time from one decision to the next (Percept::period_s), s, above 0
 inline std::uint32_t whole_decisions(double seconds, double period_s) {
-  return static_cast<std::uint32_t>(std::min<double>(seconds / period_s, k_most_decisions));
+  return static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(engine::ticks_within(seconds, period_s), k_most_decisions));
 }
 
 /// Returns the number of decisions (calls of a controller) that together last `seconds` or longer:

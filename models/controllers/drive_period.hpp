@@ -8,9 +8,14 @@
 
 namespace troupe::models {
 
-/// Returns the number of ticks between two runs of the drive that a controller on the part `part` commands: a
-/// device `wheels` of this part or of the nearest part that carries it or, without such a device, the drive
-/// of the body. A command acts from the next run of the drive. The result is 1 if the body has no drive.
+/// Returns the device `wheels` that a controller on the part `part` commands: that of this part or of the
+/// nearest part that carries it. The result is null if there is none: the controller then commands the drive
+/// of the body, if the body has one.
+const engine::DeviceSpec* wheels_of(const engine::TypeSpec& type, std::uint32_t part);
+
+/// Returns the number of ticks between two runs of the drive that a controller on the part `part` commands:
+/// wheels_of() or, without such a device, the drive of the body. A command acts from the next run of the
+/// drive. The result is 1 if the body has no drive.
 std::uint64_t drive_period(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part);
 
 /// Returns the number of decisions (calls of a controller) until the controller surely sees that its command

@@ -76,15 +76,16 @@ struct Expand {
   std::vector<Feeler> feelers;
   std::optional<Short> too_short;  // the first such beam; the robot then never drives
 
-  /// Whether there are readings for which the vector sum of these beams points into the cone ahead. If there
-  /// are none, the robot would turn forever.
+  /// Whether there are readings for which the vector sum of these beams, with `invert` its opposite, points
+  /// into the cone ahead. If there are none, the robot would turn forever.
   bool can_point_ahead(std::span<const Beam> beams) const {
     double left = std::numeric_limits<double>::infinity();
     double right = -left;
     for (const Beam& beam : beams) {
-      if (std::abs(beam.bearing) < params.cone) return true;
-      double& side = beam.bearing > 0 ? left : right;
-      side = beam.bearing > 0 ? std::min(side, beam.bearing) : std::max(side, beam.bearing);
+      const double bearing = params.invert ? wrap_angle(beam.bearing + k_pi) : beam.bearing;
+      if (std::abs(bearing) < params.cone) return true;
+      double& side = bearing > 0 ? left : right;
+      side = bearing > 0 ? std::min(side, bearing) : std::max(side, bearing);
     }
     return left - right < k_pi;
   }
@@ -102,9 +103,9 @@ struct Expand {
     const std::vector<Beam> beams = beams_of(ranger);
     if (!can_point_ahead(beams))
       return Error{
-          fmt::format("needs a ranger with a beam ahead, or beams to the left and to the right: the vector "
-                      "sum of the beams of \"{}\" never points ahead",
-                      ranger.name)};
+          fmt::format("needs a ranger with a beam {0}, or beams to the left and to the right: the vector "
+                      "sum of the beams of \"{1}\" never points {0}",
+                      params.invert ? "behind" : "ahead", ranger.name)};
     if (const std::size_t count = ranger.prepared.transducers.size(); params.clearances.size() > count)
       return Error{fmt::format(
           "has {} clearances for the {} transducers of \"{}\": give at most one for each transducer",

@@ -23,7 +23,8 @@ namespace troupe::models {
 /// on axis  With `hold_on_axis`, the rules of "edges" do not apply. Instead, as in Stage, the robot repeats
 ///          its last command while the sum lies exactly on the x or y axis of the robot.
 /// needs    a drive, and a ranger that no other controller of the robot has reserved. The controller uses all
-///          beams of the first such ranger
+///          beams of the first such ranger. The sum of these beams must be able to point ahead or, with
+///          `invert`, behind
 /// source   Vaughan, Massively multi-robot simulation in Stage, section 6.1; `invert` is the clustering
 ///          variant in the paper
 engine::ControllerKind expand_controller();

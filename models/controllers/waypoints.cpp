@@ -4,7 +4,9 @@
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/spec/world_spec.hpp"
+#include "models/controllers/drive_period.hpp"
 #include "models/drives/drives.hpp"
+#include "models/drives/wheels.hpp"
 
 #include <fmt/format.h>
 
@@ -15,6 +17,8 @@
 
 namespace troupe::models {
 namespace {
+
+constexpr std::string_view k_name = "waypoints";
 
 // A robot has arrived at a tracked goal (Goal::is_tracked) if it is within this distance (m) and angle (rad).
 // The tolerance covers the rounding error of its last step.
@@ -87,15 +91,27 @@ struct Waypoints {
     return std::vector<std::size_t>();
   }
 
-  Result<> bind_world(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t) {
-    if (type.drive) period = engine::period_ticks(type.drive->period_s, world.tick_s);
+  Result<> bind_world(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part) {
+    period = drive_period(world, type, part);
     if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
-    if (!type.drive || type.drive->kind != omni_drive().name)
+    const engine::DeviceSpec* wheels = wheels_of(type, part);
+    const std::string_view kind = wheels       ? drive_of_wheels(wheels->params).kind
+                                  : type.drive ? std::string_view(type.drive->kind)
+                                               : std::string_view();
+    if (kind != omni_drive().name)
       return Error{fmt::format(
           "has goals with `at` or `speed`, which need a drive of kind \"omni\", found {}: other drives "
           "do not move straight to a goal",
-          type.drive ? fmt::format("\"{}\"", type.drive->kind) : "no drive")};
-    const MotionParams motion = engine::from_record<DriveParams>(type.drive->params).motion;
+          kind.empty() ? "no drive" : fmt::format("\"{}\"", kind))};
+    if (const std::uint64_t decides = decision_period(world, type, part); decides != period)
+      return Error{
+          fmt::format("has goals with `at` or `speed`, which need wheels that run once per decision, but "
+                      "\"{}\" runs every "
+                      "{:g} s and the controller decides every {:g} s: give both the same `period`",
+                      wheels->name, static_cast<double>(period) * world.tick_s,
+                      static_cast<double>(decides) * world.tick_s)};
+    const MotionParams motion = wheels ? drive_of_wheels(wheels->params).motion
+                                       : engine::from_record<DriveParams>(type.drive->params).motion;
     speed_max = std::min(
         {motion.velocity_max_x, -motion.velocity_min_x, motion.velocity_max_y, -motion.velocity_min_y});
     turn_max = std::min(motion.turn_max, -motion.turn_min);
@@ -126,6 +142,18 @@ struct Waypoints {
   }
 
  private:
+  /// Ticks from one decision to the next. The controller uses no devices, so it decides when the drive of the
+  /// body runs or, without such a drive, once per period of its own.
+  static std::uint64_t decision_period(const engine::WorldSpec& world, const engine::TypeSpec& type,
+                                       std::uint32_t part) {
+    if (type.drive) return engine::period_ticks(type.drive->period_s, world.tick_s);
+    const auto is_own = [part](const engine::ControllerSpec& controller) {
+      return controller.part == part && controller.kind == k_name;
+    };
+    const auto own = std::ranges::find_if(type.controllers, is_own);
+    return engine::period_ticks(own != type.controllers.end() ? own->period_s : 0, world.tick_s);
+  }
+
   /// The tick in which a command given now first moves the robot, and the estimated pose of the robot at the
   /// start of that tick if nothing blocks the robot before.
   struct Ahead {
@@ -232,8 +260,8 @@ struct Waypoints {
 }  // namespace
 
 engine::ControllerKind waypoints_controller() {
-  engine::ControllerKind kind = engine::make_controller_kind<Waypoints>(
-      "waypoints", "drive from goal to goal, using the estimated pose");
+  engine::ControllerKind kind =
+      engine::make_controller_kind<Waypoints>(k_name, "drive from goal to goal, using the estimated pose");
   for (engine::StateField& field : kind.memory) field.sparse = field.name != "goal";
   return kind;
 }

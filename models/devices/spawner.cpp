@@ -23,11 +23,14 @@ using engine::World;
 
 /// Number of periods of `every_s` seconds that have ended since the spawner last ran. The first period begins
 /// with the birth of the spawner's body, in `row`. own_period: number of ticks since the spawner last ran.
+/// Shorter periods than a tick count as a tick, because a spawner tries at most one birth per tick.
 std::uint64_t periods_ended(const engine::SensingView& view, Row row, std::uint64_t own_period,
                             double every_s) {
   const std::uint64_t age = view.tick() - view.birth_tick(row);
-  const std::uint64_t every = engine::period_ticks(every_s, view.tick_s());
-  return age / every - (age - std::min(age, own_period)) / every;
+  const auto ended_at = [&](std::uint64_t ticks) {
+    return engine::ticks_within(static_cast<double>(ticks) * view.tick_s(), std::max(every_s, view.tick_s()));
+  };
+  return ended_at(age) - ended_at(age - std::min(age, own_period));
 }
 
 /// Number of flags that body i of the batch, of the given type, has received from other bodies since its

@@ -56,7 +56,8 @@ struct SpawnerState {
 ///
 /// causes  A birth becomes due
 ///         - every `every` seconds, counted from the time at which the spawner's own body came into the
-///           world; 0: never
+///           world; 0: never. The birth is due in the first tick that ends at this time or later. Times below
+///           the length of a tick count as this length
 ///         - each time other bodies have given `per_flags` more flags (tokens) to the spawner's body; 0:
 ///           never
 ///         - for each request of a controller (SpawnerCommand)

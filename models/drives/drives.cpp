@@ -107,8 +107,9 @@ struct Omni {
     return bounded(d, v.x + bounded(c.x, d.x_rate) * dt, v.y + bounded(c.y, d.y_rate) * dt,
                    v.turn + bounded(c.turn, d.turn_rate) * dt);
   }
-  /// Velocity on the way to the goal `c` from the pose `at`. The robot drives straight to the goal and turns
-  /// to the goal's heading on the way. dt: time between two runs of the drive, s.
+  /// Velocity on the way to the goal `c` from the pose `at`. The robot drives towards the goal, straight once
+  /// neither speed is clamped, and turns to the goal's heading on the way. dt: time between two runs of the
+  /// drive, s.
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);

@@ -135,7 +135,8 @@ struct CarParams {
 ///               than once per second, the gain is lower, so that the robot does not overshoot the goal.
 ///               diff  turns towards the goal, drives while the goal is within pi/16 rad of straight ahead,
 ///                     and turns to the goal's heading after arrival
-///               omni  drives straight to the goal and turns to the goal's heading on the way
+///               omni  drives to the goal, straight once neither speed is clamped, and turns to the goal's
+///                     heading on the way
 ///               car   drives to the goal in a curve; the gain from the direction of the goal to the turn
 ///                     rate is 2/s. If the goal is behind the car, the car first turns on the spot about its
 ///                     rear axle. After arrival it turns on the spot to the goal's heading

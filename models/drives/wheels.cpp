@@ -4,7 +4,6 @@
 #include "engine/kinds/finite.hpp"
 #include "engine/kinds/step_error.hpp"
 #include "engine/sensing/sensing_view.hpp"
-#include "models/drives/drives.hpp"
 
 #include <fmt/format.h>
 
@@ -126,6 +125,11 @@ void Wheels::joints_moved(const DeviceBatch& batch) const {
 
 DeviceKind wheels_kind() {
   return engine::make_device_kind<Wheels>("wheels", "gives a part of a body a drive of its own");
+}
+
+WheelsDrive drive_of_wheels(const engine::Record& params) {
+  const auto own = engine::from_record<Wheels::Params>(params);
+  return {kind_of(own.drive).name, own.motion};
 }
 
 }  // namespace troupe::models

@@ -3,6 +3,9 @@
 #include "engine/fields/description.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/kinds/kinds.hpp"
+#include "models/drives/drives.hpp"
+
+#include <string_view>
 
 namespace troupe::models {
 
@@ -54,5 +57,13 @@ struct WheelsState {
 ///             place on the body in the world file: motions beyond are blocked.
 /// errors      If a command is not a finite number, the step throws engine::StepError.
 engine::DeviceKind wheels_kind();
+
+/// The drive of a device `wheels`: its kind ("diff", "omni" or "car") and its limits.
+struct WheelsDrive {
+  std::string_view kind;  ///< name of the kind of drive
+  MotionParams motion;    ///< limits of its velocities and accelerations
+};
+/// Returns the drive of a device `wheels` with the parameters `params`.
+WheelsDrive drive_of_wheels(const engine::Record& params);
 
 }  // namespace troupe::models

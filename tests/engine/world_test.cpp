@@ -11,6 +11,7 @@
 
 #include <cfenv>
 #include <exception>
+#include <limits>
 #include <stdexcept>
 #if defined(__SSE2__)
 #include <xmmintrin.h>
@@ -167,6 +168,15 @@ TEST(World, TimesRoundUpToTicksWhateverTheirQuotientRoundsTo) {
   EXPECT_EQ(ticks_until(1e12, 0.1), 10000000000000u);
   EXPECT_EQ(ticks_until(123456789.3, 0.01), 12345678930u);
   EXPECT_EQ(ticks_until(1e300, 1e-300), 1000000000000000u);
+}
+
+TEST(World, WholeTicksInADurationAreRoundedDown) {
+  EXPECT_EQ(ticks_within(0.3, 0.1), 3u) << "0.3 / 0.1 is slightly below 3 in floating point";
+  EXPECT_EQ(ticks_within(0.29, 0.1), 2u);
+  EXPECT_EQ(ticks_within(0, 0.1), 0u);
+  EXPECT_EQ(ticks_within(-1, 0.1), 0u);
+  EXPECT_EQ(ticks_within(std::numeric_limits<double>::quiet_NaN(), 0.1), 0u);
+  EXPECT_EQ(ticks_within(1e300, 0.1), k_most_ticks);
 }
 
 TEST(World, SubscribingToOneRobotRunsItsSensorsAlone) {

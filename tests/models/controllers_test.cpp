@@ -229,6 +229,21 @@ TEST(Expand, InvertTurnsTheSumAround) {
   EXPECT_NEAR(gather(ranges).turn, radians(-60), 1e-6);
 }
 
+TEST(Expand, WithInvertTheSumMustBeAbleToPointBehind) {
+  const engine::Record params =
+      test::record(test::registry().controller("expand")->params, {{"invert", true}});
+  for (const std::vector<double>& headings : {std::vector{0.0}, {2.0}, {-1.2, 0.3, 1.2}})
+    EXPECT_EQ(
+        Decision(Decision::ring(headings), "expand", params).error,
+        "needs a ranger with a beam behind, or beams to the left and to the right: the vector sum of the "
+        "beams of \"sensor\" never points behind")
+        << headings[0];
+  Decision behind(Decision::ring({k_pi - 0.2, -k_pi}), "expand", params);
+  EXPECT_EQ(behind.error, "");
+  EXPECT_EQ(behind({2, 2}).x, 0.3);
+  EXPECT_EQ(Decision(Decision::ring({2.0, -2.0}), "expand", params).error, "");
+}
+
 TEST(Expand, WithoutARangerItSaysWhatItNeeds) {
   Decision decide({}, "expand", preset("expand_swarm"));
   EXPECT_EQ(decide.error,
@@ -417,8 +432,11 @@ TEST(Decisions, AreTheNumberOfPeriodsInADuration) {
   EXPECT_EQ(whole_decisions(1, 2.5), 0u);
   EXPECT_EQ(whole_decisions(1e6, 1e-6), k_most_decisions);
   // 0.3 / 0.1 is not exactly 3 in binary.
-  for (const auto& [seconds, count] : {std::pair(0.3, 3u), {0.8, 8u}, {1.5, 15u}, {2.0, 20u}, {3.0, 30u}})
+  for (const auto& [seconds, count] :
+       {std::pair(0.3, 3u), {0.7, 7u}, {0.8, 8u}, {1.5, 15u}, {2.0, 20u}, {3.0, 30u}}) {
+    EXPECT_EQ(whole_decisions(seconds, 0.1), count) << seconds;
     EXPECT_EQ(decisions_for(seconds, 0.1), count) << seconds;
+  }
   EXPECT_EQ(decisions_for(1.5, 0.02), 75u);
   EXPECT_EQ(decisions_for(1.5, 1), 2u);
   EXPECT_EQ(decisions_for(1.5, 10), 1u);

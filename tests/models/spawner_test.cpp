@@ -80,6 +80,18 @@ TEST(Spawner, SpawnsOneEveryPeriodUntilTheReserveIsEmpty) {
   EXPECT_EQ(door.state(world).owed, 0u);
 }
 
+TEST(Spawner, PeriodsNeedNotBeWholeTicks) {
+  for (const auto& [every_s, births] :
+       {std::pair(0.25, 40u), {0.15, 66u}, {0.3, 33u}, {0.7, 14u}, {0.01, 100u}}) {
+    const Door door(
+        {device("spawner", {{"population", "bot"}, {"every", every_s}, {"within", 900.0}}, {1, 0, 0, 0})},
+        110);
+    World world = door.scene.world();
+    step(world, 100);  // 10 s
+    EXPECT_EQ(door.state(world).born + door.state(world).owed, births) << every_s;
+  }
+}
+
 TEST(Spawner, OwesABirthUntilItsPlaceIsFree) {
   Door door({device("spawner", {{"population", "bot"}, {"every", 1.0}}, {1, 0, 0, 0})});
   const BodyId crate = door.scene.body("crate", door.scene.robot("crate", {box(0.4, 0.4)}), {0.3, 0.1, 0, 0});

@@ -2,7 +2,8 @@
 
 #include "base/math.hpp"
 #include "engine/world/world.hpp"
-#include "tests/support/scene.hpp"
+#include "models/drives/wheels.hpp"
+#include "tests/support/devices.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -179,6 +180,55 @@ TEST(Movers, WhatTheyCannotKeepIsTold) {
   EXPECT_THAT(diff.scene.error(), HasSubstr("which need a drive of kind \"omni\""));
 }
 
+/// A body without a drive, with a part "cart" that has wheels of its own and goes its way, from the origin.
+struct Cart {
+  test::SceneBuilder scene;
+  TypeId type;
+  BodyId body;
+
+  Cart(const std::vector<Goal>& goals, const std::string& law) {
+    type = scene.type("base", {test::box(0.2, 0.2)});
+    scene[type].parts.push_back({.name = "cart", .solids = {test::box(0.1, 0.1)}});
+    const std::size_t wheels = test::add_device(scene[type], "cart", "wheels", {}, {{"drive", law}});
+    scene[type].devices[wheels].part = 1;
+    scene[type].parts[1].joint = scene[type].devices[wheels].moves;
+    scene[type].controllers = {waypoints(goals)};
+    scene[type].controllers[0].part = 1;
+    body = scene.body("b", type);
+  }
+  engine::DeviceSpec& wheels() { return scene[type].devices[0]; }
+  /// The place of the part at the start of the last tick.
+  Vec2 place(const engine::World& world) const {
+    const auto& state = test::state_of<WheelsState>(world, body, 0);
+    return {state.x, state.y};
+  }
+};
+
+TEST(Movers, OnWheelsHaveTheDriveOfTheirWheels) {
+  Cart cart({{1, 0, 0, 0, 0.5}, {1, 1, 0, 0, 0.5}}, "omni");
+  engine::World world = cart.scene.world();
+  while (world.tick() < 21) world.step();
+  EXPECT_NEAR(cart.place(world).x(), 0.95, k_exact)
+      << "at 2 s, because a command acts a tick after it is given";
+  while (world.tick() < 50) world.step();
+  EXPECT_NEAR(cart.place(world).y(), 1, k_exact);
+
+  Cart diff({{1, 0, 0, 0, 0.5}}, "diff");
+  diff.scene[diff.type].drive = test::drive("omni");
+  EXPECT_THAT(diff.scene.error(), HasSubstr("which need a drive of kind \"omni\", found \"diff\""));
+}
+
+TEST(Movers, OnWheelsThatRunAtOtherTimesThanTheControllerAreAnError) {
+  Cart cart({{1, 0, 0, 0, 0.5}}, "omni");
+  cart.scene[cart.type].drive = test::drive("omni");
+  cart.scene[cart.type].drive->period_s = 0.5;
+  EXPECT_THAT(cart.scene.error(),
+              HasSubstr("which need wheels that run once per decision, but \"cart\" runs every 0.1 s and the "
+                        "controller decides every 0.5 s: give both the same `period`"));
+  cart.wheels().period_s = 0.5;
+  EXPECT_EQ(cart.scene.error(), "");
+}
+
 /// An omni drive that reaches `speed` in every direction, m/s.
 Record drive_of(double speed) {
   return test::drive("omni", {{"velocity_min_x", -speed},
@@ -209,6 +259,19 @@ TEST(Movers, KnowTheDriveThatAnInterventionSets) {
   const std::vector<Pose> again = way_of(world, mover.body, 30);
   EXPECT_EQ(again[20], poses[20]) << "the reset has also restored the limits";
   EXPECT_EQ(again[30], poses[30]);
+}
+
+TEST(Movers, KnowTheWheelsThatAnInterventionSets) {
+  Cart cart({{5, 0, 0, 0, 0.8}}, "omni");
+  engine::InterventionSpec set;
+  set.time_s = 1;
+  set.action = engine::InterventionSpec::Action::set;
+  set.setting = engine::SettingSpec{
+      cart.type, engine::SettingSpec::Of::device, 0,
+      test::record(test::registry().device("wheels")->params, {{"drive", "omni"}, {"velocity_max_x", 0.25}})};
+  cart.scene.spec.experiment.at = {set};
+  EXPECT_THAT(cart.scene.error(), HasSubstr("cannot follow goal 1 (counted from 1): its `speed` is 0.8 m/s, "
+                                            "but the drive reaches 0.25 m/s"));
 }
 
 TEST(Movers, ADriveThatAnInterventionMakesTooSlowIsAnError) {
