@@ -416,6 +416,11 @@ class InABrowser(unittest.TestCase):
                 self.assertEqual(self.told(page), f'The command "red" must be numbers, separated by commas; found "{text}".')
             self.assertEqual(page.problems, [])
 
+    def test_screen_readers_do_not_read_running_numbers(self):
+        with self.opened() as (_, page):
+            live = page.run("[...document.querySelectorAll('#time, #reached')].map(output => output.ariaLive)")
+            self.assertEqual(live, ["off", "off"])
+
     def test_robots_far_outside_the_bounds_are_followed(self):
         world = {key: value for key, value in WORLD.items() if key != "bounds_m"}
         with self.opened(world=world) as (_, page):
