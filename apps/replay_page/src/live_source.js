@@ -116,7 +116,7 @@ export class LiveSource {
     return null;
   }
   value(index, frame, robot, column = 0) {
-    if (this.inspected?.robot !== this.header.robots.name[robot]) return null;
+    if (this.lookTime !== null || this.inspected?.robot !== this.header.robots.name[robot]) return null; // known only for the present
     const name = this.header.fields[index].component.split("/").slice(2).join("/");
     const ranges = this.inspected.eyes?.[name];
     return ranges ? (ranges[column] ?? NaN) : null;
