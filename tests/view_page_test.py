@@ -487,6 +487,16 @@ class InABrowser(unittest.TestCase):
             self.press_button_of(page, "#now")
             page.wait("troupe.lines() > 0 && troupe.state().scanned", 30)
 
+    def test_trails_keep_their_length_at_another_rate(self):
+        with self.opened("--rate", 1) as (_, page):
+            page.run("troupe.trails(2)")
+            for rate in (1, 30, 1):
+                page.run(f"troupe.act({{do: 'rate', rate: {rate}}})")
+                begin = page.run("troupe.state().time")
+                page.wait(f"troupe.state().time > {begin + 4 * rate}")
+                page.wait("(trail => trail > 1 && trail < 2.5)(troupe.trail())", 30)
+                self.assertLess(page.run("troupe.trail()"), 4, rate)
+
     def test_all_robots_stay_in_a_window_that_becomes_narrower(self):
         with self.opened() as (_, page):
             self.pause(page)

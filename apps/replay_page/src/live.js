@@ -364,6 +364,7 @@ function liveRemote(page) {
     floorAt: (x, y) => page.view.floorAt(x, y),
     group: () => page.group.map((robot) => page.nameOf(robot)),
     lines: () => page.lines.count,
+    trail: () => page.view.trails.shown,
     legend: () => page.coloring.range,
     /** The bytes of a picture, in base 64. */
     picture: async () => {
