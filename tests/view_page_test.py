@@ -473,6 +473,18 @@ class InABrowser(unittest.TestCase):
             red, green, blue = Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
             self.assertGreater(green, 60, (red, green, blue))  # (68, 1, 84): a robot that stands still
 
+    def test_the_scale_of_speeds_begins_again(self):
+        with self.opened() as (_, page):
+            page.run("troupe.color('speed')")
+            page.wait("troupe.legend()[1] > 0")
+            page.run("troupe.act({do: 'move', robot: 'red', pose: [4, -3, 0, 0]})")  # seen as a speed of more than 10 m/s
+            page.wait("troupe.legend()[1] > 10")
+            time_s = page.run("troupe.state().time")
+            page.wait(f"troupe.state().time > {time_s + 1}")
+            page.run("troupe.color('own colours')")
+            page.run("troupe.color('speed')")
+            page.wait("(([_, most]) => most > 0 && most < 3)(troupe.legend())", 30)
+
     def test_the_past_has_no_readings_and_no_links(self):
         world = json.loads(json.dumps(YARD))
         world["populations"][0]["reserve"] = 0

@@ -63,6 +63,7 @@ export class Coloring {
   }
 
   choose(index) {
+    if (this.choices[index] !== this.choice) this.fastest = 0; // not after a change of the theme
     this.choice = this.choices[index];
     this.done = null;
   }
@@ -143,7 +144,7 @@ export class Coloring {
       speeds[r] = there ? Math.hypot(b.x[j] - a.x[i], b.y[j] - a.y[i]) * perStep : NaN;
       if (speeds[r] > fastest) fastest = speeds[r];
     }
-    // The scale grows with the highest speed so far, in steps of a tenth of a power of ten.
+    // The scale grows with the highest speed since it was chosen, in steps of a tenth of a power of ten.
     if (fastest > this.fastest) {
       const grain = 10 ** Math.floor(Math.log10(fastest)) / 10;
       this.fastest = Math.ceil(fastest / grain - 1e-6) * grain;
