@@ -485,6 +485,17 @@ class InABrowser(unittest.TestCase):
             page.run("troupe.color('speed')")
             page.wait("(([_, most]) => most > 0 && most < 3)(troupe.legend())", 30)
 
+    def test_a_click_on_the_selected_robot_keeps_its_plots(self):
+        with self.opened() as (_, page):
+            self.pause(page)
+            page.click(*page.run("troupe.screenPlace('red')"))
+            page.wait("troupe.inspected()?.robot === 'red'")
+            page.run("document.querySelector('#values > .plottable').click()")
+            page.click(*page.run("troupe.screenPlace('red')"))
+            self.assertEqual(page.run("document.querySelectorAll('#plots .plot').length"), 1)
+            page.click(*page.run("troupe.screenPlace('blue')"))
+            self.assertEqual(page.run("document.querySelectorAll('#plots .plot').length"), 0)
+
     def test_the_past_has_no_readings_and_no_links(self):
         world = json.loads(json.dumps(YARD))
         world["populations"][0]["reserve"] = 0

@@ -194,7 +194,11 @@ class LivePage extends Page {
   /** Adds a robot at the click if a population is chosen, else selects. */
   click(clientX, clientY) {
     const place = this.adding && this.view.floorAt(clientX, clientY, this.adding.height);
-    if (!place) return super.click(clientX, clientY);
+    if (!place) {
+      // Selecting the selected robot again would remove its plots.
+      if (this.selected === null || this.view.robotAt(clientX, clientY) !== this.selected) super.click(clientX, clientY);
+      return;
+    }
     const { population, height } = this.adding;
     this.act({ do: "add", population, pose: [...place, height, 0] });
     this.adding = null;
