@@ -178,6 +178,7 @@ class APage(Used):
         self.assertEqual(self.text("#about p"), "2 robots, seed 3")
         self.assertEqual(self.text("#time"), "0:02.0")
         self.assertEqual(self.text("#end"), "0:10.0")
+        self.assertEqual(self.page.run("document.getElementById('time').ariaLive"), "off")  # not read while it runs
         self.assertIn("A page's test", self.page.run("document.title"))
 
     def test_robots_are_where_they_were(self):
@@ -241,6 +242,22 @@ class APage(Used):
         self.assertEqual(self.state()["speed"], 2)
         self.page.press("-")
         self.assertEqual(self.state()["speed"], 1)
+
+    def test_a_key_that_is_held_switches_once(self):
+        def hold(key, code):
+            for repeat in (False, True):
+                self.page.call("Input.dispatchKeyEvent", type="keyDown", key=key, code=code, text="", autoRepeat=repeat)
+            self.page.call("Input.dispatchKeyEvent", type="keyUp", key=key, code=code)
+
+        self.seek(5)
+        hold("v", "KeyV")
+        self.shown()
+        self.assertEqual(self.text("#slant"), "top")
+        hold("V", "KeyV")
+        self.shown()
+        self.assertEqual(self.text("#slant"), "3D")
+        hold("ArrowLeft", "ArrowLeft")
+        self.assertEqual(self.state()["time"], 3)
 
     def test_robots_and_walls_are_drawn(self):
         self.keep("above")

@@ -47,6 +47,15 @@ SLOW_ANSWERS = """
       set.call(this, (event) => (isAnswer(event) ? setTimeout(() => take(event), 3000) : take(event)));
     } });
 """
+# Commands to a device that have no field to show.
+EMPTY_COMMANDS = """
+    const { parse } = JSON;
+    JSON.parse = (text) => {
+      const message = parse(text);
+      if (message?.inspected) message.inspected.commands = { lamp: {} };
+      return message;
+    };
+"""
 # A command that is not finite: the program sends such numbers as null.
 NULL_COMMANDS = """
     const { parse } = JSON;
@@ -415,6 +424,117 @@ class InABrowser(unittest.TestCase):
                 page.run(f"(input => {{ input.value = '{text}'; input.onchange(); }})({red})")
                 self.assertEqual(self.told(page), f'The command "red" must be numbers, separated by commas; found "{text}".')
             self.assertEqual(page.problems, [])
+
+    def test_a_device_without_commands_to_show_is_listed_once(self):
+        with self.opened(world=YARD, script=EMPTY_COMMANDS) as (_, page):
+            page.run("troupe.select('b0')")
+            page.wait("troupe.inspected()")
+            frame = page.run("troupe.state().frame")
+            page.wait(f"troupe.state().frame > {frame + 5}")
+            self.assertEqual(page.run("[...document.querySelectorAll('#values details h3')].length"), 1)
+
+    def test_messages_that_no_request_waits_for(self):
+        with self.opened(script=KEPT_SOCKETS) as (_, page):
+            self.pause(page)
+            page.run("sockets.at(-1).onmessage({data: JSON.stringify({type: 'refused', id: 7000, reason: 'the recording ends'})})")
+            self.assertEqual(self.told(page), "the recording ends")
+            # A picture that was sent before the program has read that the user plots nothing.
+            late = "{...troupe.state(), type: 'state', plot: {measure: 'displacement', column: 'displacement', value: 1}}"
+            page.run(f"sockets.at(-1).onmessage({{data: JSON.stringify({late})}})")
+            page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+            self.assertEqual(page.run("document.querySelector('#plot .now').textContent"), "")
+
+    def test_the_marks_of_a_group_are_at_the_height_of_the_robots(self):
+        world = json.loads(json.dumps(WORLD))
+        world["models"][1]["pose"] |= {"y_m": -2, "z_m": 1.5}
+        with self.opened(world=world) as (_, page):
+            self.pause(page)
+            page.run("troupe.slant()")
+            page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)
+            page.wait("troupe.group().length === 2")
+            side = 1.4 * 0.5 * 0.41 ** 0.5  # half a side of the square around the robot, m
+            x, y = (round(at) for at in page.run(f"troupe.screenPlace('blue', [{side}, 0.2, 0.3])"))
+            picture = Picture(page.screenshot((x - 3, y - 3, x + 4, y + 4)))
+            colors = [picture.at(column, row) for column in range(7) for row in range(7)]
+            self.assertTrue(any(red > 180 and green < 130 for red, green, _ in colors), colors)
+
+    def test_the_speeds_of_a_paused_world_stay(self):
+        with self.opened("--rate", 5) as (_, page):
+            page.run("troupe.color('speed')")
+            page.run("troupe.act({do: 'hold', robot: 'blue', speed: [0.3, 0, 0]})")
+            page.wait("troupe.state().time > 2 && troupe.legend()[1] > 0.2")
+            self.pause(page)
+            for robot in ("red", None):  # each makes the program send a picture of the same time
+                frame = page.run("troupe.state().frame")
+                page.run(f"troupe.select({json.dumps(robot)})")
+                page.wait(f"troupe.state().frame > {frame}")
+            page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+            x, y = (round(at) for at in page.run("troupe.screenPlace('blue', [-0.12, -0.12, 0.3])"))
+            red, green, blue = Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
+            self.assertGreater(green, 60, (red, green, blue))  # (68, 1, 84): a robot that stands still
+
+    def test_the_scale_of_speeds_begins_again(self):
+        with self.opened() as (_, page):
+            page.run("troupe.color('speed')")
+            page.wait("troupe.legend()[1] > 0")
+            page.run("troupe.act({do: 'move', robot: 'red', pose: [4, -3, 0, 0]})")  # seen as a speed of more than 10 m/s
+            page.wait("troupe.legend()[1] > 10")
+            time_s = page.run("troupe.state().time")
+            page.wait(f"troupe.state().time > {time_s + 1}")
+            page.run("troupe.color('own colours')")
+            page.run("troupe.color('speed')")
+            page.wait("(([_, most]) => most > 0 && most < 3)(troupe.legend())", 30)
+
+    def test_a_click_on_the_selected_robot_keeps_its_plots(self):
+        with self.opened() as (_, page):
+            self.pause(page)
+            page.click(*page.run("troupe.screenPlace('red')"))
+            page.wait("troupe.inspected()?.robot === 'red'")
+            page.run("document.querySelector('#values > .plottable').click()")
+            page.click(*page.run("troupe.screenPlace('red')"))
+            self.assertEqual(page.run("document.querySelectorAll('#plots .plot').length"), 1)
+            page.click(*page.run("troupe.screenPlace('blue')"))
+            self.assertEqual(page.run("document.querySelectorAll('#plots .plot').length"), 0)
+
+    def test_the_past_has_no_readings_and_no_links(self):
+        world = json.loads(json.dumps(YARD))
+        world["populations"][0]["reserve"] = 0
+        with self.opened("--rate", 0, world=world) as (_, page):
+            page.run("troupe.act({do: 'layers', layers: ['radio']})")
+            page.run("troupe.select('b0')")
+            page.wait("troupe.lines() > 0 && troupe.state().scanned && troupe.state().time > 2")
+            self.pause(page)
+            page.wait("troupe.lines() > 0 && troupe.state().scanned")
+            page.run("(back => { back.value = Number(back.max) - 1; back.oninput({target: back}); })(document.getElementById('back'))")
+            page.wait("troupe.lines() === 0 && !troupe.state().scanned", 30)
+            self.press_button_of(page, "#now")
+            page.wait("troupe.lines() > 0 && troupe.state().scanned", 30)
+
+    def test_trails_keep_their_length_at_another_rate(self):
+        with self.opened("--rate", 1) as (_, page):
+            page.run("troupe.trails(2)")
+            for rate in (1, 30, 1):
+                page.run(f"troupe.act({{do: 'rate', rate: {rate}}})")
+                begin = page.run("troupe.state().time")
+                page.wait(f"troupe.state().time > {begin + 4 * rate}")
+                page.wait("(trail => trail > 1 && trail < 2.5)(troupe.trail())", 30)
+                self.assertLess(page.run("troupe.trail()"), 4, rate)
+
+    def test_all_robots_stay_in_a_window_that_becomes_narrower(self):
+        with self.opened() as (_, page):
+            self.pause(page)
+            page.run("document.getElementById('follow-all').click()")
+            page.wait("troupe.screenPlace('blue')[0] - troupe.screenPlace('red')[0] > 500")
+            page.call("Emulation.setDeviceMetricsOverride", width=420, height=SIZE[1], deviceScaleFactor=1, mobile=False)
+            page.wait("innerWidth === 420")
+            page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+            for name in ("red", "blue"):
+                page.wait(f"(([x]) => x > 0 && x < 420)(troupe.screenPlace('{name}'))", 30)
+
+    def test_screen_readers_do_not_read_running_numbers(self):
+        with self.opened() as (_, page):
+            live = page.run("[...document.querySelectorAll('#time, #reached')].map(output => output.ariaLive)")
+            self.assertEqual(live, ["off", "off"])
 
     def test_robots_far_outside_the_bounds_are_followed(self):
         world = {key: value for key, value in WORLD.items() if key != "bounds_m"}

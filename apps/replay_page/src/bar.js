@@ -6,6 +6,7 @@ import { roundLength } from "./view.js";
 
 export const TRAILS = [0, 2, 5, 10, 30, 60, 300]; // s
 const SCALE_PIXELS = 150; // at most
+const REPEATED = ["ArrowLeft", "ArrowRight", ",", ".", "+", "=", "-", "q", "e"]; // keys that act again while they are held
 const PRESSED_BY_SPACE = 'button, select, summary, [type="checkbox"], [role="button"]';
 
 export const byId = (id) => document.getElementById(id);
@@ -83,7 +84,7 @@ export class Bar {
     const action = actions[event.key] ?? actions[event.key.toLowerCase()];
     if (!action || (isMenu && event.key.length > 1)) return;
     event.preventDefault(); // otherwise a focused button would be pressed too
-    action();
+    if (!event.repeat || REPEATED.includes(event.key) || REPEATED.includes(event.key.toLowerCase())) action();
   }
 
   /** Writes the description below the title: robots, seed, frames. */

@@ -63,6 +63,7 @@ export class Coloring {
   }
 
   choose(index) {
+    if (this.choices[index] !== this.choice) this.fastest = 0; // not after a change of the theme
     this.choice = this.choices[index];
     this.done = null;
   }
@@ -127,8 +128,10 @@ export class Coloring {
 
   bySpeed(frame) {
     const { recording } = this;
-    const first = Math.min(frame, Math.max(recording.frames - 2, 0));
+    let first = Math.min(frame, Math.max(recording.frames - 2, 0));
     const second = Math.min(first + 1, recording.frames - 1);
+    // A paused program sends several pictures of the same time.
+    while (recording.times[first] === recording.times[second] && recording.poses(first - 1)) first--;
     const a = recording.poses(first);
     const b = recording.poses(second);
     if (!a || !b) return false;
@@ -141,7 +144,7 @@ export class Coloring {
       speeds[r] = there ? Math.hypot(b.x[j] - a.x[i], b.y[j] - a.y[i]) * perStep : NaN;
       if (speeds[r] > fastest) fastest = speeds[r];
     }
-    // The scale grows with the highest speed so far, in steps of a tenth of a power of ten.
+    // The scale grows with the highest speed since it was chosen, in steps of a tenth of a power of ten.
     if (fastest > this.fastest) {
       const grain = 10 ** Math.floor(Math.log10(fastest)) / 10;
       this.fastest = Math.ceil(fastest / grain - 1e-6) * grain;

@@ -29,7 +29,7 @@ export class Commands {
 
   /** Shows the commands of a robot: {device: {field: [numbers]}}. */
   update(commands) {
-    if (this.inputs.size === 0) this.build(commands);
+    if (this.list.childElementCount === 0) this.build(commands);
     for (const [device, fields] of Object.entries(commands))
       for (const [field, values] of Object.entries(fields)) {
         const input = this.inputs.get(`${device} ${field}`);

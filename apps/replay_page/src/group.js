@@ -33,14 +33,14 @@ export class Marks {
     const { array } = this.places;
     let to = 0;
     for (const robot of this.robots) {
-      const [x, y, , heading] = view.poses.subarray(4 * robot, 4 * robot + 4);
+      const [x, y, z, heading] = view.poses.subarray(4 * robot, 4 * robot + 4);
       const { radius, top } = view.trunks[view.typeOf[robot]];
       const size = heading > 1e8 ? 0 : MARGIN * radius; // 0: the robot is not in the world
       for (let i = 0; i < 4; i++)
         for (const [dx, dy] of [CORNERS[i], CORNERS[(i + 1) % 4]]) {
           array[to++] = x + size * dx;
           array[to++] = y + size * dy;
-          array[to++] = top;
+          array[to++] = z + top;
         }
     }
     this.places.needsUpdate = this.robots.length > 0;

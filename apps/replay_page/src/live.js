@@ -123,6 +123,11 @@ class LivePage extends Page {
     this.view.fitted = null;
   }
 
+  resize() {
+    super.resize();
+    this.view.fitted = null; // a narrower window shows a smaller part of the floor
+  }
+
   /** Whether the program takes the name of a robot for that of a later body. */
   isNamesake(robot) {
     return this.recording.namesakes.has(robot);
@@ -189,7 +194,11 @@ class LivePage extends Page {
   /** Adds a robot at the click if a population is chosen, else selects. */
   click(clientX, clientY) {
     const place = this.adding && this.view.floorAt(clientX, clientY, this.adding.height);
-    if (!place) return super.click(clientX, clientY);
+    if (!place) {
+      // Selecting the selected robot again would remove its plots.
+      if (this.selected === null || this.view.robotAt(clientX, clientY) !== this.selected) super.click(clientX, clientY);
+      return;
+    }
     const { population, height } = this.adding;
     this.act({ do: "add", population, pose: [...place, height, 0] });
     this.adding = null;
@@ -255,10 +264,11 @@ class LivePage extends Page {
   }
 
   draw(now) {
-    const run = this.recording.state?.run;
+    const { state, lookTime } = this.recording;
+    const run = state?.run;
     if (this.run !== undefined && run !== this.run) this.restarted();
     this.run = run;
-    this.lines.update(this.recording.state?.lines ?? NO_LINES);
+    this.lines.update(lookTime === null && state?.lines ? state.lines : NO_LINES); // known only for the present
     try {
       super.draw(now);
     } finally {
@@ -323,9 +333,11 @@ class Link {
     } else if (message.type === "state") {
       this.source.takeState(message);
       if (message.inspected) this.source.inspected = message.inspected;
-    } else {
-      this.asked.get(message.id)?.(message);
+    } else if (this.asked.has(message.id)) {
+      this.asked.get(message.id)(message);
       this.asked.delete(message.id);
+    } else if (message.type === "refused") {
+      tell(message.reason); // what the program has begun cannot go on: a recording, for example, because the disk is full
     }
   }
 
@@ -356,6 +368,7 @@ function liveRemote(page) {
     floorAt: (x, y) => page.view.floorAt(x, y),
     group: () => page.group.map((robot) => page.nameOf(robot)),
     lines: () => page.lines.count,
+    trail: () => page.view.trails.shown,
     legend: () => page.coloring.range,
     /** The bytes of a picture, in base 64. */
     picture: async () => {

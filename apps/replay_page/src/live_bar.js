@@ -116,12 +116,12 @@ export class LiveBar extends Bar {
   restarted() {
     this.plot.clear();
     this.driven = null;
-    this.page.player.driving = null;
     byId("drive").checked = false;
   }
 
   choose(measure) {
     this.plot.clear();
+    this.measure = measure;
     this.page.act({ do: "plot", measure });
   }
 
@@ -132,7 +132,6 @@ export class LiveBar extends Bar {
     if (byId("drive").checked) this.hold();
     else if (this.driven) this.page.act({ do: "release", robot: this.driven });
     this.driven = byId("drive").checked ? this.page.nameOf(this.page.selected) : null;
-    this.page.player.driving = this.driven;
   }
 
   /** Starts to drive when an arrow key is pressed, unless a control with the focus uses this key. The release of the key always
@@ -178,7 +177,8 @@ export class LiveBar extends Bar {
     });
     this.set("followingAll", this.page.followingAll, (on) => (byId("follow-all").checked = on));
     this.set("disabled", this.page.isDisabled(), (on) => (byId("disable").textContent = on ? "enable" : "disable"));
-    if (state.plot && state !== this.plotted) this.plot.add(state.time_s, state.plot);
+    // Pictures that were sent before the program has read the choice still have the value of the measure before.
+    if (state.plot && state.plot.measure === this.measure && state !== this.plotted) this.plot.add(state.time_s, state.plot);
     this.plotted = state;
   }
 }

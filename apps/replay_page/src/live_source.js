@@ -7,6 +7,7 @@ import { ABSENT } from "./series.js";
 
 const MOST_FRAMES = 900; // most frames kept, for trails and speeds
 const MOST_BYTES = 200e6; // their most memory
+const RECENT_FRAMES = 90; // frames, of about 3 s, whose mean distance in time is measured
 const AXES = 4; // x, y, heading and z
 
 export class LiveSource {
@@ -70,11 +71,10 @@ export class LiveSource {
   get end() {
     return (this.frames - 1) * (this.spacing || this.hello.tick_s);
   }
-  /** Mean world time between pictures, s. */
+  /** Mean world time between the latest pictures, s. */
   get spacing() {
-    if (this.ring.length < 2) return 0;
-    const last = this.ring[this.ring.length - 1].time - this.ring[0].time;
-    return last / (this.ring.length - 1);
+    const recent = this.ring.slice(-RECENT_FRAMES);
+    return recent.length < 2 ? 0 : (recent[recent.length - 1].time - recent[0].time) / (recent.length - 1);
   }
   /** Times of the frames, s; Coloring needs them for speeds. */
   get times() {
@@ -116,7 +116,7 @@ export class LiveSource {
     return null;
   }
   value(index, frame, robot, column = 0) {
-    if (this.inspected?.robot !== this.header.robots.name[robot]) return null;
+    if (this.lookTime !== null || this.inspected?.robot !== this.header.robots.name[robot]) return null; // known only for the present
     const name = this.header.fields[index].component.split("/").slice(2).join("/");
     const ranges = this.inspected.eyes?.[name];
     return ranges ? (ranges[column] ?? NaN) : null;

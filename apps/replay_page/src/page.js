@@ -47,7 +47,7 @@ export class Page {
   }
 
   listen() {
-    window.addEventListener("resize", () => this.view.resize());
+    window.addEventListener("resize", () => this.resize());
     const { canvas } = this.view;
     let pressed = null;
     canvas.addEventListener("pointerdown", (event) => {
@@ -58,6 +58,10 @@ export class Page {
       this.click(event.clientX, event.clientY);
     });
     canvas.addEventListener("webglcontextlost", () => problem("The browser has lost the WebGL context: reload the page."));
+  }
+
+  resize() {
+    this.view.resize();
   }
 
   // Functions of the controls.

@@ -111,6 +111,6 @@ export class Scan {
     if (frame === this.frame) return;
     const { recording, robot } = this;
     this.object.visible = this.eyes.map((eye) => eye.redraw((beam) => recording.value(eye.field, frame, robot, beam))).every(Boolean);
-    if (this.object.visible) this.frame = frame;
+    this.frame = this.object.visible ? frame : null;
   }
 }

@@ -64,21 +64,33 @@ export class Trails {
   setLength(seconds) {
     this.seconds = seconds;
     this.held.fill(-1);
+    this.frame = this.meanFrame; // s, for which marks are spaced
+    this.spacing = Math.max(1, Math.ceil(seconds / this.frame / this.ring)); // frames between marks
+    this.marks = Math.min(this.ring, Math.max(1, Math.round(seconds / (this.frame * this.spacing))));
+    this.shown = 0; // s, the age of the oldest mark that is drawn
+  }
+
+  /** Mean time between frames, s. */
+  get meanFrame() {
     const { frames, start, end } = this.recording;
-    const frame = frames > 1 ? (end - start) / (frames - 1) : 1;
-    this.spacing = Math.max(1, Math.ceil(seconds / frame / this.ring)); // frames between marks
-    this.marks = Math.min(this.ring, Math.max(1, Math.round(seconds / (frame * this.spacing))));
+    return frames > 1 ? (end - start) / (frames - 1) : 1;
   }
 
   /** Call this when the poses are those of `frame`. */
   update(frame) {
     this.object.visible = this.seconds > 0;
     if (this.seconds === 0) return;
+    const change = this.meanFrame / this.frame; // the time between the pictures of a running world changes with its rate
+    if (change < 0.5 || change > 2) this.setLength(this.seconds);
+    const { times } = this.recording;
     const newest = Math.floor(frame / this.spacing);
     let count = 0;
     let uploads = 0;
     for (; count < this.marks && newest - count >= 0; count++) {
       const mark = newest - count;
+      const age = times[frame] - times[mark * this.spacing];
+      if (age > this.seconds + this.frame) break; // NaN, of a frame that a live page no longer stores: the mark may be held
+      this.shown = age;
       if (this.held[mark % this.ring] === mark) continue;
       if (uploads === UPLOADS || !this.upload(mark)) break;
       uploads++;
