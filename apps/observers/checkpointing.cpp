@@ -34,7 +34,7 @@ bool SaveRequests::has_new(const Simulation& simulation) {
 Checkpointing::Checkpointing(fs::path file, std::optional<double> every_s, bool was_resumed_from_file,
                              const Simulation& simulation, std::vector<Observer*> others)
     : file_(std::move(file)),
-      has_checkpoint_(was_resumed_from_file),
+      was_resumed_from_file_(was_resumed_from_file),
       others_(std::move(others)),
       period_(every_s ? engine::period_ticks(*every_s, simulation.tick_s()) : 0),
       first_tick_(simulation.tick()) {}
@@ -52,13 +52,12 @@ void Checkpointing::finish(const Simulation& simulation) {
 }
 
 void Checkpointing::save_at_least(const Simulation& simulation) {
-  if (!has_checkpoint_) save(simulation);
+  if (!saved_ && !was_resumed_from_file_) save(simulation);
 }
 
 void Checkpointing::save(const Simulation& simulation) {
   simulation.save(file_);
   saved_ = simulation.tick();
-  has_checkpoint_ = true;
 }
 
 void rehearse_checkpoint(const fs::path& file, const Simulation& simulation) {

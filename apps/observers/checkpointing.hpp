@@ -53,7 +53,7 @@ class Checkpointing : public Observer {
   void save(const Simulation& simulation);
 
   std::filesystem::path file_;
-  bool has_checkpoint_;  // whether file_ is a checkpoint of this run
+  bool was_resumed_from_file_;
   std::vector<Observer*> others_;
   std::uint64_t period_ = 0;            // ticks; 0: only at the end
   std::uint64_t first_tick_;            // tick at which the run began or was resumed; needs no checkpoint
