@@ -3,6 +3,7 @@
 #include "base/room.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 namespace troupe::partition {
@@ -146,6 +147,8 @@ void BodyIndex::make_new_tiles(Parallel& parallel) {
 
 void BodyIndex::rebuild(std::span<const Transform> places, std::span<const double> radii,
                         Parallel& parallel) {
+  static std::atomic<std::uint64_t> versions = 0;
+  version_ = ++versions;
   const std::size_t rows = places.size();
   places_ = places;
   radii_ = radii;

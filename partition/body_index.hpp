@@ -131,6 +131,9 @@ class BodyIndex {
   /// only if their origins are in the same cell. The row must be in the index. Valid until the next
   /// rebuild().
   std::uint32_t home(std::uint32_t row) const { return homes_[row]; }
+  /// A number that the latest rebuild() gave to the contents of the index. No other contents, of this or of
+  /// any other index of the process, have the same number. 0 before the first rebuild().
+  std::uint64_t version() const { return version_; }
   /// Number of rows in the arguments of the latest rebuild(), including rows that are not in the index.
   std::size_t rows() const { return radii_.size(); }
   /// Number of tiles for which the index holds data: those that contain entries, and some that contained
@@ -197,7 +200,8 @@ class BodyIndex {
   TileDirectory directory_;            // gives each tile in use a number, its slot
   std::span<const Transform> places_;  // owned by the caller
   std::span<const double> radii_;      // owned by the caller
-  double small_radius_ = 0;            // largest radius of the bodies that are not wide
+  std::uint64_t version_ = 0;
+  double small_radius_ = 0;  // largest radius of the bodies that are not wide
   bool has_wide_ = false;
   std::uint32_t huge_ = 0;    // number of huge bodies
   std::size_t reserved_ = 0;  // tiles

@@ -24,11 +24,13 @@ void for_each_rectangle(Cell low, Cell high, Cell inner_low, Cell inner_high, Vi
 
 }  // namespace
 
-void NearbyOutlines::begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry,
-                           double reach) {
+void NearbyOutlines::begin(const BodyIndex& bodies, const FixedOutlines& fixed, double reach) {
+  if (bodies_ == &bodies && version_ == bodies.version() && version_ != 0 && fixed_ == &fixed &&
+      reach_ == reach)
+    return;
   bodies_ = &bodies;
+  version_ = bodies.version();
   fixed_ = &fixed;
-  geometry_ = geometry;
   reach_ = reach;
   home_.reset();
   radii_.clear();
@@ -36,7 +38,7 @@ void NearbyOutlines::begin(const BodyIndex& bodies, const FixedOutlines& fixed, 
   // that is not wide. Each radius but the last is chosen such that this sum is a whole number of cells. The
   // bands of bodies therefore end at cell borders.
   for (double cells = 2;; cells *= 2) {
-    const double radius = cells * geometry.cell_m - bodies.largest_small_radius();
+    const double radius = cells * bodies.geometry().cell_m - bodies.largest_small_radius();
     if (radius >= reach) break;
     radii_.push_back(radius);
   }
@@ -44,14 +46,15 @@ void NearbyOutlines::begin(const BodyIndex& bodies, const FixedOutlines& fixed, 
 }
 
 void NearbyOutlines::set_block_of(const Vec2& point) {
-  const Cell block = geometry_.block(geometry_.cell(point));
+  const GridGeometry& geometry = bodies_->geometry();
+  const Cell block = geometry.block(geometry.cell(point));
   if (home_ == block) return;
   home_ = block;
   ends_.clear();
 }
 
 void NearbyOutlines::gather(std::size_t band) {
-  const Box block = geometry_.box_of_block(*home_);
+  const Box block = bodies_->geometry().box_of_block(*home_);
   std::size_t size = ends_.empty() ? 0 : ends_.back();
   const auto gather = [&](const auto& grid, double largest_radius, std::uint32_t mark) {
     std::size_t runs = 0;

@@ -30,7 +30,8 @@ void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t siz
 /// first time. A wide body (wider than a cell) may be in several bands, and several times in one band.
 ///
 /// Call begin() after the bodies have moved, set_block_of() for each sensor, and then band() for the bands
-/// from 0 on until farther circles are not needed.
+/// from 0 on until farther circles are not needed. Sensors of different types in one block share a search as
+/// well, if their reach is the same.
 class NearbyOutlines {
  public:
   /// A bit of the member `row` of circles(). If it is set, the other bits are the number of a piece of a
@@ -38,10 +39,10 @@ class NearbyOutlines {
   static constexpr std::uint32_t k_fixed = 1u << 31;
 
   /// Sets the spatial indexes to search: `bodies` for bodies and `fixed` for static outlines. Both must stay
-  /// valid until the next begin().
-  /// geometry  the grid of `bodies`, which defines the blocks
-  /// reach     largest distance from a sensor at which its rays may hit a circle, metres
-  void begin(const BodyIndex& bodies, const FixedOutlines& fixed, const GridGeometry& geometry, double reach);
+  /// valid until the next begin(). If all arguments are the same as in the last call, and `bodies` was not
+  /// rebuilt since, the circles that were found for the current block are kept.
+  /// reach   largest distance from a sensor at which its rays may hit a circle, metres
+  void begin(const BodyIndex& bodies, const FixedOutlines& fixed, double reach);
   /// Makes the block that contains this point (world frame, metres) the current block. The functions below
   /// refer to the current block. If the block changes, band() searches for the circles of all bands again.
   /// Call begin() first.
@@ -83,8 +84,8 @@ class NearbyOutlines {
   void gather(std::size_t band);
 
   const BodyIndex* bodies_ = nullptr;
+  std::uint64_t version_ = 0;  // of *bodies_; 0: it was never built
   const FixedOutlines* fixed_ = nullptr;
-  GridGeometry geometry_;
   double reach_ = 0;
   double nearest_shell_m_ = 0;
   std::vector<double> radii_;

@@ -22,12 +22,8 @@ class Caster {
   void cast(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
     const engine::SensingView& view = batch.view;
     view_ = &view;
+    if (view.index().version() != version_) prepare(view);
     joint_ = view.type(batch.rows.front()).devices[batch.device].joint;
-    linked_ = std::ranges::any_of(view.types(), [](const auto& type) { return type.is_composite(); });
-    layer_type_ = nullptr;
-    for (const engine::BodyType& type : view.types()) layer_.reserve(type.outlines.size());
-    outlines_ = &view.scene().outlines();
-    solids_ = view.scene().solids().data();
     ranger_ = &ranger;
     slack_spread_ = static_cast<float>(ranger.spread * (1 + partition::k_range_slack));
     std::size_t most = 0;
@@ -37,8 +33,7 @@ class Caster {
     if (ranger.common_origin)
       for (std::vector<float>* array : {&ox_, &oy_}) std::ranges::fill(*array, 0.0f);
     // The search may find too many circles but never too few: its margins are above the rounding errors.
-    nearby_.begin(view.index(), view.scene().outlines(), view.geometry(),
-                  ranger.reach * (1 + partition::k_range_slack) + 1e-6);
+    nearby_.begin(view.index(), *outlines_, ranger.reach * (1 + partition::k_range_slack) + 1e-6);
     for (std::size_t r = 0; r < batch.rows.size(); ++r) {
       const Row row = batch.rows[r];
       const std::size_t slot = view.slot(row);
@@ -56,6 +51,17 @@ class Caster {
   }
 
  private:
+  /// Prepares for a world and a tick, whose spatial index tells them from all others. There can be as many
+  /// batches in a tick as robots, and as many types, so that no batch may look at all types.
+  void prepare(const engine::SensingView& view) {
+    version_ = view.index().version();
+    linked_ = std::ranges::any_of(view.types(), [](const auto& type) { return type.is_composite(); });
+    layer_type_ = nullptr;
+    for (const engine::BodyType& type : view.types()) layer_.reserve(type.outlines.size());
+    outlines_ = &view.scene().outlines();
+    solids_ = view.scene().solids().data();
+  }
+
   /// Casts the beams of a group for one row. Searches from near to far, up to the limit of the longest beam.
   /// In a crowd, near bodies soon shorten all beams, so that the search ends early.
   void cast(const BeamGroup& group, Row row) {
@@ -199,6 +205,7 @@ class Caster {
     edges_.clear();
   }
 
+  std::uint64_t version_ = 0;  // of the spatial index for which prepare() was called
   const engine::SensingView* view_ = nullptr;
   const RangerBeams* ranger_ = nullptr;
   const partition::FixedOutlines* outlines_ = nullptr;

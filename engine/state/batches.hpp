@@ -26,6 +26,11 @@ inline constexpr std::size_t k_row_block = 256;  ///< most rows per task of for_
 /// the thread that got the longest tasks.
 inline constexpr std::size_t k_near_tasks_per_thread = 4;
 
+/// Sorts `rows` by type, in ascending order of TypeId. Rows of one type keep their order, so that neighbours,
+/// which read the same data, stay together. The time depends on the number of rows, not on that of types.
+/// `rows` may have at most k_row_block elements.
+void sort_by_type(const WorldState& state, std::span<Row> rows);
+
 /// Calls work(rows, type) once for each body type that occurs in `rows`, with all rows of that type; `type`
 /// is the BodyType. The types come in ascending order of their TypeId. Rows of one type keep their order. If
 /// `rows` is empty, there is no call. The function sorts `rows` in place by type. `rows` may have at most
@@ -33,22 +38,8 @@ inline constexpr std::size_t k_near_tasks_per_thread = 4;
 template <class Work>
 void for_types(const WorldState& state, std::span<Row> rows, Work&& work) {
   const auto type_of = [&](Row row) { return state.row_types[row.index()]; };
-  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); })) {
-    // Sorts the rows by type. The sort is stable, so that neighbours, which read the same data, stay
-    // together.
-    std::array<Row, k_row_block> mixed;
-    std::ranges::copy(rows, mixed.begin());
-    std::size_t done = 0;
-    for (std::uint32_t type = 0; done < rows.size();) {
-      std::uint32_t next = ~0u;
-      for (const Row row : std::span(mixed).first(rows.size())) {
-        const std::uint32_t t = type_of(row);
-        if (t == type) rows[done++] = row;
-        if (t > type) next = std::min(next, t);
-      }
-      type = next;
-    }
-  }
+  if (!std::ranges::all_of(rows, [&](Row row) { return type_of(row) == type_of(rows.front()); }))
+    sort_by_type(state, rows);
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i + 1;
     while (end < rows.size() && type_of(rows[end]) == type_of(rows[i])) ++end;
