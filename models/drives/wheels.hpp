@@ -12,9 +12,10 @@ namespace troupe::models {
 /// State of the device `wheels`, a drive that moves one part of a body relative to the body. A tick is a
 /// simulation step. All members are 0 before the drive runs for the first time.
 ///
-/// x, y, z and heading are the pose of the part at the start of the tick. forward, left and turn are the
-/// velocity that the drive commands in the tick, even if the motion is blocked. They are 0 while the drive is
-/// stopped: by a fault, by an empty power pack (battery), or because the body is disabled.
+/// x, y, z and heading are the pose of the part at the start of the tick in which the drive last ran.
+/// forward, left and turn are the velocity that the drive commands in that tick, even if the motion is
+/// blocked. They are 0 while the drive is stopped: by a fault, by an empty power pack (battery), or because
+/// the body is disabled.
 struct WheelsState {
   double x = 0;              ///< x of the part, m, world frame
   double y = 0;              ///< y of the part, m, world frame
@@ -27,10 +28,12 @@ struct WheelsState {
 
   static constexpr void describe(engine::Description<WheelsState>& d) {
     using enum engine::Unit;
-    d.member<&WheelsState::x>("x", meters, "x of the part, world frame");
-    d.member<&WheelsState::y>("y", meters, "y of the part, world frame");
-    d.member<&WheelsState::z>("z", meters, "height of the part, world frame");
-    d.member<&WheelsState::heading>("heading", radians, "heading of the part, world frame");
+    d.member<&WheelsState::x>("x", meters, "x of the part before the last run of its drive, world frame");
+    d.member<&WheelsState::y>("y", meters, "y of the part before the last run of its drive, world frame");
+    d.member<&WheelsState::z>("z", meters,
+                              "height of the part before the last run of its drive, world frame");
+    d.member<&WheelsState::heading>("heading", radians,
+                                    "heading of the part before the last run of its drive, world frame");
     d.member<&WheelsState::forward>("forward", meters_per_second, "velocity of the part, forward");
     d.member<&WheelsState::left>("left", meters_per_second, "velocity of the part, to the left");
     d.member<&WheelsState::turn>("turn", radians_per_second,

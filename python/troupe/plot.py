@@ -281,10 +281,11 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     of the x axis, for the results at the end of the runs as final_by() reads them; None: the time, for the series that
     series_by() reads. folder, measure, by: as in these functions. out: name of the file; None: MEASURE.png or
     MEASURE-over-PARAMETER.png in the folder. title: title of the plot, which may contain formulas between dollar signs
-    as matplotlib draws them; None: no title. Points with an infinite mean are
-    left out, and so are failed runs, which a RuntimeWarning counts. Raises PlotError in the cases of these functions, if
-    all means are infinite, if a value exceeds 1e300, if the name has another ending, if a formula in the title is
-    invalid, and if the file cannot be written; raises ImportError if matplotlib is missing."""
+    as matplotlib draws them; None: no title. Points with an infinite mean are left out, and so are failed runs, which a
+    RuntimeWarning counts. Points of a single run have no band and no bar; if there are several lines, the legend states
+    how many runs a point averages. Raises PlotError in the cases of these functions, if all means are infinite, if a
+    value exceeds 1e300, if the name has another ending, if a formula in the title is invalid, and if the file cannot be
+    written; raises ImportError if matplotlib is missing."""
     ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
     if over is None:
         measure, names, lines = series_by(folder, measure, by)
@@ -307,7 +308,9 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
 
     figure, axes = pyplot.subplots(figsize=(6.4, 4.0), constrained_layout=True)
     for i, (key, points) in enumerate(lines.items()):
-        at, means, deviations, _ = zip(*points)
+        at, means, deviations, runs = zip(*points)
+        # A single run has no deviation: a band or bar of 0 would look like runs with equal results.
+        spreads = [deviation if count > 1 else math.nan for deviation, count in zip(deviations, runs)]
         color = COLORS[i % len(COLORS)]
         style = "-" if i < len(COLORS) else "--"
         label = _literal(", ".join(f"{name} = {value}" for name, value in zip(names, key))) or None
@@ -315,12 +318,14 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
             label = " " + label  # a legend leaves out labels that begin with an underscore
         if over is None:
             axes.plot(at, means, style, color=color, label=label, linewidth=1.6)
-            axes.fill_between(at, [m - d for m, d in zip(means, deviations)], [m + d for m, d in zip(means, deviations)],
+            axes.fill_between(at, [m - s for m, s in zip(means, spreads)], [m + s for m, s in zip(means, spreads)],
                               color=color, alpha=0.18, linewidth=0)
         else:
-            axes.errorbar(at, means, deviations, color=color, label=label, linewidth=1.6, elinewidth=1.0, capsize=3,
+            bars = spreads if max(runs) > 1 else None  # matplotlib 3.6 fails if all bars are NaN
+            axes.errorbar(at, means, bars, color=color, label=label, linewidth=1.6, elinewidth=1.0, capsize=3,
                           marker="o", markersize=4, linestyle=style if ticks is None else "none")
-    most = max(runs for points in lines.values() for *_, runs in points)
+    counts = [runs for points in lines.values() for *_, runs in points]
+    least, most = min(counts), max(counts)
     axes.set_xlabel(_literal(over) if over else "time (s)")
     if ticks is not None:
         axes.set_xticks(list(ticks.values()), [_literal(value) for value in ticks])
@@ -329,7 +334,10 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
     if names:
-        axes.legend(frameon=False, title=None if most == 1 else f"{most} runs per {'line' if over is None else 'point'}")
+        title_of_legend = f"{most} runs per {'line' if over is None else 'point'}"
+        if least < most:
+            title_of_legend = f"{least} to {most} runs per point"
+        axes.legend(frameon=False, title=None if most == 1 else title_of_legend)
     if title:
         axes.set_title("\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines()))
     try:

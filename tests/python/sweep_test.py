@@ -415,6 +415,36 @@ class Plot(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (2, 'troupe plot: error: unknown measure "x"; known: order\n'))
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_a_point_of_one_run_has_no_deviation(self):
+        from matplotlib import collections, pyplot
+
+        def axes(**named):
+            with unittest.mock.patch.object(pyplot, "close"):
+                troupe.plot.draw(self.folder, out=self.folder / "p.png", **named)
+            self.addCleanup(pyplot.close, pyplot.gcf())
+            return pyplot.gcf().axes[0]
+
+        # The line robots = 2 averages two runs, and the line robots = 10 has a value of one run only.
+        over_time = axes()
+        bands = [band for band in over_time.collections if isinstance(band, collections.PolyCollection)]
+        self.assertEqual([len(band.get_paths()) for band in bands], [1, 0])
+        self.assertEqual(over_time.get_legend().get_title().get_text(), "1 to 2 runs per point")
+        (self.folder / "table.csv").write_text(
+            "run,robots,rule,seed,ticks,time_s,order,stopped_by,state_hash,error\n"
+            "0,2,near,1,10,1,1,,0,\n1,2,near,2,10,1,3,,0,\n2,10,near,1,10,1,5,,0,\n3,10,far,1,10,1,nan,,0,\n4,10,far,2,10,1,7,,0,\n")
+        over_robots = axes(over="robots")
+        bars = [bar for bar in over_robots.collections if isinstance(bar, collections.LineCollection)]
+        ends = [[list(end) for end in segment] for bar in bars for segment in bar.get_segments() if len(segment)]
+        self.assertEqual(ends, [[[2, 2 - math.sqrt(2)], [2, 2 + math.sqrt(2)]]])
+        self.assertEqual(over_robots.get_legend().get_title().get_text(), "1 to 2 runs per point")
+
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0,1\n1,0,3\n2,0,4\n3,0,6\n")
+        (self.folder / "table.csv").write_text(
+            "run,robots,seed,ticks,time_s,order,stopped_by,state_hash,error\n"
+            "0,2,1,10,1,1,,0,\n1,2,2,10,1,3,,0,\n2,10,1,10,1,4,,0,\n3,10,2,10,1,6,,0,\n")
+        self.assertEqual(axes().get_legend().get_title().get_text(), "2 runs per line")
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_names_are_no_formulas(self):
         from matplotlib import pyplot
 
