@@ -1,6 +1,7 @@
 #include "partition/processors.hpp"
 
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 
 #include <sched.h>
 
@@ -82,12 +83,7 @@ std::optional<double> least_quota(const fs::path& mount, std::string_view path,
 }
 
 bool lists_cpu(std::string_view controllers) {
-  for (std::size_t at = 0; at <= controllers.size();) {
-    const std::size_t end = std::min(controllers.find(',', at), controllers.size());
-    if (controllers.substr(at, end - at) == "cpu") return true;
-    at = end + 1;
-  }
-  return false;
+  return std::ranges::count(split(controllers, ','), "cpu") > 0;
 }
 
 }  // namespace
