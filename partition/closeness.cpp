@@ -18,11 +18,14 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
   return ((ac > 0) != (ad > 0)) && ((ca > 0) != (cb > 0));
 }
 
+/// True if the point is inside the polygon. (The alternative, testing whether the point is to the left of
+/// every edge, was rejected: rounding may change the direction of a very short edge.)
 template <class P>
 bool holds(const P& polygon, const Vec2& point) {
+  bool inside = false;
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++)
-    if (cross(polygon[i] - polygon[j], point - polygon[j]) < 0) return false;
-  return true;
+    inside ^= crosses_ray(polygon[j], polygon[i], point);
+  return inside;
 }
 
 template <class P, class Q>
