@@ -42,7 +42,7 @@ std::string first_line(const fs::path& file) {
 }
 
 std::optional<double> positive_number(std::string_view text) {
-  const std::optional<double> value = number_of<double>(text);
+  const std::optional<double> value = finite_number_of(text);
   return value && *value > 0 ? value : std::nullopt;
 }
 

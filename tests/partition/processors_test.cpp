@@ -79,7 +79,7 @@ TEST_F(ProcessorQuota, IsNoneWhereTheFilesSayNothing) {
   }
   of_process("0::/job\n");
   for (const char* text : {"", "max", "100000", "100000 ", "100000 0", "0 100000", "-5 100000", "nan 100000",
-                           "1e5x 100000", "a b", " 1 2"}) {
+                           "inf 100000", "100000 inf", "inf inf", "1e5x 100000", "a b", " 1 2"}) {
     v2("job", text);
     EXPECT_EQ(quota(), std::nullopt) << text;
   }
