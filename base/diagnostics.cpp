@@ -18,14 +18,7 @@ constexpr std::size_t k_longest_message = 8000;
 // k_longest_message, because messages about a base and its heir are not cut after the same letter.
 constexpr std::size_t k_message_compared = 4000;
 
-std::string_view name_of(Severity severity) {
-  switch (severity) {
-    case Severity::note: return "note";
-    case Severity::warning: return "warning";
-    case Severity::error: return "error";
-  }
-  return "";
-}
+std::string_view name_of(Severity severity) { return severity == Severity::warning ? "warning" : "error"; }
 
 std::string shortened(std::string message) {
   if (message.size() > k_longest_message) {

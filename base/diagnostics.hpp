@@ -38,12 +38,11 @@ struct Where {
 
 /// Severity of a finding, which is a message about the input (struct Finding).
 enum class Severity {
-  note,     ///< explains the previous finding; does not stop the load
   warning,  ///< reported; the load continues
   error,    ///< the load fails with InputError
 };
 
-/// An error, a warning or a note about the input.
+/// An error or a warning about the input.
 struct Finding {
   Severity severity;    ///< only errors make a load fail
   Where where;          ///< the place in the input that the message is about
