@@ -48,11 +48,15 @@ bool rings_come_within(const P& p, const Q& q, double distance2) {
 }  // namespace
 
 bool come_within(const PlacedShape& a, const PlacedShape& b, double distance) {
-  const double reach = a.shape().radius + b.shape().radius + distance + k_rounding_m;
-  if ((a.position() - b.position()).squaredNorm() > reach * reach) return false;
-  return a.any_piece([&](const ConvexPrism&, const auto& ring_a) {
-    return b.any_piece([&](const ConvexPrism&, const auto& ring_b) {
-      return rings_come_within(ring_a, ring_b, distance * distance);
+  const double reach_b = b.shape().radius + distance;
+  if (!in_reach(a.position(), a.shape().radius, b.position(), reach_b)) return false;
+  return a.any_piece([&](const ConvexPrism& piece_a, const auto& ring_a) {
+    const PieceCircle circle_a = a.circle_of(piece_a);
+    if (!in_reach(circle_a.centre, circle_a.radius, b.position(), reach_b)) return false;
+    return b.any_piece([&](const ConvexPrism& piece_b, const auto& ring_b) {
+      const PieceCircle circle_b = b.circle_of(piece_b);
+      return in_reach(circle_a.centre, circle_a.radius + distance, circle_b.centre, circle_b.radius) &&
+             rings_come_within(ring_a, ring_b, distance * distance);
     });
   });
 }
