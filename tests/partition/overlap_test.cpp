@@ -30,7 +30,8 @@ Ring moved(Ring ring, double x, double y) {
   return ring;
 }
 
-// The oracle's own answers, where they can be seen by eye: all coordinates are powers of two or their sums.
+// The results of the oracle in cases that a reader can check by eye. All coordinates are sums of powers of
+// two, so they are exact.
 TEST(Oracle, KnowsTouchingFromSharing) {
   const Ring square = rectangle(0, 0, 1, 1);
   const auto share = [](const std::vector<Ring>& a, const std::vector<Ring>& b) {
@@ -107,8 +108,8 @@ TEST(Overlap, SegmentsThatTouchDoNotEnter) {
   EXPECT_TRUE(segment_overlap({0.25, 0.25}, {0.5, 0.5}, square));
 }
 
-// What is left of a corner cut off where two sides meet almost at one point: an edge so short that the
-// rounding of its ends decides its direction. It must not hide the polygon it belongs to.
+// If a corner is cut off very close to its vertex, an edge remains that is so short that the rounding of its
+// ends determines its direction. The line of such an edge must not separate its polygon from another one.
 TEST(Overlap, EdgesShorterThanTheirRoundingSeparateNoBodies) {
   for (const double far : {0.0, 10.0, 1e3, 1e5}) {
     for (const double length : {0.0, 1e-17, 1e-16, 1e-14, 1e-12, 1e-10}) {
@@ -152,7 +153,7 @@ TEST(Overlap, BodiesAsTheOracleSays) {
   EXPECT_LT(shared, k_pairs * 9 / 10);
 }
 
-// More vertices than a placed shape keeps at hand.
+// Shapes with more vertices than a PlacedShape stores.
 TEST(Overlap, BodiesOfManyVerticesAsTheOracleSays) {
   std::size_t shared = 0;
   constexpr std::size_t k_pairs = 400 / oracle::k_thrift;
@@ -191,7 +192,7 @@ TEST(Overlap, ABodyWithoutSolidsMeetsNoBody) {
   EXPECT_FALSE(overlap(square.shape, {}, nothing, {}));
 }
 
-// Far out, where positions have an ulp of 1e-11 m, a small body still finds its neighbour.
+// At 100 km from the origin, where positions are rounded to 1.5e-11 m, the results are the same.
 RC_GTEST_PROP(Overlap, DoesNotDependOnWhereTheWorldLies, (int x, int y)) {
   const oracle::Kind square = oracle::make_kind({{{rectangle(-0.25, -0.25, 0.25, 0.25)}, {0, 0.5}}});
   const double far_x = x % 100'000;

@@ -46,7 +46,8 @@ TEST_F(ProcessorQuota, IsTheLeastOfTheGroupsAbove) {
   EXPECT_EQ(quota(), 4) << "another group is none of ours";
 }
 
-/// In a container with a name space of its own the path is "/", without one it is that outside.
+/// In a container with a cgroup namespace of its own, the path of the group is "/". Otherwise it is the path
+/// on the host.
 TEST_F(ProcessorQuota, OfContainersStandsAtTheMountPoint) {
   v2("", "200000 100000");
   of_process("0::/\n");
