@@ -3,6 +3,7 @@
 #include "apps/command_line.hpp"
 #include "apps/describe.hpp"
 #include "apps/options.hpp"
+#include "base/split.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/find_keys.hpp"
 
@@ -32,15 +33,12 @@ ValueHint hint_of(const CommandOption& option) {
   const auto is_in = [&](std::string_view part) { return option.value.find(part) != option.value.npos; };
   hint.file = is_in("FILE") || is_in("DIR") || is_in("SCRIPT") || option.positional;
   if (!is_in("|")) return hint;
-  for (std::size_t at = 0; at <= option.value.size();) {
-    const std::size_t end = std::min(option.value.find('|', at), option.value.size());
-    const std::string word = option.value.substr(at, end - at);
+  for (const std::string_view word : split(option.value, '|')) {
     const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     if (!word.empty() && is_letter(word.front()) &&
         std::ranges::all_of(word, [&](char c) { return is_letter(c) || is_digit(c) || c == '-'; }))
-      hint.words.push_back(word);
-    at = end + 1;
+      hint.words.emplace_back(word);
   }
   return hint;
 }

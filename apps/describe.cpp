@@ -4,6 +4,7 @@
 #include "apps/example_params.hpp"
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
+#include "base/split.hpp"
 #include "engine/observing/events.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/script.hpp"
@@ -21,6 +22,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace troupe::apps {
@@ -212,14 +214,14 @@ std::string model_text(const Registry& registry, const engine::ModelKind& kind) 
 std::string wrapped(std::string_view text) {
   constexpr std::size_t k_width = 100;
   std::string out;
-  for (std::size_t start = 0; start < text.size();) {
-    std::size_t end = text.size();
-    if (end - start > k_width) end = text.rfind(' ', start + k_width);
-    if (end == text.npos || end <= start) end = std::min(text.find(' ', start), text.size());
-    out += fmt::format("  {}\n", text.substr(start, end - start));
-    start = end + 1;
+  std::string line;
+  for (const std::string_view word : split(text, ' ')) {
+    if (!line.empty() && line.size() + 1 + word.size() > k_width)
+      out += fmt::format("  {}\n", std::exchange(line, {}));
+    if (!line.empty()) line += ' ';
+    line += word;
   }
-  return out;
+  return out + fmt::format("  {}\n", line);
 }
 
 std::string measure_text(const engine::MeasureKind& kind) {

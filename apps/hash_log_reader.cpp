@@ -2,12 +2,12 @@
 
 #include "base/diagnostics.hpp"
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 #include "troupe/effective_options.hpp"
 #include "worldio/files.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <numeric>
 #include <utility>
@@ -27,16 +27,6 @@ std::optional<std::uint64_t> hash_of(std::string_view text) {
   std::uint64_t hash = 0;
   std::from_chars(text.data(), text.data() + text.size(), hash, 16);
   return hash;
-}
-
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  for (std::size_t start = 0; start <= line.size();) {
-    const std::size_t end = std::min(line.find(' ', start), line.size());
-    words.push_back(line.substr(start, end - start));
-    start = end + 1;
-  }
-  return words;
 }
 
 }  // namespace
@@ -105,7 +95,7 @@ HashLogReader::Line HashLogReader::parse(const std::string& text) const {
   const auto malformed = [&] {
     fail(fmt::format("\"{}\" is not a line of a hash log; expected {}", text.substr(0, k_shown), k_form));
   };
-  const std::vector<std::string_view> words = words_of(text);
+  const std::vector<std::string_view> words = split(text, ' ');
   if (words.size() != 2 + engine::k_hash_groups) malformed();
   const auto tick = number_of<std::uint64_t>(words[0]);
   const auto state = hash_of(words[1]);

@@ -3,6 +3,7 @@
 #include "apps/scripts.hpp"
 #include "base/diagnostics.hpp"
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 #include "engine/spec/ticks.hpp"
 #include "partition/parallel.hpp"
 #include "partition/simd_target.hpp"
@@ -15,7 +16,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -49,8 +49,7 @@ std::string variable(const char* name) {
 
 /// Appends the folders of a list separated by colons.
 void append_folders(const std::string& list, std::vector<std::filesystem::path>& folders) {
-  std::istringstream stream(list);
-  for (std::string folder; std::getline(stream, folder, ':');)
+  for (const std::string_view folder : split(list, ':'))
     if (!folder.empty()) folders.emplace_back(folder);
 }
 
@@ -105,20 +104,10 @@ double positive_seconds(const char* option, const std::string& text, std::string
   return *seconds;
 }
 
-std::vector<std::string> items_of(const std::string& text) {
-  std::vector<std::string> items;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    items.push_back(text.substr(start, end - start));
-    start = end + 1;
-  }
-  return items;
-}
-
 std::vector<std::string> names_in(const char* option, const std::string& text, std::string_view expected) {
-  std::vector<std::string> names = items_of(text);
+  const std::vector<std::string_view> names = split(text, ',');
   if (std::ranges::count(names, "") > 0) refuse(option, text, expected);
-  return names;
+  return {names.begin(), names.end()};
 }
 
 unsigned thread_count(std::string_view text) {

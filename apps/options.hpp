@@ -38,11 +38,8 @@ double seconds_from_zero(const char* option, const std::string& text);
 /// time".
 double positive_seconds(const char* option, const std::string& text, std::string_view what);
 
-/// Returns the items of a list such as `pose,ranges`, in their order. Items are separated by commas and may
-/// be empty: the list `a,,b` has three items, and an empty text is a list with one empty item.
-std::vector<std::string> items_of(const std::string& text);
-/// Returns the items of `text`, the value of `option`. Throws CLI::ValidationError if an item is empty.
-/// expected: as in refuse().
+/// Returns the names in `text`, the value of `option`, which is a list such as `pose,ranges`. Throws
+/// CLI::ValidationError if a name is empty. expected: as in refuse().
 std::vector<std::string> names_in(const char* option, const std::string& text, std::string_view expected);
 
 /// Convert the text of an option value to a number. These values have the same form in every command. Throw

@@ -7,8 +7,8 @@
 namespace troupe {
 
 /// Atomically raises a double to `value`, if `value` is greater. `most` holds the bits of the double;
-/// value_of() returns the double. Both numbers must be non-negative: the function compares their bits as
-/// integers, which is correct only for non-negative doubles.
+/// value_of() returns the double. Both numbers must be non-negative, and neither may be -0 or NaN: the
+/// function compares their bits as integers.
 inline void raise_to(std::atomic<std::uint64_t>& most, double value) {
   const auto bits = std::bit_cast<std::uint64_t>(value);
   std::uint64_t known = most.load(std::memory_order_relaxed);

@@ -371,16 +371,8 @@ double convex_width(const Ring& ring) {
 bool contains(const Solid& solid, const Vec2& point) {
   bool inside = false;
   for (const Ring& contour : solid.contours) {
-    for (std::size_t i = 0; i < contour.size(); ++i) {
-      const Vec2& a = contour[i];
-      const Vec2& b = contour[(i + 1) % contour.size()];
-      const bool a_above = a.y() > point.y();
-      if (a_above == (b.y() > point.y())) continue;
-      // The edge passes the height of the point. It is to the right of the point if the point is to the left
-      // of the edge, seen in its upward direction.
-      const double side = cross(b - a, point - a);
-      inside ^= a_above ? side < 0 : side > 0;
-    }
+    for (std::size_t i = 0; i < contour.size(); ++i)
+      inside ^= crosses_ray(contour[i], contour[(i + 1) % contour.size()], point);
   }
   return inside;
 }

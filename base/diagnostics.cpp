@@ -12,16 +12,13 @@ namespace {
 
 constexpr std::size_t k_names_listed = 50;
 constexpr std::size_t k_names_compared = 2000;
+constexpr std::size_t k_longest_compared = 100;  // bytes of a name
 constexpr std::size_t k_longest_message = 8000;
+// Length, in bytes, of the beginning by which long messages are compared. It must be far below
+// k_longest_message, because messages about a base and its heir are not cut after the same letter.
+constexpr std::size_t k_message_compared = 4000;
 
-std::string_view name_of(Severity severity) {
-  switch (severity) {
-    case Severity::note: return "note";
-    case Severity::warning: return "warning";
-    case Severity::error: return "error";
-  }
-  return "";
-}
+std::string_view name_of(Severity severity) { return severity == Severity::warning ? "warning" : "error"; }
 
 std::string shortened(std::string message) {
   if (message.size() > k_longest_message) {
@@ -149,8 +146,8 @@ std::optional<std::size_t> Diagnostics::to_common_base(std::string& message) con
   return std::nullopt;
 }
 
-std::string Diagnostics::common_text(Severity severity, Where where, std::string common) const {
-  return text({severity, where, shortened(std::move(common))});
+std::string Diagnostics::common_text(Severity severity, Where where, std::string_view common) const {
+  return text({severity, where, std::string(first_characters(common, k_message_compared))});
 }
 
 bool Diagnostics::is_inherited(Severity severity, Where where, const std::string& message) {
@@ -160,11 +157,11 @@ bool Diagnostics::is_inherited(Severity severity, Where where, const std::string
     const Finding& finding = findings_[listed_];
     std::string common = finding.message;
     const auto about = to_common_base(common);
-    alike_[common_text(finding.severity, finding.where, std::move(common))].push_back({listed_, about});
+    alike_[common_text(finding.severity, finding.where, common)].push_back({listed_, about});
   }
   std::string common = message;
   const auto about = to_common_base(common);
-  const auto alike = alike_.find(common_text(severity, where, std::move(common)));
+  const auto alike = alike_.find(common_text(severity, where, common));
   if (alike == alike_.end()) return false;
   for (auto& [finding, its_about] : alike->second) {
     if (about.has_value() != its_about.has_value()) continue;
@@ -174,7 +171,7 @@ bool Diagnostics::is_inherited(Severity severity, Where where, const std::string
     const auto is_own = [&](std::size_t part) { return same_place(kin_[part].part.where, where); };
     if (!has_heir && (is_own(*about) || is_own(*its_about))) continue;
     if (has_heir) {
-      findings_[finding].message = message;
+      findings_[finding].message = shortened(message);
       its_about = about;
     }
     return true;
@@ -231,7 +228,9 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
     const std::size_t most = shorter / 3;
     // The edit distance is at least the difference in length, so most names of a large world are skipped
     // cheaply.
-    if (longer - shorter > most || (best != nullptr && longer - shorter >= best_distance)) continue;
+    if (longer > k_longest_compared || longer - shorter > most ||
+        (best != nullptr && longer - shorter >= best_distance))
+      continue;
     const std::size_t distance = edit_distance(word, name, rows);
     if (distance > most) continue;
     if (best == nullptr || distance < best_distance) {

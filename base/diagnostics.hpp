@@ -38,12 +38,11 @@ struct Where {
 
 /// Severity of a finding, which is a message about the input (struct Finding).
 enum class Severity {
-  note,     ///< explains the previous finding; does not stop the load
   warning,  ///< reported; the load continues
   error,    ///< the load fails with InputError
 };
 
-/// An error, a warning or a note about the input.
+/// An error or a warning about the input.
 struct Finding {
   Severity severity;    ///< only errors make a load fail
   Where where;          ///< the place in the input that the message is about
@@ -145,8 +144,9 @@ class Diagnostics {
   /// Returns whether `message` repeats an earlier finding, as inherits() describes. The caller must then drop
   /// the message. In the first special case of inherits(), replaces the message of the earlier finding.
   bool is_inherited(Severity severity, Where where, const std::string& message);
-  /// Returns the text of a finding whose message to_common_base() has changed: the key of alike_.
-  std::string common_text(Severity severity, Where where, std::string common) const;
+  /// Returns the text of a finding whose message to_common_base() has changed: the key of alike_. Of a long
+  /// message, it contains only the beginning.
+  std::string common_text(Severity severity, Where where, std::string_view common) const;
 
   bool thorough_;
   std::shared_ptr<SourceFiles> files_;
@@ -171,7 +171,8 @@ class Diagnostics {
 /// `known` that differs from `word` by the fewest edits; of several such names, the first. An edit inserts,
 /// deletes or replaces a letter, or swaps two adjacent letters. One edit is allowed for every three letters
 /// of the shorter of the two words: none for 2 letters, one for 3 to 5, two for 6 to 8. If no name is that
-/// similar, the result is empty.
+/// similar, or if `word` is longer than 100 bytes, the result is empty. Names longer than 100 bytes are never
+/// suggested.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// Returns the message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean
 /// "diff"?)`. The message lists the first 50 known names in alphabetical order; if there are more, ` and N

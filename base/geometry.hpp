@@ -114,6 +114,18 @@ bool is_convex(const Ring& ring);
 /// The smallest distance, metres, between two parallel lines that enclose the ring; 0 for a ring without
 /// area. The ring must be convex and counter-clockwise.
 double convex_width(const Ring& ring);
+/// True if the edge from `a` to `b` crosses the ray that starts at the point and runs along +x. A point is
+/// inside a polygon if its ray crosses an odd number of edges. An end of an edge with the y of the point
+/// counts as below the ray, so that this also holds for rays through vertices. For a point on the edge, the
+/// result may be true or false.
+inline bool crosses_ray(const Vec2& a, const Vec2& b, const Vec2& point) {
+  const bool a_above = a.y() > point.y();
+  if (a_above == (b.y() > point.y())) return false;
+  // The edge is to the right of the point if the point is to the left of the edge, seen in its upward
+  // direction.
+  const double side = cross(b - a, point - a);
+  return a_above ? side < 0 : side > 0;
+}
 /// True if the point is inside the solid by the even-odd rule. The point is given in the frame of the
 /// contours; heights are ignored. For a point on an edge, the result may be true or false.
 bool contains(const Solid& solid, const Vec2& point);

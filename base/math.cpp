@@ -221,10 +221,6 @@ double atan_of_ratio(double numerator, double denominator, const Sum& base, std:
   return atan_of_ratio(numerator * scale, denominator * scale, base, minus);
 }
 
-}  // namespace
-
-namespace {
-
 inline SinCos sincos_near(double radians) {
   const double angle = magnitude(radians);
   const Rounded n = nearest(angle * k_two_over_pi);

@@ -20,6 +20,10 @@ struct Box;  // base/geometry.hpp
 ///
 /// digits: number of significant digits, from 1 to 16
 std::string plain_number(double x, int digits = 10);
+/// Returns a number as the shortest text that converts back to the same number, for errors about numbers from
+/// input files. A rounded number could seem to be within the limits that it exceeds. The text has an exponent
+/// in the same cases as that of plain_number(): `3600.0000001`, `1e+30`.
+std::string exact_number(double x);
 /// Returns the extent of a box as text for messages: `x -2 to 2, y 0 to 5.5 m`. The numbers are written by
 /// plain_number().
 std::string extent_text(const Box& box);

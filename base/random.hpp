@@ -34,7 +34,7 @@ class Random {
   /// Returns a uniformly distributed number in [0, 1) with 53 random bits; uses two draws.
   double uniform();
   /// Returns a uniformly distributed number in [low, high); uses two draws. If `high` is not above `low`,
-  /// returns `low`.
+  /// returns `low`. high - low must be finite.
   double uniform(double low, double high);
   /// Returns a uniformly distributed integer from 0 to n - 1, without bias; n must be positive. Usually uses
   /// one draw. With a probability below n / 2^32, a draw is rejected and the function uses another one.

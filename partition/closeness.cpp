@@ -18,11 +18,14 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
   return ((ac > 0) != (ad > 0)) && ((ca > 0) != (cb > 0));
 }
 
+/// True if the point is inside the polygon. (The alternative, testing whether the point is to the left of
+/// every edge, was rejected: rounding may change the direction of a very short edge.)
 template <class P>
 bool holds(const P& polygon, const Vec2& point) {
+  bool inside = false;
   for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++)
-    if (cross(polygon[i] - polygon[j], point - polygon[j]) < 0) return false;
-  return true;
+    inside ^= crosses_ray(polygon[j], polygon[i], point);
+  return inside;
 }
 
 template <class P, class Q>
@@ -45,11 +48,15 @@ bool rings_come_within(const P& p, const Q& q, double distance2) {
 }  // namespace
 
 bool come_within(const PlacedShape& a, const PlacedShape& b, double distance) {
-  const double reach = a.shape().radius + b.shape().radius + distance + k_rounding_m;
-  if ((a.position() - b.position()).squaredNorm() > reach * reach) return false;
-  return a.any_piece([&](const ConvexPrism&, const auto& ring_a) {
-    return b.any_piece([&](const ConvexPrism&, const auto& ring_b) {
-      return rings_come_within(ring_a, ring_b, distance * distance);
+  const double reach_b = b.shape().radius + distance;
+  if (!in_reach(a.position(), a.shape().radius, b.position(), reach_b)) return false;
+  return a.any_piece([&](const ConvexPrism& piece_a, const auto& ring_a) {
+    const PieceCircle circle_a = a.circle_of(piece_a);
+    if (!in_reach(circle_a.centre, circle_a.radius, b.position(), reach_b)) return false;
+    return b.any_piece([&](const ConvexPrism& piece_b, const auto& ring_b) {
+      const PieceCircle circle_b = b.circle_of(piece_b);
+      return in_reach(circle_a.centre, circle_a.radius + distance, circle_b.centre, circle_b.radius) &&
+             rings_come_within(ring_a, ring_b, distance * distance);
     });
   });
 }

@@ -8,7 +8,7 @@ namespace troupe::partition {
 
 /// A thread that runs jobs, such as drawing and writing files, in the order in which they were added. The
 /// thread that adds the jobs continues meanwhile. The time steps of a simulated world do not use this class;
-/// they run in parallel loops (class Parallel).
+/// they run in parallel loops (class Parallel). A job must not call the functions of its own JobThread.
 ///
 /// After a job throws, the waiting jobs are dropped and no further job starts. From then on, every call of
 /// rethrow(), add() and finish() throws the exception of that job.

@@ -145,21 +145,16 @@ bool overlap(const PlacedShape& a, const PlacedShape& b) {
   if (!in_reach(a.position(), shape_a.radius, b.position(), shape_b.radius)) return false;
   if (!shape_a.z.shifted(a.z()).overlaps(shape_b.z.shifted(b.z()))) return false;
   const bool has_several = shape_a.pieces.size() + shape_b.pieces.size() > 2;
-  const auto circle_of = [](const PlacedShape& placed, const ConvexPrism& piece) {
-    const PieceCircle& circle =
-        placed.shape().circles[static_cast<std::size_t>(&piece - placed.shape().pieces.data())];
-    return PieceCircle{placed.transform() * circle.centre, circle.radius};
-  };
   return a.any_piece([&](const ConvexPrism& piece_a, const auto& ring_a) {
     PieceCircle circle_a{Vec2::Zero(), 0};
     if (has_several) {
-      circle_a = circle_of(a, piece_a);
+      circle_a = a.circle_of(piece_a);
       if (!in_reach(circle_a.centre, circle_a.radius, b.position(), shape_b.radius)) return false;
     }
     const ZInterval z = piece_a.z.shifted(a.z());
     return b.any_piece([&](const ConvexPrism& piece_b, const auto& ring_b) {
       if (has_several) {
-        const PieceCircle circle_b = circle_of(b, piece_b);
+        const PieceCircle circle_b = b.circle_of(piece_b);
         if (!in_reach(circle_a.centre, circle_a.radius, circle_b.centre, circle_b.radius)) return false;
       }
       return z.overlaps(piece_b.z.shifted(b.z())) && !separated_by_edges_of(ring_a, ring_b) &&

@@ -33,14 +33,15 @@ class Parallel {
 
   /// Sets a callback for profilers. The thread that runs a task calls the callback before the task (`begins`
   /// is true) and after the task (`begins` is false), with the index of the task in its loop. Several threads
-  /// may call the callback at once, so it must be thread-safe. An empty function removes the callback;
-  /// without a callback, tasks have no overhead. Call on_task() between loops only.
+  /// may call the callback at once, so it must be thread-safe. It must not throw. An empty function removes
+  /// the callback; without a callback, tasks have no overhead. Call on_task() between loops only.
   void on_task(std::function<void(std::size_t task, bool begins)> callback) {
     on_task_ = std::move(callback);
   }
 
   /// Sets a callback for timing. The thread that calls for_each() calls the callback before the loop
-  /// (`begins` is true) and after the loop (`begins` is false). Call on_loop() between loops only.
+  /// (`begins` is true) and after the loop (`begins` is false). It must not throw. Call on_loop() between
+  /// loops only.
   void on_loop(std::function<void(bool begins)> callback) { on_loop_ = std::move(callback); }
 
   /// Calls task(i) once for each i from 0 to count - 1 and returns when all calls are done. The calls run in

@@ -11,7 +11,6 @@
 #include <array>
 #include <atomic>
 #include <optional>
-#include <thread>
 
 namespace troupe::partition {
 namespace {

@@ -75,6 +75,12 @@ class PlacedShape {
     }
     return false;
   }
+  /// The circle that encloses a piece, metres, world frame. piece: an element of shape().pieces, such as
+  /// any_piece() passes. The shape must have its circles (make_obstacle_shape()).
+  PieceCircle circle_of(const ConvexPrism& piece) const {
+    const PieceCircle& circle = shape_.circles[static_cast<std::size_t>(&piece - shape_.pieces.data())];
+    return {transform_ * circle.centre, circle.radius};
+  }
 
  private:
   const ObstacleShape& shape_;

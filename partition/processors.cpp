@@ -1,6 +1,7 @@
 #include "partition/processors.hpp"
 
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 
 #include <sched.h>
 
@@ -41,7 +42,7 @@ std::string first_line(const fs::path& file) {
 }
 
 std::optional<double> positive_number(std::string_view text) {
-  const std::optional<double> value = number_of<double>(text);
+  const std::optional<double> value = finite_number_of(text);
   return value && *value > 0 ? value : std::nullopt;
 }
 
@@ -82,12 +83,7 @@ std::optional<double> least_quota(const fs::path& mount, std::string_view path,
 }
 
 bool lists_cpu(std::string_view controllers) {
-  for (std::size_t at = 0; at <= controllers.size();) {
-    const std::size_t end = std::min(controllers.find(',', at), controllers.size());
-    if (controllers.substr(at, end - at) == "cpu") return true;
-    at = end + 1;
-  }
-  return false;
+  return std::ranges::count(split(controllers, ','), "cpu") > 0;
 }
 
 }  // namespace

@@ -33,8 +33,12 @@ std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b) {
   if (!in_reach(a.position(), a.shape().radius, b.position(), b.shape().radius)) return {};
   Way longest{Vec2::Zero(), 0};
   a.any_piece([&](const ConvexPrism& piece_a, const auto& ring_a) {
+    const PieceCircle circle_a = a.circle_of(piece_a);
+    if (!in_reach(circle_a.centre, circle_a.radius, b.position(), b.shape().radius)) return false;
     const ZInterval z = piece_a.z.shifted(a.z());
     return b.any_piece([&](const ConvexPrism& piece_b, const auto& ring_b) {
+      const PieceCircle circle_b = b.circle_of(piece_b);
+      if (!in_reach(circle_a.centre, circle_a.radius, circle_b.centre, circle_b.radius)) return false;
       if (!z.overlaps(piece_b.z.shifted(b.z()))) return false;
       Way way;
       shorten(ring_a, ring_b, 1, way);

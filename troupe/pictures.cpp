@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
+#include "base/split.hpp"
 #include "render/draw.hpp"
 #include "troupe/frame_history.hpp"
 #include "troupe/picture_source.hpp"
@@ -87,13 +88,11 @@ struct LayerSwitch {
 
 std::vector<LayerSwitch> switches_of(std::string_view list) {
   std::vector<LayerSwitch> switches;
-  for (std::size_t start = 0; !list.empty() && start <= list.size();) {
-    const std::size_t end = std::min(list.find(',', start), list.size());
-    std::string_view word = list.substr(start, end - start);
+  if (list.empty()) return switches;
+  for (std::string_view word : split(list, ',')) {
     const bool off = word.starts_with('-');
     if (off || word.starts_with('+')) word.remove_prefix(1);
     switches.push_back({word, !off});
-    start = end + 1;
   }
   return switches;
 }

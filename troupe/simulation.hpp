@@ -821,12 +821,13 @@ class Simulation {
   /// Sets a callback for profilers. Parallel loops are divided into tasks for the worker threads. The
   /// callback is called when a task of a loop begins (`begins` is true) and when the task ends (false);
   /// `task` is the index of the task in its loop. Worker threads call it concurrently, so it must be
-  /// thread-safe. Set it between two steps. A second call replaces the callback; a null callback removes it.
+  /// thread-safe. It must not throw. Set it between two steps. A second call replaces the callback; a null
+  /// callback removes it.
   void on_task(std::function<void(std::size_t task, bool begins)> callback);
   /// Sets a callback, for example to measure the time of parallel loops. It is called on the thread that
   /// calls step() when a parallel loop begins (true) and when it ends (false), also for loops that run
-  /// between two steps, such as those of hashes and measures. Set it between two steps. A second call
-  /// replaces the callback; a null callback removes it.
+  /// between two steps, such as those of hashes and measures. It must not throw. Set it between two steps. A
+  /// second call replaces the callback; a null callback removes it.
   void on_loop(std::function<void(bool begins)> callback);
 
   /// The world as the engine stores it (engine/world/world.hpp): its types, state tables and callbacks, for

@@ -1,8 +1,11 @@
 #include "apps/check/check_options.hpp"
 
+#include "base/split.hpp"
+
 #include <CLI/CLI.hpp>
 
 #include <string>
+#include <string_view>
 
 namespace troupe::apps {
 namespace {
@@ -58,19 +61,20 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
   add_value(check, "--threads", "N,...", "Numbers of worker threads to compare (default: 1,2,8)",
             [&options](const std::string& text) {
               options.threads.clear();
-              for (const std::string& item : items_of(text)) options.threads.push_back(thread_count(item));
+              for (const std::string_view item : split(text, ','))
+                options.threads.push_back(thread_count(item));
             });
   add_value(check, "--tile-size", "M,...",
             "Edge lengths of tiles to compare, m; auto: Troupe chooses (default: auto,1.7)",
             [&options](const std::string& text) {
               options.tile_sizes_m.clear();
-              for (const std::string& item : items_of(text))
+              for (const std::string_view item : split(text, ','))
                 options.tile_sizes_m.push_back(item == "auto" ? 0 : tile_size_m(item));
             });
   add_value(check, "--ranks", "N,...", "Numbers of ranks to compare (default: 1)",
             [&options](const std::string& text) {
               options.ranks.clear();
-              for (const std::string& item : items_of(text)) options.ranks.push_back(rank_count(item));
+              for (const std::string_view item : split(text, ',')) options.ranks.push_back(rank_count(item));
               options.gives_ranks = true;
             });
   add_distribute_option(check, options);

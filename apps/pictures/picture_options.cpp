@@ -2,6 +2,7 @@
 
 #include "apps/options.hpp"
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 #include "engine/spec/ticks.hpp"
 
 #include <CLI/CLI.hpp>
@@ -216,7 +217,7 @@ void set_snapshot(PictureFiles& pictures, const char* option, const std::string&
 
 void set_times(PictureFiles& pictures, const char* option, const std::string& text) {
   std::vector<double>& times = pictures.snapshot_at_s;
-  for (const std::string& item : items_of(text)) {
+  for (const std::string_view item : split(text, ',')) {
     const std::optional<double> time = finite_number_of(item);
     if (!time || *time < 0 || *time > engine::k_most_seconds)
       refuse(option, text,

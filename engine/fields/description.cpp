@@ -102,7 +102,7 @@ void check_integer(double number, std::int64_t least, std::uint64_t most) {
     throw std::invalid_argument("must be from " + std::to_string(least) + " to " + std::to_string(most) +
                                 ", found " + plain_number(number));
   if (std::trunc(number) != number)
-    throw std::invalid_argument("must be a whole number, found " + plain_number(number));
+    throw std::invalid_argument("must be a whole number, found " + exact_number(number));
 }
 
 std::size_t choice_of(const Value& value, std::span<const std::string_view> choices) {

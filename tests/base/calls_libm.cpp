@@ -1,4 +1,4 @@
-// What the test of the libraries' symbols must find.
+// Calls of libm that the test base.FindsCallsOfLibm must find.
 #include <cmath>
 
 double calls_libm(double x) { return std::atan2(std::sin(x), x); }

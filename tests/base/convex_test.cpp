@@ -58,8 +58,8 @@ double distance_to_edges(const std::vector<Ring>& rings, const Vec2& p) {
   return distance;
 }
 
-/// An independent reading of "an odd number of contours wind around": the angle each contour turns through as
-/// seen from the point, in whole turns.
+/// Whether the point is inside by the even-odd rule, computed with another method than in the library: from
+/// the number of turns that each contour makes about the point.
 bool winds_oddly(const std::vector<Ring>& rings, const Vec2& p) {
   int turns = 0;
   for (const Ring& ring : rings) {
@@ -81,7 +81,8 @@ bool in_convex(const Ring& ring, const Vec2& p) {
   return true;
 }
 
-/// What convex_pieces promises, on random points: empty, or the first promise that does not hold.
+/// Checks what the docstring of convex_pieces() promises, at random points. Returns the first promise that
+/// does not hold, or an empty text.
 std::string broken_promise(const Solid& solid, const std::vector<ConvexPrism>& pieces, std::uint32_t seed) {
   std::vector<Ring> all_edges = solid.contours;
   Box box;

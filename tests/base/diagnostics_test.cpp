@@ -141,6 +141,17 @@ TEST(DidYouMean, OfEquallyNearNamesTakesTheFirst) {
   EXPECT_EQ(did_you_mean("laser_c", k_names), " (did you mean \"laser_b\"?)");
 }
 
+// The time to compare two names grows with the product of their lengths: here it would be hours.
+TEST(DidYouMean, DoesNotCompareLongNames) {
+  const std::string word(1'000'000, 'a');
+  const std::string long_name = word + 'b';
+  const std::string longest_compared(100, 'a');
+  const std::vector<std::string_view> known = {long_name, longest_compared};
+  EXPECT_EQ(did_you_mean(word, known), "");
+  EXPECT_EQ(did_you_mean(longest_compared.substr(1), known),
+            fmt::format(" (did you mean \"{}\"?)", longest_compared));
+}
+
 TEST(CommaList, JoinsNames) {
   EXPECT_EQ(comma_list(k_drives), "car, diff, omni, tricycle, velocity");
   EXPECT_EQ(comma_list({}), "");
@@ -190,6 +201,18 @@ TEST(Diagnostics, AnInheritedFindingIsReportedOnceForTheBase) {
                                  "maze.json:5: warning: /types/middle/drive: slow",
                                  "maze.json:9: warning: /types/small/drive: slow",
                                  "maze.json:9: warning: /types/tall/drive: slow"));
+}
+
+TEST(Diagnostics, ALongInheritedFindingIsReportedOnceAndCut) {
+  Diagnostics diagnostics;
+  const std::uint32_t file = diagnostics.files()->add("maze.json");
+  diagnostics.inherits({"/types/heir", "heir", {file, 2}}, {"/types/b", "b", {file, 1}});
+  const std::string message = ": unknown key \"" + std::string(9000, 'x') + "\"";
+  diagnostics.error({file, 3}, "/types/heir" + message);
+  diagnostics.error({file, 3}, "/types/b" + message);
+  diagnostics.error({file, 3}, "/types/heir" + message);
+  ASSERT_EQ(diagnostics.findings().size(), 1u);
+  EXPECT_EQ(diagnostics.findings()[0].message, ("/types/b" + message).substr(0, 8000) + " ...");
 }
 
 TEST(Diagnostics, AFindingIsAboutThePartWithTheLongestPathOrName) {

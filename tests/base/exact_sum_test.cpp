@@ -47,7 +47,7 @@ double by_expansion(std::vector<double> terms) {
     high = x + y;
     const double low = y - (high - x);
     if (low == 0) continue;
-    // Half a unit is rounded to even, although what is left decides the direction.
+    // The last addition has rounded a tie to even, although the remaining terms determine the direction.
     if (!parts.empty() && (low < 0) == (parts.back() < 0)) {
       const double twice = 2 * low;
       if (const double other = high + twice; other - high == twice) high = other;
@@ -89,13 +89,13 @@ TEST(ExactSum, DependsNeitherOnTheOrderNorOnTheDivisionOfTheTerms) {
   Random random(1, 2, 3, 4);
   for (int round = 0; round < 2000; ++round) {
     std::vector<double> terms(1 + random.below(40));
-    const std::uint32_t spread = 1 + random.below(500);  // of exponents
+    const std::uint32_t spread = 1 + random.below(500);  // range of the exponents
     for (double& term : terms) {
       const std::uint64_t exponent = 1023 - spread + random.below(2 * spread + 1);
       const std::uint64_t mantissa = static_cast<std::uint64_t>(random.uniform() * 0x1p52);
       term = std::bit_cast<double>(std::uint64_t{random.below(2)} << 63 | exponent << 52 | mantissa);
     }
-    if (round % 2 == 0)  // nearly all cancels
+    if (round % 2 == 0)  // most terms cancel each other
       for (std::size_t i = 0, n = terms.size(); i < n; ++i) terms.push_back(-terms[i] * (i == 0 ? 0.5 : 1));
     const double expected = by_expansion(terms);
     for (int permutation = 0; permutation < 4; ++permutation) {

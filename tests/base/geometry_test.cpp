@@ -11,6 +11,16 @@ TEST(Cross, IsPositiveCounterClockwise) {
   EXPECT_EQ(cross({1, 2}, {2, 4}), 0.0);
 }
 
+TEST(CrossesRay, AnEndAtTheHeightOfThePointCountsAsBelow) {
+  EXPECT_TRUE(crosses_ray({1, -1}, {2, 1}, {0, 0}));
+  EXPECT_TRUE(crosses_ray({2, 1}, {1, -1}, {0, 0}));
+  EXPECT_FALSE(crosses_ray({-2, -1}, {-1, 1}, {0, 0}));  // to the left
+  EXPECT_FALSE(crosses_ray({1, 1}, {2, 2}, {0, 0}));
+  EXPECT_FALSE(crosses_ray({1, 0}, {2, 0}, {0, 0}));
+  EXPECT_TRUE(crosses_ray({1, 0}, {2, 1}, {0, 0}));
+  EXPECT_FALSE(crosses_ray({1, 0}, {2, -1}, {0, 0}));
+}
+
 TEST(ZInterval, IsClosedForPointsAndOpenForOverlap) {
   const ZInterval z = {1, 2};
   EXPECT_TRUE(z.contains(1) && z.contains(1.5) && z.contains(2));

@@ -1,5 +1,5 @@
-// Some values of each function, in a file that the tests of other languages read too:
-// tests/python/math_test.py.
+// Compares some values of each function with a file that the Python test tests/python/math_test.py also
+// reads.
 
 #include "base/math.hpp"
 

@@ -14,8 +14,8 @@
 #include <span>
 #include <vector>
 
-// The oracle is glibc's long double: 64 bits, good to an ulp of its own, 2,048 times finer than what it
-// judges.
+// The functions are compared with those of glibc for long double, whose error is about an ulp of long double:
+// 1/2048 ulp of double.
 
 namespace troupe {
 namespace {
@@ -39,7 +39,7 @@ std::uint64_t bits_of(double x) { return std::bit_cast<std::uint64_t>(x); }
 
 bool same_bits(double a, double b) { return bits_of(a) == bits_of(b); }
 
-/// Any double but NaN and the infinities, all exponents alike.
+/// A random finite double; all exponents are equally likely.
 double any_finite(Random& random) {
   for (;;) {
     const std::uint64_t high = random.bits();
@@ -48,7 +48,7 @@ double any_finite(Random& random) {
   }
 }
 
-/// The largest error of f against `exact` over arguments that `draw` makes.
+/// The largest error of f, compared with `exact`, for arguments that draw() returns.
 template <class Function, class Exact, class Draw>
 double largest_error(Function f, Exact exact, Draw draw) {
   Random random(1, 2, 3, 4);

@@ -36,6 +36,25 @@ TEST(PlainNumber, HasAnExponentIfItIsExtreme) {
   EXPECT_EQ(plain_number(std::numeric_limits<double>::infinity()), "inf");
 }
 
+TEST(ExactNumber, ConvertsBackToTheSameNumber) {
+  for (const double x : {3600.0000001, 100000.000001, -1 / 3.0, 1e-9, 1.234e-8, 0.1 + 0.2, 123456789012345.6,
+                         1e15, 1e30, -5e-324, 1.7976931348623157e308})
+    EXPECT_EQ(number_of<double>(exact_number(x)), x);
+}
+
+TEST(ExactNumber, IsShortAndHasAnExponentOnlyIfItIsExtreme) {
+  EXPECT_EQ(exact_number(0), "0");
+  EXPECT_EQ(exact_number(-2.5), "-2.5");
+  EXPECT_EQ(exact_number(0.000001), "0.000001");
+  EXPECT_EQ(exact_number(3600.0000001), "3600.0000001");
+  EXPECT_EQ(exact_number(1e15), "1000000000000000");
+  EXPECT_EQ(exact_number(-1.2345678901234567e-9), "-0.0000000012345678901234566");
+  EXPECT_EQ(exact_number(1e30), "1e+30");
+  EXPECT_EQ(exact_number(1e-12), "1e-12");
+  EXPECT_EQ(exact_number(-std::numeric_limits<double>::infinity()), "-inf");
+  EXPECT_EQ(exact_number(std::numeric_limits<double>::quiet_NaN()), "nan");
+}
+
 TEST(ExtentText, GivesBothAxesInPlainNumbers) {
   Box box;
   box.extend(Vec2(-2, 0.000001));

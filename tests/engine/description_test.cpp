@@ -279,6 +279,7 @@ TEST(Description, IntegersOfAnArrayAreWholeAndInTheirRange) {
   EXPECT_EQ(refused("bytes", {1e30, 0}), "\"bytes\" must be from 0 to 255, found 1e+30");
   EXPECT_EQ(refused("bytes", {std::nan(""), 0}), "\"bytes\" must be from 0 to 255, found nan");
   EXPECT_EQ(refused("bytes", {1.5, 0}), "\"bytes\" must be a whole number, found 1.5");
+  EXPECT_EQ(refused("bytes", {1 + 1e-12, 0}), "\"bytes\" must be a whole number, found 1.000000000001");
   EXPECT_EQ(refused("flags", {0, 2}), "\"flags\" must be from 0 to 1, found 2");
   EXPECT_EQ(refused("flags", {0.5, 1}), "\"flags\" must be a whole number, found 0.5");
   EXPECT_EQ(refused("small", {-32769}), "\"small\" must be from -32768 to 32767, found -32769");

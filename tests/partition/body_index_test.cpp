@@ -41,14 +41,15 @@ Bodies random_bodies(Draw& draw, std::size_t count, double far, double widest = 
   return bodies;
 }
 
-/// The box and the circle meet.
+/// Whether the box touches the circle.
 bool may_touch(const Box& box, const Vec2& p, double radius) {
   const double x = std::max({box.min.x() - p.x(), 0.0, p.x() - box.max.x()});
   const double y = std::max({box.min.y() - p.y(), 0.0, p.y() - box.max.y()});
   return x * x + y * y <= radius * radius;
 }
 
-/// The circle holds the body's own: long double is exact enough to tell.
+/// Expects that the circle encloses the exact circle of the body, and is not much larger. Long double has
+/// enough digits for this comparison.
 void expect_encloses(const BodyCircle& circle, const Bodies& bodies) {
   const long double x = static_cast<long double>(circle.x) - bodies.places[circle.row].position.x();
   const long double y = static_cast<long double>(circle.y) - bodies.places[circle.row].position.y();
@@ -66,7 +67,7 @@ TEST(BodyIndex, QueriesFindAllThatLieNearEachOnce) {
     const double far = draw.chance(0.2) ? 1e5 : draw.chance(0.2) ? -300 : 0;
     BodyIndex index(k_grids[seed % k_grids.size()]);
     const double index_cell = k_grids[seed % k_grids.size()].cell_m;
-    // Three times into one index: what it held before must not show.
+    // The index is filled three times. Its earlier contents must have no effect.
     for (int filling = 0; filling < 3; ++filling) {
       const Bodies bodies = random_bodies(draw, draw.below(300), far);
       index.rebuild(bodies.places, bodies.radii, parallel);
@@ -124,7 +125,7 @@ TEST(BodyIndex, LeavesOutMostOfWhatIsFar) {
     bodies.places.emplace_back(Pose{draw.real(0, 100), draw.real(0, 100), 0, 0});
     bodies.radii.push_back(0.1);
   }
-  // One truck must not widen every query.
+  // One wide body must not make every query search a larger area.
   bodies.places.emplace_back(Pose{50, 50, 0, 0});
   bodies.radii.push_back(20);
   BodyIndex index({1, 3});
@@ -208,8 +209,8 @@ TEST(BodyIndex, ForgetsTilesLongLeft) {
   EXPECT_LT(index.tiles(), 100u);
 }
 
-// What queries visit, and in which order, is the same on any number of threads; the order of work has every
-// row once, those of one tile together.
+// Queries visit the same entries in the same order for every number of threads. order() contains each row
+// once, and the rows of one tile are adjacent.
 TEST(BodyIndex, IsTheSameOnAnyNumberOfThreads) {
   std::vector<Parallel> teams;
   for (const unsigned threads : {1u, 2u, 3u, 8u}) teams.emplace_back(threads);

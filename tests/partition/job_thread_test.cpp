@@ -16,7 +16,7 @@
 namespace troupe::partition {
 namespace {
 
-/// What a call throws, as text; "nothing" where it does not.
+/// Returns the text of the exception that a call throws; "nothing" if it throws none.
 template <class Call>
 std::string thrown_by(Call&& call) {
   try {
@@ -90,7 +90,7 @@ TEST(JobThread, ItsEndDropsJobsThatHaveNotBegun) {
   auto held = std::make_shared<int>(0);
   {
     JobThread thread(1);
-    // The first ends once the second, which holds the last reference, was dropped.
+    // The first job ends when the second one, which holds the last reference, has been dropped.
     thread.add([&, dropped = std::weak_ptr<int>(held)] {
       while (!dropped.expired()) std::this_thread::yield();
       ended = true;

@@ -30,7 +30,8 @@ Ring moved(Ring ring, double x, double y) {
   return ring;
 }
 
-// The oracle's own answers, where they can be seen by eye: all coordinates are powers of two or their sums.
+// The results of the oracle in cases that a reader can check by eye. All coordinates are sums of powers of
+// two, so they are exact.
 TEST(Oracle, KnowsTouchingFromSharing) {
   const Ring square = rectangle(0, 0, 1, 1);
   const auto share = [](const std::vector<Ring>& a, const std::vector<Ring>& b) {
@@ -107,8 +108,8 @@ TEST(Overlap, SegmentsThatTouchDoNotEnter) {
   EXPECT_TRUE(segment_overlap({0.25, 0.25}, {0.5, 0.5}, square));
 }
 
-// What is left of a corner cut off where two sides meet almost at one point: an edge so short that the
-// rounding of its ends decides its direction. It must not hide the polygon it belongs to.
+// If a corner is cut off very close to its vertex, an edge remains that is so short that the rounding of its
+// ends determines its direction. The line of such an edge must not separate its polygon from another one.
 TEST(Overlap, EdgesShorterThanTheirRoundingSeparateNoBodies) {
   for (const double far : {0.0, 10.0, 1e3, 1e5}) {
     for (const double length : {0.0, 1e-17, 1e-16, 1e-14, 1e-12, 1e-10}) {
@@ -146,13 +147,15 @@ TEST(Overlap, BodiesAsTheOracleSays) {
         oracle::overlap(oracle::place(a.body.blocks, at), oracle::place(b.body.blocks, there));
     ASSERT_EQ(overlap(a.shape, at, b.shape, there), expected) << "seed " << seed;
     ASSERT_EQ(overlap(b.shape, there, a.shape, at), expected) << "seed " << seed;
+    ASSERT_TRUE(!expected || pieces_in_reach(a.shape, Transform(at), b.shape, Transform(there), 0))
+        << "seed " << seed;
     shared += expected;
   }
   EXPECT_GT(shared, k_pairs / 10);
   EXPECT_LT(shared, k_pairs * 9 / 10);
 }
 
-// More vertices than a placed shape keeps at hand.
+// Shapes with more vertices than a PlacedShape stores.
 TEST(Overlap, BodiesOfManyVerticesAsTheOracleSays) {
   std::size_t shared = 0;
   constexpr std::size_t k_pairs = 400 / oracle::k_thrift;
@@ -191,13 +194,46 @@ TEST(Overlap, ABodyWithoutSolidsMeetsNoBody) {
   EXPECT_FALSE(overlap(square.shape, {}, nothing, {}));
 }
 
-// Far out, where positions have an ulp of 1e-11 m, a small body still finds its neighbour.
+// At 100 km from the origin, where positions are rounded to 1.5e-11 m, the results are the same.
 RC_GTEST_PROP(Overlap, DoesNotDependOnWhereTheWorldLies, (int x, int y)) {
   const oracle::Kind square = oracle::make_kind({{{rectangle(-0.25, -0.25, 0.25, 0.25)}, {0, 0.5}}});
   const double far_x = x % 100'000;
   const double far_y = y % 100'000;
   RC_ASSERT(overlap(square.shape, {far_x, far_y, 0, 0}, square.shape, {far_x + 0.5 - 0x1p-20, far_y, 0, 0}));
   RC_ASSERT(!overlap(square.shape, {far_x, far_y, 0, 0}, square.shape, {far_x + 0.5, far_y, 0, 0}));
+}
+
+TEST(PiecesInReach, ComparesTheCirclesOfThePieces) {
+  const ObstacleShape fork = make_obstacle_shape(
+      std::vector<ConvexPrism>{{rectangle(-3, -4, 3, 4), {0, 1}}, {rectangle(97, -4, 103, 4), {0, 1}}});
+  const ObstacleShape dot = make_obstacle_shape(std::vector<ConvexPrism>{{rectangle(-3, -4, 3, 4), {0, 1}}});
+  const auto in_reach = [&](double x, double distance) {
+    const Transform at(Pose{x, 0, 0, 0});
+    EXPECT_EQ(pieces_in_reach(dot, at, fork, Transform(), distance),
+              pieces_in_reach(fork, Transform(), dot, at, distance));
+    return pieces_in_reach(fork, Transform(), dot, at, distance);
+  };
+  EXPECT_TRUE(in_reach(10, 0));  // the radii are 5 m
+  EXPECT_FALSE(in_reach(10.01, 0));
+  EXPECT_TRUE(in_reach(10.01, 0.01));
+  EXPECT_FALSE(in_reach(50, 39.9)) << "between the pieces";
+  EXPECT_TRUE(in_reach(50, 40.1));
+  EXPECT_FALSE(pieces_in_reach(fork, {}, make_obstacle_shape({}), {}, 1000));
+}
+
+TEST(Inset, MovesEveryEdgeInwards) {
+  const std::vector<ConvexPrism> pieces{{rectangle(-1, -2, 1, 2), {0.25, 1}},
+                                        {{{3, 0}, {7, 0}, {3, 3}}, {0, 1}}};
+  const ObstacleShape inner = inset(make_obstacle_shape(pieces), 0.5);
+  ASSERT_EQ(inner.pieces.size(), 2u);
+  EXPECT_EQ(inner.pieces[0].outline, rectangle(-0.5, -1.5, 0.5, 1.5));
+  EXPECT_EQ(inner.pieces[0].z, (ZInterval{0.25, 1}));
+  EXPECT_DOUBLE_EQ(inner.thinnest, 1);
+  // The inner triangle has the same centre of the inscribed circle, (4, 1), and half its radius.
+  const Ring& triangle = inner.pieces[1].outline;
+  ASSERT_EQ(triangle.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_LT((triangle[i] - 0.5 * (pieces[1].outline[i] + Vec2(4, 1))).norm(), 1e-12) << i;
 }
 
 TEST(ObstacleShape, MeasuresItsPieces) {

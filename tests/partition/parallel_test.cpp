@@ -49,8 +49,8 @@ TEST_P(ParallelOf, DividesIndicesIntoBatches) {
   }
 }
 
-// Many short loops in a row: a worker that wakes late, or for the loop before, would call twice or too
-// seldom.
+// In many short loops in a row, a worker that wakes late, or still works on the previous loop, would call
+// tasks twice or not at all.
 TEST_P(ParallelOf, RunsShortLoopsInARow) {
   Parallel parallel(GetParam());
   std::vector<int> calls(5);
@@ -60,7 +60,7 @@ TEST_P(ParallelOf, RunsShortLoopsInARow) {
   for (const int n : calls) EXPECT_EQ(n, k_loops);
 }
 
-// When for_each returns, what its tasks wrote can be read.
+// When for_each() has returned, the calling thread sees all that the tasks have written.
 TEST_P(ParallelOf, HandsItsWritesOver) {
   Parallel parallel(GetParam());
   std::vector<std::size_t> written(1000);
@@ -72,8 +72,8 @@ TEST_P(ParallelOf, HandsItsWritesOver) {
   }
 }
 
-// As many threads as were asked for, however few the cores are: else "the same on 8 threads" would be said
-// of 2.
+// The number of threads is the requested one, also on a machine with fewer processors. Otherwise a test with
+// 8 threads could run on 2.
 TEST_P(ParallelOf, UsesAllItsThreads) {
   Parallel parallel(GetParam());
   std::mutex mutex;
@@ -92,7 +92,7 @@ TEST_P(ParallelOf, UsesAllItsThreads) {
   EXPECT_EQ(threads.size(), GetParam());
 }
 
-// A simulation inside another's loop, as in a sweep over parameters.
+// A task of one object may use another object, as a sweep over parameters does.
 TEST_P(ParallelOf, NestsInAnother) {
   Parallel outer(3);
   constexpr std::size_t k_simulations = 6;
@@ -128,7 +128,7 @@ TEST_P(ParallelOf, CanBeMoved) {
   EXPECT_EQ(calls, std::vector<int>(100, 1));
 }
 
-// For profiles: on the worker that runs the task, around it, and only while a callback is set.
+// The callback is called before and after each task, on the thread that runs the task.
 TEST_P(ParallelOf, TellsOfEachTaskAsItBeginsAndEnds) {
   Parallel parallel(GetParam());
   constexpr std::size_t k_tasks = 200;

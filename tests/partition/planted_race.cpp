@@ -9,11 +9,12 @@
 int main() {
   troupe::partition::Parallel parallel(2);
   int sum = 0;
-  // Once is not enough: writes in the very same moment may escape the sanitizer.
+  // There are many rounds, because the sanitizer may miss two writes that happen at exactly the same time.
   for (int round = 0; round < 100; ++round) {
     std::atomic<int> arrived = 0;
     parallel.for_each(2, [&](std::size_t i) {
-      // Both tasks are under way, on a thread each, before either writes. Relaxed: it orders nothing.
+      // Both tasks have begun, on two threads, before one of them writes. The order is relaxed, so that the
+      // counter does not synchronise the two writes.
       arrived.fetch_add(1, std::memory_order_relaxed);
       while (arrived.load(std::memory_order_relaxed) < 2) std::this_thread::yield();
       sum += static_cast<int>(i);

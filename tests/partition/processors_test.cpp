@@ -46,7 +46,8 @@ TEST_F(ProcessorQuota, IsTheLeastOfTheGroupsAbove) {
   EXPECT_EQ(quota(), 4) << "another group is none of ours";
 }
 
-/// In a container with a name space of its own the path is "/", without one it is that outside.
+/// In a container with a cgroup namespace of its own, the path of the group is "/". Otherwise it is the path
+/// on the host.
 TEST_F(ProcessorQuota, OfContainersStandsAtTheMountPoint) {
   v2("", "200000 100000");
   of_process("0::/\n");
@@ -79,7 +80,7 @@ TEST_F(ProcessorQuota, IsNoneWhereTheFilesSayNothing) {
   }
   of_process("0::/job\n");
   for (const char* text : {"", "max", "100000", "100000 ", "100000 0", "0 100000", "-5 100000", "nan 100000",
-                           "1e5x 100000", "a b", " 1 2"}) {
+                           "inf 100000", "100000 inf", "inf inf", "1e5x 100000", "a b", " 1 2"}) {
     v2("job", text);
     EXPECT_EQ(quota(), std::nullopt) << text;
   }

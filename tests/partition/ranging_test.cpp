@@ -27,7 +27,7 @@ constexpr double k_turn = 6.283185307179586;
 #ifdef NDEBUG
 constexpr std::uint32_t k_share = 1;
 #else
-constexpr std::uint32_t k_share = 40;  // of the trials in debug builds, which are that much slower
+constexpr std::uint32_t k_share = 40;  // debug builds, which are slower, run one trial in k_share
 #endif
 
 bool long_form() { return std::getenv("TROUPE_LONG") != nullptr; }
@@ -64,7 +64,7 @@ struct Readings {
   std::vector<float> inverse, returns;
 };
 
-/// The vector form, in blocks as the sensor does it.
+/// Computes the readings with the kernels, in blocks of edges, as the sensor does.
 Readings cast(std::span<const Edge> edges, const Vec2& reference, const Beams& beams, bool common_origin,
               bool with_returns, const Scan* scan = nullptr) {
   // A fan takes few beams, a scan any number.
@@ -100,7 +100,7 @@ Readings cast(std::span<const Edge> edges, const Vec2& reference, const Beams& b
   return out;
 }
 
-/// The formula, edge by edge and beam by beam.
+/// Computes the readings with inverse_range(), for each edge and each beam.
 Readings formula(std::span<const Edge> edges, const Vec2& reference, const Beams& beams) {
   Readings out{std::vector<float>(beams.size(), 0.0f), std::vector<float>(beams.size(), 0.0f)};
   for (const Edge& edge : edges) {
@@ -126,7 +126,7 @@ double log_uniform(Random& random, double low, double high) {
   return low * std::exp(random.uniform() * std::log(high / low));
 }
 
-// ---- the vector form is the formula
+// ---- the kernels give the bits of inverse_range()
 
 Vec2 direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
@@ -287,7 +287,7 @@ TEST(Ranging, CullsKeepEveryCircleThatCounts) {
                          center + random.uniform(0.9, 1) * radius * direction(random.uniform(0, k_turn)), 1});
         circles.set(c, enclosing_circle(center, radius, c));
       }
-      // Some readings so far, of which the cull may make use.
+      // Readings of earlier edges, which shorten the beams.
       std::vector<float> inverse(padded), limits(padded), range_max(padded, 8.0f);
       for (float& value : inverse)
         value = random.below(3) ? static_cast<float>(1 / random.uniform(0.1, 10)) : 0;
@@ -318,7 +318,8 @@ TEST(Ranging, CullsKeepEveryCircleThatCounts) {
   });
 }
 
-/// What beams beside those of a circle may still see is no reason to look at it.
+// A circle that is beyond the readings of the beams that span it is discarded, although other beams reach
+// farther.
 TEST(Ranging, ACircleOfAScanIsCulledByTheReadingsOfItsOwnBeams) {
   for_each_simd_target([](const std::string& target) {
     constexpr std::size_t k_beams = 180, k_middle = 90;
@@ -351,7 +352,7 @@ TEST(Ranging, ACircleOfAScanIsCulledByTheReadingsOfItsOwnBeams) {
   });
 }
 
-// ---- no leaks, and no reading out of place
+// ---- no beam leaves a closed outline, and every reading is near the outline
 
 /// Closed outlines of the kinds that trouble ray casters. About 1 m wide, around the origin.
 Ring star(Random& random) {
@@ -449,8 +450,9 @@ double distance(const Vec2& p, const Ring& ring) {
   return nearest;
 }
 
-/// A point inside, often in an unlucky place: on the axes and diagonals of the outline's vertices, or very
-/// near an edge. False where none is found that keeps `clearance` from every edge.
+/// Finds a random point inside the outline, often in a place where rounding matters: with a coordinate of a
+/// vertex, or very near an edge. Returns false if no point was found whose distance from every edge is at
+/// least `clearance`.
 bool any_origin(Random& random, const Ring& ring, double clearance, Vec2& origin) {
   const auto pick = [&] { return ring[random.below(static_cast<std::uint32_t>(ring.size()))]; };
   const Solid solid{{ring}, {0, 1}};
@@ -477,9 +479,9 @@ bool any_origin(Random& random, const Ring& ring, double clearance, Vec2& origin
   return false;
 }
 
-/// Where a beam may read, given that vertices within `width` of it may count for either side: the nearest
-/// point of any edge within that strip, and the farthest point within it of the nearest edge that crosses it
-/// whole.
+/// Bounds on the reading of a beam if each vertex within `width` of the beam may count as on either side of
+/// it. The strip is the set of points within `width` of the beam. `low` is the nearest point of any edge in
+/// the strip, and `high` is the farthest point in the strip of the nearest edge that crosses the whole strip.
 struct Bracket {
   double low = 1e300;
   double high = 1e300;
@@ -504,7 +506,7 @@ struct Tally {
   std::uint64_t leaks = 0;
   std::uint64_t short_readings = 0;
   std::uint64_t long_readings = 0;
-  std::string first;  ///< few of what went wrong, a line each
+  std::string first;  ///< the first errors, one per line
 };
 
 /// Aims beams at the vertices of one outline.

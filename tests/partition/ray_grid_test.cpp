@@ -26,7 +26,7 @@ using Place = std::pair<std::int64_t, std::int64_t>;
 constexpr std::uint32_t k_no_body = ~0u;
 constexpr std::uint32_t k_fixed = ~0u - 1;
 
-/// Paper and pencil: every cell in a map, every ray a cell at a time.
+/// A simple grid: a map of cells, through which a ray moves one cell at a time.
 class Canvas {
  public:
   explicit Canvas(double resolution) : resolution_(resolution) {}
@@ -146,7 +146,7 @@ class Canvas {
   std::set<Place> squares_;  // those in which something is drawn
 };
 
-/// A scene of things that stand and things that move, drawn on paper and in the grid.
+/// A random scene of static solids and mobile bodies, which a Canvas and a RayGrid draw.
 class Scene {
  public:
   Scene(Draw& draw, double resolution, double extent) : resolution_(resolution), extent_(extent) {
@@ -172,7 +172,7 @@ class Scene {
     move(draw, false);
   }
 
-  /// Everybody to somewhere else; where `away`, far from everything.
+  /// Moves all bodies to random places; if `away` is true, far away from the static scene.
   void move(Draw& draw, bool away) {
     for (Pose& pose : poses_) {
       const Vec2 at = point(draw) * (away ? 100 : 1);
@@ -196,7 +196,8 @@ class Scene {
   RayGrid grid() const { return {solids_, outlines_, vertices_, resolution_}; }
   void redraw(RayGrid& grid, Parallel& parallel) const { grid.redraw(vertices_, poses_, parallel); }
 
-  /// Often from within a body, along an axis, or at a height where something ends.
+  /// Returns a random ray. It often starts inside a body, runs along an axis, or has the height of an end of
+  /// a body.
   GridRay ray(Draw& draw) const {
     GridRay ray{point(draw),
                 {},
@@ -257,7 +258,7 @@ TEST(RayGrid, SeesWhatPaperAndPencilSee) {
         ++rays;
         hits += got.range < ray.range_max;
       }
-      scene.move(draw, tick == 2);  // once, everybody leaves: what is empty may be forgotten
+      scene.move(draw, tick == 2);  // once, all bodies leave, so that the grid may free empty regions
     }
   }
   EXPECT_GT(hits, rays / 5);
@@ -276,7 +277,7 @@ TEST(RayGrid, NoRayLeavesAClosedOutlineAndAHitIsWithinFourCellsOfIt) {
     SCOPED_TRACE(seed);
     Draw draw(seed);
     const double resolution = draw.scale(0.001, 1);
-    // Often where rays cross an axis, at which the rounding towards zero changes its direction.
+    // The outline is often near an axis, where rounding towards zero changes its direction.
     const double away = draw.chance(0.5) ? 1000 : 200 * resolution;
     const Vec2 middle(draw.real(-away, away), draw.real(-away, away));
     const auto range_max = static_cast<float>(resolution * draw.scale(2000, 1e5));
@@ -300,7 +301,7 @@ TEST(RayGrid, NoRayLeavesAClosedOutlineAndAHitIsWithinFourCellsOfIt) {
   EXPECT_GT(farthest, 2);
 }
 
-/// A grid of 1 m with nothing that moves.
+/// A grid without mobile bodies, by default with cells of 1 m.
 RayGrid grid_of(std::vector<FixedSolid> solids, double resolution = 1) {
   return {solids, {}, {}, resolution};
 }
@@ -435,7 +436,7 @@ TEST(RayGrid, GroundThatBodiesHaveLeftIsForgotten) {
 }
 
 TEST(RayGrid, EmptyGroundCostsNothing) {
-  // 100 km of nothing between two poles.
+  // 100 km of empty ground between two poles.
   const RayGrid grid = grid_of({wall(-5e4, 0, -5e4 + 0.1, 0.1), wall(5e4, 0, 5e4 + 0.1, 0.1)}, 0.02);
   EXPECT_LT(grid.fixed_bytes(), 10000u);
   EXPECT_EQ(grid.cast(ray_from(-4.9e4, 0.01, {1, 0}, 10000)).range, 10000);

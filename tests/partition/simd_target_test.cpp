@@ -67,7 +67,7 @@ TEST(SimdTarget, AnUnknownOneIsRefusedAndChangesNothing) {
   EXPECT_EQ(simd_target(), before);
 }
 
-/// A processor that has nothing but what the portable kernels need.
+/// Chooses an instruction set on a processor that supports only the portable kernels, and ends the process.
 [[noreturn]] void choose_on_a_poor_processor(const std::string& name) {
   hwy::DisableTargets(~(HWY_SCALAR | HWY_EMU128));
   const std::string error = error_of(name);

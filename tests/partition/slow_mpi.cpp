@@ -12,8 +12,8 @@ constexpr int k_tests = 8;
 // So large that the C library returns its memory to the operating system as soon as it is freed.
 constexpr std::size_t k_units = 1 << 20;
 
-void* message = nullptr;  // that MPI receives
-int tests = 0;            // of the last transfer
+void* message = nullptr;  // the message that MPI receives
+int tests = 0;            // number of tests of the last transfer
 double now = 0;
 int transfer = 0;  // its address is the handle of the transfer
 

@@ -45,7 +45,7 @@ TEST(TileDirectory, FindsWhatWasPutIn) {
   TileDirectory directory;
   std::map<std::pair<int, int>, std::uint32_t> known;
   const auto draw = [&] {
-    // Near the origin, on a line, and at the ends of the numbers: what a careless hash would heap up.
+    // Tiles near the origin, on a line, and anywhere: a weak hash would give many of them the same place.
     switch (words() % 3) {
       case 0: return Cell{static_cast<int>(words() % 50) - 25, static_cast<int>(words() % 50) - 25};
       case 1: return Cell{static_cast<int>(words() % 5000) << 16, 0};

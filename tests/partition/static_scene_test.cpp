@@ -79,7 +79,7 @@ TEST(StaticScene, AnswersAsTheOracleWhateverItsCells) {
         const std::vector<BodyId> expected(met.begin(), met.end());
         ASSERT_EQ(scene.overlapping(kind.shape, pose), expected) << "seed " << seed;
 
-        // Crossed: an edge, not only the inside, of some solid that is not to be ignored.
+        // crossed() finds a solid that overlaps the shape, unless this solid is ignored.
         const int hit = scene.crossed(there, [](std::uint32_t) { return false; });
         ASSERT_TRUE(hit < 0 || overlaps[static_cast<std::size_t>(hit)]) << "seed " << seed;
         ASSERT_EQ(scene.crossed(there, [&](std::uint32_t s) { return overlaps[s]; }), -1) << "seed " << seed;
@@ -266,7 +266,7 @@ TEST(StaticScene, ManyLargeObstaclesTakeLittleMemory) {
   EXPECT_EQ(overlapping(255 + (k_obstacles - 1.5) * k_shift), std::vector{BodyId(k_obstacles - 1)});
 }
 
-// Every edge is found wherever a box touches it, in the cells of any size.
+// A search finds each edge that touches its box, whatever the size of the cells.
 TEST(EdgeGrid, FindsEveryEdgeThatMeetsABox) {
   for (std::uint64_t seed = 1; seed <= 300 / oracle::k_thrift; ++seed) {
     Draw draw(seed);

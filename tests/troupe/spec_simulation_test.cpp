@@ -132,6 +132,9 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
   expect(
       [](Spec& s) { s.types[2].parts[0].solids[0].contours[0][2].x() = 2e6; },
       "error: types[2].parts[0].solids[0].contours[0][2]: must be from -1000000 to 1000000 m, found 2000000");
+  expect([](Spec& s) { s.types[2].parts[0].solids[0].contours[0][2].x() = 1e6 + 1e-5; },
+         "error: types[2].parts[0].solids[0].contours[0][2]: must be from -1000000 to 1000000 m, found "
+         "1000000.00001");
   expect([](Spec& s) { s.types[2].parts[0].solids[0].z.max = k_nan; },
          "error: types[2].parts[0].solids[0].z_m.max: must be from -1000000 to 1000000, found nan");
   expect([](Spec& s) { s.types[2].parts[0].returns.ranger = INFINITY; },

@@ -580,6 +580,8 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:3: error: /title: expected the world's title, found the number 7"},
         Wrong{R"("seed": 7)", R"("tick_s": 0)",
               "maze.json:3: error: /tick_s: must be from 0.000001 to 3600 s, found 0"},
+        Wrong{R"("seed": 7)", R"("tick_s": 3600.0000001)",
+              "maze.json:3: error: /tick_s: must be from 0.000001 to 3600 s, found 3600.0000001"},
         Wrong{R"("seed": 7)", R"("tick_ms": 4e6)",
               "maze.json:3: error: /tick_ms: must be from 0.001 to 3600000 ms, found 4000000"},
         Wrong{R"("seed": 7)", R"("tick": 0.1)",

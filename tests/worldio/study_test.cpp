@@ -222,6 +222,8 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
               ElementsAre(HasSubstr("must be below the second")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "log_uniform": [0, 1]}], "samples": 2)"),
               ElementsAre(HasSubstr("above 0")));
+  EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [1.00000000001, 3]}], "samples": 2)"),
+              ElementsAre(HasSubstr("found 1.00000000001 and 3")));
   EXPECT_THAT(wrong(R"("parameters": [{"set": "/x", "integers": [0.5, 1]}], "samples": 2)"),
               ElementsAre(HasSubstr("whole numbers")));
   EXPECT_THAT(

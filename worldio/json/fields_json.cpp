@@ -73,7 +73,7 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
   std::string limits = is_allowed ? "a whole number" : limits_text(field, suffix);
   if (limits.empty()) limits = "finite";
   at.error(
-      fmt::format("must be {}, found {}", limits, is_whole ? digits_of(at.node()) : plain_number(*given)));
+      fmt::format("must be {}, found {}", limits, is_whole ? digits_of(at.node()) : exact_number(*given)));
   return std::nullopt;
 }
 

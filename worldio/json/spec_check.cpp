@@ -187,7 +187,7 @@ void SpecCheck::beyond(const Field& field, double x, Where where, const SpecPath
   std::string limits = limits_text(field, engine::unit_suffixes(field.unit).front());
   if (is_within(field, x)) limits = "a whole number";
   error(where, path,
-        fmt::format("must be {}, found {}", limits.empty() ? "finite" : limits, plain_number(x)));
+        fmt::format("must be {}, found {}", limits.empty() ? "finite" : limits, exact_number(x)));
 }
 
 /// Checks the parameters of a kind, whose table is `table`. `is_partial` says that the record changes only

@@ -345,7 +345,7 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
     constexpr std::array<std::string_view, 4> k_parts{"x", "y", "z", "heading"};
     return error(fmt::format("the file is damaged: bodies[{}].pose.{}: must be {}, found {}", at / 4,
                              k_parts[at % 4], limits_text(pose, engine::unit_suffixes(pose.unit).front()),
-                             plain_number(*beyond)));
+                             exact_number(*beyond)));
   }
 
   spec.bodies.reserve(count);

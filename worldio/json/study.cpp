@@ -311,18 +311,18 @@ Choice StudyReader::read_interval(const JsonCursor& at, ChoiceKind kind) {
   constexpr double k_exact = 9e15;
   if (!(choice.low < choice.high))
     at.error(fmt::format("the first number must be below the second, found {} and {}",
-                         plain_number(choice.low), plain_number(choice.high)));
+                         exact_number(choice.low), exact_number(choice.high)));
   else if (!std::isfinite(choice.high - choice.low))
     at.error("the numbers differ by more than 1.8e308, the largest number that can be represented");
   else if (kind == ChoiceKind::log_uniform && choice.low <= 0)
-    at.error(fmt::format("both numbers must be above 0, found {} and {}", plain_number(choice.low),
-                         plain_number(choice.high)));
+    at.error(fmt::format("both numbers must be above 0, found {} and {}", exact_number(choice.low),
+                         exact_number(choice.high)));
   else if (kind == ChoiceKind::integers &&
            (std::max(-choice.low, choice.high) > k_exact || !is_whole(choice.low) || !is_whole(choice.high) ||
             choice.high - choice.low > k_most))
     at.error(fmt::format(
         "expected two whole numbers from -9e15 to 9e15 that differ by at most 2^31 - 1, found {} and {}",
-        plain_number(choice.low), plain_number(choice.high)));
+        exact_number(choice.low), exact_number(choice.high)));
   return choice;
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/limits.hpp"
+#include "base/split.hpp"
 #include "engine/kinds/sensor_params.hpp"
 #include "engine/sensing/shown_color.hpp"
 #include "engine/spec/names.hpp"
@@ -78,11 +79,7 @@ std::int32_t joint_of(const Json& json, const char* key, std::size_t known) {
 /// Returns the path in /state of the component of a joint.
 std::string component_of(std::string_view joint) {
   std::string component = "joint";
-  for (std::size_t start = 0; start <= joint.size();) {
-    const std::size_t end = std::min(joint.find('/', start), joint.size());
-    component += '/' + hdf5_name(joint.substr(start, end - start));
-    start = end + 1;
-  }
+  for (const std::string_view step : split(joint, '/')) component += '/' + hdf5_name(step);
   return component;
 }
 

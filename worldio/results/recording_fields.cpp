@@ -1,5 +1,6 @@
 #include "worldio/results/recording_fields.hpp"
 
+#include "base/split.hpp"
 #include "engine/spec/names.hpp"
 #include "worldio/files.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -70,11 +71,7 @@ std::vector<std::size_t> chosen_fields(const StateTable& table, std::span<const 
 /// Returns the path of a component in /state, as steps from the root of the file.
 std::vector<std::string> steps_of(std::string_view component) {
   std::vector<std::string> steps{"state"};
-  for (std::size_t start = 0; start <= component.size();) {
-    const std::size_t end = std::min(component.find('/', start), component.size());
-    steps.push_back(hdf5_name(component.substr(start, end - start)));
-    start = end + 1;
-  }
+  for (const std::string_view step : split(component, '/')) steps.push_back(hdf5_name(step));
   return steps;
 }
 

@@ -1,0 +1,26 @@
+#include "base/split.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace troupe {
+namespace {
+
+using testing::ElementsAre;
+
+TEST(Split, ReturnsThePartsBetweenTheSeparators) {
+  EXPECT_THAT(split("pose,ranges", ','), ElementsAre("pose", "ranges"));
+  EXPECT_THAT(split("state/joint/arm", '/'), ElementsAre("state", "joint", "arm"));
+  EXPECT_THAT(split("a b,c", ' '), ElementsAre("a", "b,c"));
+  EXPECT_THAT(split("pose", ','), ElementsAre("pose"));
+}
+
+TEST(Split, PartsMayBeEmpty) {
+  EXPECT_THAT(split("", ','), ElementsAre(""));
+  EXPECT_THAT(split(",", ','), ElementsAre("", ""));
+  EXPECT_THAT(split("a,,b", ','), ElementsAre("a", "", "b"));
+  EXPECT_THAT(split(",a,", ','), ElementsAre("", "a", ""));
+}
+
+}  // namespace
+}  // namespace troupe
