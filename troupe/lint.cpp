@@ -121,6 +121,7 @@ class Lint {
     check_controllers();
     check_sensors();
     check_radios();
+    check_grippers();
     check_floor_plans();
     check_window();
     check_interventions();
@@ -139,6 +140,7 @@ class Lint {
                     const Heights& visible);
   void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor, const engine::SoughtMarks& sought);
   void check_radios();
+  void check_grippers();
   void check_floor_plans();
   Result<> can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const;
   void check_who_stands_in(const std::vector<BodyId>& plans);
@@ -410,6 +412,24 @@ void Lint::check_radios() {
         fmt::format("radio \"{}\" of \"{}\" hears nothing: no other body has a radio on the channel \"{}\"{}",
                     radio.name, world_.types()[t].name, channel, known));
   });
+}
+
+/// Warns of grippers in worlds in which they can hold no body.
+void Lint::check_grippers() {
+  std::size_t held = 0;  // number of bodies that some gripper can hold
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    if (engine::can_be_gripped(spec_.types[t]))
+      for (const auto& [z, count] : levels_[t]) held += count;
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d) {
+      const engine::BodyType::Device& device = world_.types()[t].devices[d];
+      const std::size_t own = engine::can_be_gripped(spec_.types[t]) ? 1 : 0;
+      if (device.kind->name == "gripper" && held == own)
+        diagnostics_.warning(
+            spec_.types[t].devices[d].where,
+            fmt::format("gripper \"{}\" of \"{}\" can hold nothing: no other body has \"gripper_return\"",
+                        device.name, world_.types()[t].name));
+    }
 }
 
 /// Returns success if a floor plan can block a robot, else an error that states why it cannot. body: the

@@ -220,6 +220,27 @@ TEST_F(LintTest, ReportsRadiosThatCanHearNothing) {
                   "other.json: 1 finding"));
 }
 
+TEST_F(LintTest, ReportsGrippersThatCanHoldNothing) {
+  const auto world = [](const std::string& puck, const std::string& bot) {
+    return R"({ "troupe": 1, "types": {
+    "bot": {"size_m": [0.4, 0.4, 0.3])" +
+           bot + R"(, "drive": {"kind": "diff"}, "devices": [
+      {"name": "hand", "kind": "gripper", "pose": {"x_m": 0.3}} ]},
+    "puck": {"disc": {"radius_m": 0.05, "height_m": 0.1})" +
+           puck + R"(} },
+  "models": [
+    {"name": "r0", "type": "bot"},
+    {"name": "puck", "type": "puck", "pose": {"x_m": 3}} ] })";
+  };
+  const std::string is_gripped = R"(, "gripper_return": true)";
+  expect_nothing("grip.json", world(is_gripped, ""));
+  const std::string warning =
+      "w.json:3: warning: gripper \"hand\" of \"bot\" can hold nothing: no other body has \"gripper_return\"";
+  EXPECT_THAT(findings("w.json", world("", "")), ElementsAre(warning, "w.json: 1 finding"));
+  EXPECT_THAT(findings("w.json", world("", is_gripped)), ElementsAre(warning, "w.json: 1 finding"))
+      << "a gripper does not hold its own body";
+}
+
 TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
   const auto world = [](const std::string& post, const std::string& finder, const std::string& z = "0") {
     return R"({ "troupe": 1, "types": {
@@ -416,7 +437,7 @@ TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {
                  "  gripper( alwayson 1 update_interval 200 pose [0.4 0 0 0] )\n"
                  "  actuator( alwayson 1 update_interval 200 pose [-0.1 0 1 0] size [0.1 0.1 0.1] )\n"
                  "  blinkenlight( alwayson 1 update_interval 200 pose [-0.1 0.1 0 0] ) )\n"
-                 "model( pose [5 0 0 0] fiducial_return 1 )\n");
+                 "model( pose [5 0 0 0] fiducial_return 1 gripper_return 1 )\n");
   expect_nothing("energy.world",
                  "position( size [0.4 0.4 0.4] joules_capacity 100 alwayson 1\n"
                  "  model( size [0.1 0.1 0.1] take_watts 50 alwayson 1 ) )\n"
