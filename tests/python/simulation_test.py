@@ -168,6 +168,7 @@ class Loading(InAFolder):
             (lambda: world.picture(1.5), "width: found 1.5: give a whole number"),
             (lambda: world.find(3), "name: found 3: give a text"),
             (lambda: world.run_for(), 'run_for() needs the argument "seconds": give a number'),
+            (lambda: world.swarm().set_speeds(1), 'set_speeds() needs the argument "turn"'),
             (lambda: world.state_hash(3), "state_hash() takes at most 0 arguments without a name, found 1"),
             (lambda: troupe.Measures(world, 3), "wanted: found 3: give a list"),
             (lambda: world.spawn("r", (1, 2)), "pose: found (1, 2): give a troupe.Pose"),
