@@ -253,13 +253,14 @@ std::string_view first_characters(std::string_view text, std::size_t most) {
   return text.substr(0, most);
 }
 
-std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known) {
+std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known,
+                         std::string hint) {
   if (known.empty()) return fmt::format("unknown {} \"{}\"; no {} exists", what, name, what);
   const std::size_t listed = std::min(known.size(), k_names_listed);
   std::ranges::partial_sort(known, known.begin() + static_cast<std::ptrdiff_t>(listed));
   const std::string more =
       known.size() > listed ? fmt::format(" and {} more", known.size() - listed) : std::string();
-  const std::string hint = known.size() > k_names_compared ? std::string() : did_you_mean(name, known);
+  if (hint.empty() && known.size() <= k_names_compared) hint = did_you_mean(name, known);
   return fmt::format("unknown {} \"{}\"; known: {}{}{}", what, name,
                      comma_list(std::span(known).first(listed)), more, hint);
 }

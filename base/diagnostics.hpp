@@ -180,7 +180,9 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
 ///
 /// what: what the name stands for, here `drive`
 /// known: the allowed names, in any order
-std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
+/// hint: the suggestion, if it is not that of did_you_mean()
+std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known,
+                         std::string hint = {});
 /// Returns the member `name` of every object of a range, for unknown_name().
 template <class Range>
 std::vector<std::string_view> name_list(const Range& objects) {
