@@ -225,7 +225,12 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   const std::string_view* best = nullptr;
   std::size_t best_distance = 0;
   std::array<std::vector<std::size_t>, 3> rows;
+  const auto lower = [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   for (const std::string_view& name : known) {
+    if (std::ranges::equal(word, name, {}, lower, lower)) {
+      best = &name;
+      break;
+    }
     const auto [shorter, longer] = std::minmax({word.size(), name.size()});
     // A third of the letters may be wrong. Names of one or two letters get no suggestion.
     const std::size_t most = shorter / 3;
