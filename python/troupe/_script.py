@@ -216,6 +216,14 @@ class Memory(np.ndarray):  # type: ignore[type-arg]
         field.name = key
         return field
 
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f'the memory has no attribute "{name}": its fields are written as in memory["{name}"]')
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not hasattr(np.ndarray, name):  # NumPy would store the value in this array, which ends with the call of decide
+            self.__getattr__(name)
+        super().__setattr__(name, value)
+
     def __setitem__(self, key: Any, value: Any) -> None:
         if isinstance(key, str) and key in (self.dtype.names or ()):
             _require_fit(key, self.dtype[key].base, value)

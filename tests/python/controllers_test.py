@@ -537,6 +537,11 @@ class Controllers(InAFolder):
             with self.subTest(text=text), self.assertRaisesRegex(troupe.StepError, f"{error}: memory\\[.*{text}"):
                 troupe.Simulation("w.json", controllers=keeper).step()
 
+        for act in (lambda memory: memory.left, lambda memory: setattr(memory, "left", 1)):
+            acts.append(act)
+            with self.assertRaisesRegex(troupe.StepError, r'the memory has no attribute "left": .* memory\["left"\]$'):
+                troupe.Simulation("w.json", controllers=keeper).step()
+
         def fits(memory):
             memory["left"] = np.arange(30)
             memory["left"][:3] += 2**32 - 4
