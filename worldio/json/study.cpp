@@ -391,6 +391,7 @@ void StudyReader::read_measures(JsonObject& object) {
         return at.error(error);
     if (!is_of_world && !read_measure(at, registry_)) return;
     study_.measures.push_back(at.node().text() ? *at.node().text() : option_text(at.node()));
+    study_.where_measures.push_back(at.where());
   });
   each(object, "statistics", [&](const JsonCursor& at) {
     const Value name = read_value(at, {.name = "statistic",
