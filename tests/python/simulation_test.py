@@ -58,7 +58,7 @@ class Loading(InAFolder):
         near = troupe.Measures(numpy, [{"kind": "neighbours", "radius_m": np.float32(9)}])
         self.assertEqual(near.values(), troupe.Measures(plain, [{"kind": "neighbours", "radius_m": 9}]).values())
         for wrong in (1j, {1}, object(), np.array([1j])):
-            with self.assertRaisesRegex(TypeError, "^a [a-z]+ has no counterpart in JSON: give a dict, "):
+            with self.assertRaisesRegex(TypeError, "^a value of the type [a-z]+ has no counterpart in JSON: give a dict, "):
                 troupe.Simulation({**ROOM, "seed": wrong})
 
     def test_the_error_for_a_number_that_is_not_finite_names_its_place(self):
