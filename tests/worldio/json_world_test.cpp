@@ -836,10 +836,10 @@ TEST(JsonWorld, AKeyInAnUnknownUnitIsToldItsUnits) {
   EXPECT_THAT(found(R"(, "quit_time_min": 5)"), ends(R"( (did you mean "quit_time_s" or "quit_time_ms"?))"));
   EXPECT_THAT(found(R"(, "models": [{"name": "a", "type": "bot", "pose": {"x_ft": 3}}])"),
               ends(R"( (did you mean "x_m" or "x_cm" or "x_mm"?))"));
-  EXPECT_THAT(found("", R"(, "drive": {"kind": "diff", "pushes_kg": 3})"),
-              ends(R"( (did you mean "pushes"?))"));
-  EXPECT_THAT(found("", R"(, "drive": {"kind": "diff", "velocity_max_x_kmh": 3})"),
-              ends(R"( (did you mean "velocity_max_x_mps"?))"));
+  EXPECT_THAT(found("", R"(, "drive": {"kind": "diff", "speed_max_kmh": 3})"),
+              ends(R"( (did you mean "speed_max_mps"?))"));
+  EXPECT_THAT(found("", R"(, "sensors": [{"kind": "ranger", "transducers": [{"samples_kg": 3}]}])"),
+              ends(R"( (did you mean "samples"?))"));
   EXPECT_THAT(found(R"(, "sede": 3)"), ends(R"( (did you mean "seed"?))"));
 }
 
