@@ -222,7 +222,12 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   const std::string_view* best = nullptr;
   std::size_t best_distance = 0;
   std::array<std::vector<std::size_t>, 3> rows;
+  const auto lower = [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   for (const std::string_view& name : known) {
+    if (std::ranges::equal(word, name, {}, lower, lower)) {
+      best = &name;
+      break;
+    }
     const auto [shorter, longer] = std::minmax({word.size(), name.size()});
     // A third of the letters may be wrong. Names of one or two letters get no suggestion.
     const std::size_t most = shorter / 3;
@@ -252,13 +257,14 @@ std::string_view first_characters(std::string_view text, std::size_t most) {
   return text.substr(0, most);
 }
 
-std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known) {
+std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known,
+                         std::string hint) {
   if (known.empty()) return fmt::format("unknown {} \"{}\"; no {} exists", what, name, what);
   const std::size_t listed = std::min(known.size(), k_names_listed);
   std::ranges::partial_sort(known, known.begin() + static_cast<std::ptrdiff_t>(listed));
   const std::string more =
       known.size() > listed ? fmt::format(" and {} more", known.size() - listed) : std::string();
-  const std::string hint = known.size() > k_names_compared ? std::string() : did_you_mean(name, known);
+  if (hint.empty() && known.size() <= k_names_compared) hint = did_you_mean(name, known);
   return fmt::format("unknown {} \"{}\"; known: {}{}{}", what, name,
                      comma_list(std::span(known).first(listed)), more, hint);
 }

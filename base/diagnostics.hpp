@@ -170,9 +170,9 @@ class Diagnostics {
 /// Returns a suggestion such as ` (did you mean "omni"?)`, with a leading space. It contains the name in
 /// `known` that differs from `word` by the fewest edits; of several such names, the first. An edit inserts,
 /// deletes or replaces a letter, or swaps two adjacent letters. One edit is allowed for every three letters
-/// of the shorter of the two words: none for 2 letters, one for 3 to 5, two for 6 to 8. If no name is that
-/// similar, or if `word` is longer than 100 bytes, the result is empty. Names longer than 100 bytes are never
-/// suggested.
+/// of the shorter of the two words: none for 2 letters, one for 3 to 5, two for 6 to 8. If a name differs
+/// from `word` only in upper and lower case, the suggestion is this name. If no name is that similar, or if
+/// `word` is longer than 100 bytes, the result is empty. Names longer than 100 bytes are never suggested.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// Returns the message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean
 /// "diff"?)`. The message lists the first 50 known names in alphabetical order; if there are more, ` and N
@@ -181,7 +181,9 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
 ///
 /// what: what the name stands for, here `drive`
 /// known: the allowed names, in any order
-std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known);
+/// hint: the suggestion, if it is not that of did_you_mean()
+std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known,
+                         std::string hint = {});
 /// Returns the member `name` of every object of a range, for unknown_name().
 template <class Range>
 std::vector<std::string_view> name_list(const Range& objects) {

@@ -121,10 +121,12 @@ class Lint {
     check_controllers();
     check_sensors();
     check_radios();
+    check_grippers();
     check_floor_plans();
     check_window();
     check_interventions();
     check_selections();
+    check_base_types();
   }
 
  private:
@@ -139,12 +141,14 @@ class Lint {
                     const Heights& visible);
   void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor, const engine::SoughtMarks& sought);
   void check_radios();
+  void check_grippers();
   void check_floor_plans();
   Result<> can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const;
   void check_who_stands_in(const std::vector<BodyId>& plans);
   void check_window();
   void check_interventions();
   void check_selections();
+  void check_base_types();
 
   const engine::World& world_;
   const engine::WorldSpec& spec_;
@@ -412,6 +416,24 @@ void Lint::check_radios() {
   });
 }
 
+/// Warns of grippers in worlds in which they can hold no body.
+void Lint::check_grippers() {
+  std::size_t held = 0;  // number of bodies that some gripper can hold
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    if (engine::can_be_gripped(spec_.types[t]))
+      for (const auto& [z, count] : levels_[t]) held += count;
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d) {
+      const engine::BodyType::Device& device = world_.types()[t].devices[d];
+      const std::size_t own = engine::can_be_gripped(spec_.types[t]) ? 1 : 0;
+      if (device.kind->name == "gripper" && held == own)
+        diagnostics_.warning(
+            spec_.types[t].devices[d].where,
+            fmt::format("gripper \"{}\" of \"{}\" can hold nothing: no other body has \"gripper_return\"",
+                        device.name, world_.types()[t].name));
+    }
+}
+
 /// Returns success if a floor plan can block a robot, else an error that states why it cannot. body: the
 /// floor plan; plan: its part with the walls.
 Result<> Lint::can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const {
@@ -553,6 +575,36 @@ void Lint::check_selections() {
     check("faults", fault.whom, static_cast<std::size_t>(std::ranges::count_if(*bodies, starts)),
           fault.where);
   }
+}
+
+/// Warns of interventions, faults, measures and conditions that name a type without bodies that other types
+/// extend: they do not refer to the bodies of those types.
+void Lint::check_base_types() {
+  const auto warn = [&](const std::string& what, std::string_view name, Where where) {
+    if (!base_types_.contains(std::string(name))) return;
+    for (std::size_t t = 0; t < spec_.types.size(); ++t)
+      if (spec_.types[t].name == name && !levels_[t].empty()) return;
+    diagnostics_.warning(where,
+                         fmt::format("{}: no body has the type \"{}\"; bodies of a type that extends it "
+                                     "do not count",
+                                     what, name));
+  };
+  for (const engine::InterventionSpec& at : spec_.experiment.at)
+    if (at.setting)
+      warn("this entry of \"at\" has no effect", spec_.types[at.setting->type.index()].name, at.where);
+    else if (at.whom.by == engine::GroupSpec::By::type)
+      warn("this entry of \"at\" has no effect", at.whom.name, at.where);
+  for (const engine::FaultSpec& fault : spec_.experiment.faults)
+    if (fault.whom.by == engine::GroupSpec::By::type)
+      warn("this entry of \"faults\" has no effect", fault.whom.name, fault.where);
+  const auto check = [&](std::string_view what, const engine::MeasureSpec& measure) {
+    if (engine::robots_of(world_, measure.of).empty())  // else a population or a robot has this name
+      warn(fmt::format("the {} \"{}\" covers no robot", what, engine::measure_name(measure)), measure.of,
+           measure.where);
+  };
+  for (const engine::MeasureSpec& measure : spec_.measures) check("measure", measure);
+  for (const engine::StopSpec& condition : spec_.experiment.stop_when)
+    check("condition on", condition.measure);
 }
 
 /// Warns of conditions with the default parameters of a measure to which the world's list of measures gives

@@ -27,6 +27,16 @@ const engine::MeasureSpec* listed(const Simulation& simulation, const std::strin
   return found == specs.end() ? nullptr : &*found;
 }
 
+/// Returns the error about an unknown measure if its name resembles that of a measure which the world file
+/// lists; otherwise an empty text.
+std::string misspelled(const Simulation& simulation, const std::string& name) {
+  if (name.starts_with('{')) return {};  // not a name
+  std::vector<std::string> names;
+  for (const engine::MeasureSpec& spec : simulation.world().spec().measures)
+    if (!spec.name.empty()) names.push_back(spec.name);
+  return worldio::misspelled_measure(name, {names.begin(), names.end()}, simulation.registry());
+}
+
 std::vector<engine::MeasureSpec> specs_of(const Simulation& simulation,
                                           const std::vector<std::string>& wanted, Diagnostics& diagnostics) {
   if (are_of_world(simulation, wanted)) return simulation.world().spec().measures;
@@ -35,11 +45,15 @@ std::vector<engine::MeasureSpec> specs_of(const Simulation& simulation,
     for (const engine::MeasureKind& kind : simulation.registry().measures)
       if (kind.is_usual())
         specs.push_back({.kind = std::string(kind.name), .params = kind.params.defaults()});
-  for (const std::string& text : wanted)
+  for (const std::string& text : wanted) {
+    const std::string source = "measure " + text;
     if (const engine::MeasureSpec* of_world = listed(simulation, text))
       specs.push_back(*of_world);
-    else if (auto spec = worldio::parse_measure(text, "measure " + text, simulation.registry(), diagnostics))
+    else if (std::string error = misspelled(simulation, text); !error.empty())
+      diagnostics.error({diagnostics.files()->add(source), 0}, std::move(error));
+    else if (auto spec = worldio::parse_measure(text, source, simulation.registry(), diagnostics))
       specs.push_back(std::move(*spec));
+  }
   return specs;
 }
 

@@ -98,18 +98,24 @@ SweepIdentity unchecked_identity(const Study& study, const SweepOptions& options
   return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
 }
 
-/// Returns the errors of a run, one per line. A run sets each parameter of the study as `--set POINTER` does;
-/// in errors that name this option, the position of the parameter in the study file replaces the option.
-std::string at_parameters(const Study& study, const std::string& errors, const Diagnostics& diagnostics) {
+/// Returns the errors of a run, one per line, with positions in the study. A run sets each parameter of the
+/// study as `--set POINTER` does, and computes its measures as `--measure NAME` does: in errors that name
+/// such an option, the position of the parameter or of the measure in the study file replaces the option.
+std::string at_study(const Study& study, const std::string& errors, const Diagnostics& diagnostics) {
   std::string text;
   std::istringstream lines(errors);
   for (std::string line; std::getline(lines, line);) {
-    for (std::size_t p = 0; p < study.parameters.size(); ++p) {
-      const std::string mark = fmt::format("--set {}: error: ", study.parameters[p].pointer);
+    const auto place = [&](const std::string& source, const Where& where, const std::string& pointer) {
+      const std::string mark = source + ": error: ";
       if (line.starts_with(mark))
-        line = diagnostics.text({Severity::error, study.parameters[p].where,
-                                 fmt::format("/parameters/{}: {}", p, line.substr(mark.size()))});
-    }
+        line = diagnostics.text(
+            {Severity::error, where, fmt::format("{}: {}", pointer, line.substr(mark.size()))});
+    };
+    for (std::size_t p = 0; p < study.parameters.size(); ++p)
+      place("--set " + study.parameters[p].pointer, study.parameters[p].where,
+            fmt::format("/parameters/{}", p));
+    for (std::size_t m = 0; m < study.measures.size(); ++m)
+      place("measure " + study.measures[m], study.where_measures[m], fmt::format("/measures/{}", m));
     text += (text.empty() ? "" : "\n") + line;
   }
   return text;
@@ -127,7 +133,7 @@ SweepIdentity identify(const worldio::Study& study, const SweepOptions& options,
   try {
     identity = unchecked_identity(study, options, shows_warnings);
   } catch (const InputError& error) {
-    throw InputError(at_parameters(study, error.what(), diagnostics));
+    throw InputError(at_study(study, error.what(), diagnostics));
   }
   worldio::check_columns(study, identity.measures, diagnostics);
   diagnostics.throw_if_errors();

@@ -318,8 +318,10 @@ class TypeCompiler {
     Result<ControllerKind::Prepared> prepared =
         prepare_controller(*kind, controller, world_, spec_, type_, claimed_);
     if (!prepared) {
-      diagnostics_.error(controller.where,
-                         fmt::format("controller \"{}\" {}", controller.kind, prepared.error().text));
+      // A controller may lack a device only because this device has an error, which is already reported.
+      if (type_.devices.size() == spec_.devices.size())
+        diagnostics_.error(controller.where,
+                           fmt::format("controller \"{}\" {}", controller.kind, prepared.error().text));
       return;
     }
     if (prepared->devices.size() > k_most_devices_read) {

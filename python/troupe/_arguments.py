@@ -130,7 +130,8 @@ def _fault(name: str, signature: _Signature, given: Sequence[Any], named: Mappin
     values.update(named)
     for parameter in parameters.values():
         if parameter.is_required and parameter.name not in values:
-            return f'{name}() needs the argument "{parameter.name}": give {_words(parameter.kind)}'
+            words = "" if parameter.kind == "object" else f": give {_words(parameter.kind)}"
+            return f'{name}() needs the argument "{parameter.name}"{words}'
     fits = {each: _fits(parameters[each].kind, values[each]) for each in values if each in parameters}
     unsuitable = [each for each in fits if fits[each] is False] or [each for each in fits if fits[each] is None]
     if not unsuitable:  # only whole numbers can have a suitable type and still not fit, such as -1 for an index

@@ -11,8 +11,8 @@ import numpy as np
 def _plain(value: Any) -> Any:
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
-    raise TypeError(f"a {type(value).__name__} has no counterpart in JSON: give a dict, a list, a text, a number, a bool, "
-                    f"None or a NumPy array; found {value!r}")
+    raise TypeError(f"a value of the type {type(value).__name__} has no counterpart in JSON: give a dict, a list, a text, a "
+                    f"number, a bool, None or a NumPy array; found {value!r}")
 
 
 def _not_finite(value: Any, pointer: str) -> Optional[Tuple[str, float]]:

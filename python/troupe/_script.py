@@ -100,6 +100,17 @@ def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", na
     return declare if function is None else declare(function)
 
 
+def _attribute_hint(error: BaseException) -> str:
+    """Returns a hint for an unknown attribute: a similar one, and for the robots of a controller all that they have."""
+    name, owner = getattr(error, "name", None), getattr(error, "obj", None)  # since Python 3.10
+    if not isinstance(error, AttributeError) or name is None or owner is None:
+        return ""
+    known = [each for each in dir(owner) if not each.startswith("_")]
+    near = difflib.get_close_matches(name, known, 1)
+    return ((f"; known: {', '.join(known)}" if isinstance(owner, Robots) else "")
+            + (f' (did you mean "{near[0]}"?)' if near else ""))
+
+
 def _line_and_text(file: str, error: BaseException, trace: Optional[TracebackType]) -> Tuple[int, str]:
     path = os.path.abspath(file)
     if isinstance(error, SyntaxError) and error.filename and os.path.abspath(error.filename) == path:
@@ -107,7 +118,7 @@ def _line_and_text(file: str, error: BaseException, trace: Optional[TracebackTyp
     lines = [frame.lineno for frame in traceback.extract_tb(trace) if os.path.abspath(frame.filename) == path]
     if not lines and isinstance(error, ResultError):
         return error.lineno, str(error)
-    text = f": {error}" if str(error) else ""
+    text = f": {error}{_attribute_hint(error)}" if str(error) else ""
     return (lines[-1] or 0) if lines else 0, f"{type(error).__name__}{text}"
 
 
@@ -215,6 +226,14 @@ class Memory(np.ndarray):  # type: ignore[type-arg]
         field = value.view(_Field)
         field.name = key
         return field
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f'the memory has no attribute "{name}": its fields are written as in memory["{name}"]')
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not hasattr(np.ndarray, name):  # NumPy would store the value in this array, which ends with the call of decide
+            self.__getattr__(name)
+        super().__setattr__(name, value)
 
     def __setitem__(self, key: Any, value: Any) -> None:
         if isinstance(key, str) and key in (self.dtype.names or ()):

@@ -68,7 +68,10 @@ def replay(
         raise ValueError(f"replay(): the name of the page must end in .html, found {os.fspath(file)}")
     with tempfile.TemporaryDirectory() as folder:
         recording = os.path.join(folder, "run.h5")
-        self.record(recording, every_s=every_s, fields=list(fields))
+        try:
+            self.record(recording, every_s=every_s, fields=list(fields))
+        except (RuntimeError, ValueError) as error:
+            raise type(error)(str(error).replace(recording, "replay()")) from None
         try:
             self.run_for(seconds)
         finally:

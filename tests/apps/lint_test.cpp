@@ -220,6 +220,67 @@ TEST_F(LintTest, ReportsRadiosThatCanHearNothing) {
                   "other.json: 1 finding"));
 }
 
+TEST_F(LintTest, ReportsWhatNamesATypeThatOnlyOtherTypesHaveAsTheirBase) {
+  const auto world = [](const std::string& type, const std::string& robot) {
+    return R"({ "troupe": 1, "quit_time_s": 60, "types": {
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}},
+    "scout": {"extends": "bot"} },
+  "models": [ {"name": ")" +
+           robot + R"(", "type": "scout"} ],
+  "at": [
+    {"time_s": 1, "disable": {"type": ")" +
+           type + R"("}},
+    {"time_s": 2, "set": {"type": ")" +
+           type + R"(", "drive": {"velocity_max_x_mps": 0.1}}} ],
+  "faults": [
+    {"type": ")" +
+           type + R"(", "slow_wheels": {"factor": 0.5}} ],
+  "measures": [
+    "stalls:)" +
+           type + R"("],
+  "stop_when": [
+    "stalls:)" +
+           type + R"( > 0"] })";
+  };
+  expect_nothing("scout.json", world("scout", "r0"));
+  const std::string why = ": no body has the type \"bot\"; bodies of a type that extends it do not count";
+  const std::vector<std::string> of_groups{
+      "bot.json:6: warning: this entry of \"at\" has no effect" + why,
+      "bot.json:7: warning: this entry of \"at\" has no effect" + why,
+      "bot.json:9: warning: this entry of \"faults\" has no effect" + why,
+  };
+  std::vector<std::string> all = of_groups;
+  all.push_back("bot.json:11: warning: the measure \"stalls:bot\" covers no robot" + why);
+  all.push_back("bot.json:13: warning: the condition on \"stalls:bot\" covers no robot" + why);
+  all.emplace_back("bot.json: 5 findings");
+  EXPECT_EQ(findings("bot.json", world("bot", "r0")), all);
+  std::vector<std::string> without_measures = of_groups;
+  without_measures.emplace_back("bot.json: 3 findings");
+  EXPECT_EQ(findings("bot.json", world("bot", "bot1")), without_measures)
+      << "a measure also finds the population of this name";
+}
+
+TEST_F(LintTest, ReportsGrippersThatCanHoldNothing) {
+  const auto world = [](const std::string& puck, const std::string& bot) {
+    return R"({ "troupe": 1, "types": {
+    "bot": {"size_m": [0.4, 0.4, 0.3])" +
+           bot + R"(, "drive": {"kind": "diff"}, "devices": [
+      {"name": "hand", "kind": "gripper", "pose": {"x_m": 0.3}} ]},
+    "puck": {"disc": {"radius_m": 0.05, "height_m": 0.1})" +
+           puck + R"(} },
+  "models": [
+    {"name": "r0", "type": "bot"},
+    {"name": "puck", "type": "puck", "pose": {"x_m": 3}} ] })";
+  };
+  const std::string is_gripped = R"(, "gripper_return": true)";
+  expect_nothing("grip.json", world(is_gripped, ""));
+  const std::string warning =
+      "w.json:3: warning: gripper \"hand\" of \"bot\" can hold nothing: no other body has \"gripper_return\"";
+  EXPECT_THAT(findings("w.json", world("", "")), ElementsAre(warning, "w.json: 1 finding"));
+  EXPECT_THAT(findings("w.json", world("", is_gripped)), ElementsAre(warning, "w.json: 1 finding"))
+      << "a gripper does not hold its own body";
+}
+
 TEST_F(LintTest, ReportsFiducialFindersThatCanFindNothing) {
   const auto world = [](const std::string& post, const std::string& finder, const std::string& z = "0") {
     return R"({ "troupe": 1, "types": {
@@ -416,7 +477,7 @@ TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {
                  "  gripper( alwayson 1 update_interval 200 pose [0.4 0 0 0] )\n"
                  "  actuator( alwayson 1 update_interval 200 pose [-0.1 0 1 0] size [0.1 0.1 0.1] )\n"
                  "  blinkenlight( alwayson 1 update_interval 200 pose [-0.1 0.1 0 0] ) )\n"
-                 "model( pose [5 0 0 0] fiducial_return 1 )\n");
+                 "model( pose [5 0 0 0] fiducial_return 1 gripper_return 1 )\n");
   expect_nothing("energy.world",
                  "position( size [0.4 0.4 0.4] joules_capacity 100 alwayson 1\n"
                  "  model( size [0.1 0.1 0.1] take_watts 50 alwayson 1 ) )\n"

@@ -93,6 +93,16 @@ TEST_F(Sweep, ErrorsOfParametersNameTheirPlaceInTheStudy) {
   EXPECT_THAT(outcome.err, StartsWith("wrong.json:3: error: /parameters/1: the world has no key \"nix\""));
 }
 
+TEST_F(Sweep, ErrorsOfMeasuresNameTheirPlaceInTheStudy) {
+  write("wrong.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls",
+    "stalls:missing"]})");
+  const Outcome outcome = troupe({"sweep", "wrong.json", "-o", "out"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(
+      outcome.err,
+      StartsWith("wrong.json:2: error: /measures/1: unknown type or population of robots \"missing\""));
+}
+
 TEST_F(Sweep, GivesTheSameTableOnAnyThreadsAndInAnyParts) {
   ASSERT_EQ(troupe({"sweep", "study.json", "-o", "one", "--threads", "1"}).code, 0);
   ASSERT_EQ(troupe({"sweep", "study.json", "-o", "four", "--threads", "4"}).code, 0);

@@ -152,6 +152,13 @@ TEST(DidYouMean, DoesNotCompareLongNames) {
             fmt::format(" (did you mean \"{}\"?)", longest_compared));
 }
 
+TEST(DidYouMean, OverlooksUpperAndLowerCase) {
+  constexpr std::array<std::string_view, 4> k_names = {"ges", "gps", "odom", "x"};
+  EXPECT_EQ(did_you_mean("GPS", k_names), " (did you mean \"gps\"?)");
+  EXPECT_EQ(did_you_mean("X", k_names), " (did you mean \"x\"?)");
+  EXPECT_EQ(did_you_mean("GPX", k_names), "");
+}
+
 TEST(CommaList, JoinsNames) {
   EXPECT_EQ(comma_list(k_drives), "car, diff, omni, tricycle, velocity");
   EXPECT_EQ(comma_list({}), "");

@@ -474,6 +474,22 @@ TEST(World, AControllerWithoutItsSensorIsAnError) {
       "has no ranger");
 }
 
+TEST(World, AControllerIsNotToldToLackASensorThatHasAnError) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  Record beam = test::record(*test::registry().device("ranger")->params.fields[0].record,
+                             {{"range_min", 3.0}, {"range_max", 2.0}, {"apply_range_min", true}});
+  beam[0] = std::vector<Record>{{0.0, 0.0, 0.1, 0.0}};  // its pose
+  scene[type].devices = {
+      {.name = "eye", .kind = "ranger", .params = {std::vector<Record>{beam}, false}, .where = {}}};
+  scene[type].controllers = {test::controller("expand")};
+  Diagnostics diagnostics;
+  EXPECT_THROW(World(scene.spec, test::registry(), {.threads = 1}, diagnostics), InputError);
+  ASSERT_EQ(diagnostics.findings().size(), 1u);
+  EXPECT_THAT(diagnostics.text(diagnostics.findings()[0]),
+              testing::StartsWith("error: device \"eye\" has a range_min of 3 m"));
+}
+
 TEST(World, NamesAndAliases) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});

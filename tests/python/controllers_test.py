@@ -537,6 +537,11 @@ class Controllers(InAFolder):
             with self.subTest(text=text), self.assertRaisesRegex(troupe.StepError, f"{error}: memory\\[.*{text}"):
                 troupe.Simulation("w.json", controllers=keeper).step()
 
+        for act in (lambda memory: memory.left, lambda memory: setattr(memory, "left", 1)):
+            acts.append(act)
+            with self.assertRaisesRegex(troupe.StepError, r'the memory has no attribute "left": .* memory\["left"\]$'):
+                troupe.Simulation("w.json", controllers=keeper).step()
+
         def fits(memory):
             memory["left"] = np.arange(30)
             memory["left"][:3] += 2**32 - 4
@@ -642,6 +647,18 @@ except KeyboardInterrupt:
     def error_of(self, change, code, *more, text=ROAM):
         self.write("my.py", text.replace(*change))
         return self.troupe("run", "w.json", "--controller", "my.py", *more, code=code).stderr
+
+    @unittest.skipIf(sys.version_info < (3, 10), "this Python does not tell the name of the attribute")
+    def test_an_unknown_attribute_is_an_error_with_a_hint(self):
+        for statement, hint in (
+            ("robots.set_speed(1, 0)", "Robots' object has no attribute 'set_speed'; known: accelerate, bearings, [a-z_, ]*"
+             r'uniform \(did you mean "set_speeds"\?\)\n'),
+            ("robots.poses()", "has no attribute 'poses'; known: accelerate, [a-z_, ]*estimates, [a-z_, ]*uniform\n"),
+            ("np.zros(3)", r"module 'numpy' has no attribute 'zros' \(did you mean \"zeros\"\?\)\n"),
+        ):
+            found = self.error_of(('memory["steps"] += 1', statement), 1)
+            with self.subTest(statement):
+                self.assertRegex(found, "my.py:14: AttributeError: .*" + hint)
 
     def test_what_is_wrong_is_said_with_its_line(self):
         class_line = next(n for n, line in enumerate(ROAM.splitlines(), 1) if line.startswith("class "))

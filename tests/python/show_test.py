@@ -147,9 +147,13 @@ class Replay(InAFolder):
             simulation.replay("a.html", 1, fields="pose")
         with self.assertRaisesRegex(ValueError, "the name of the page must end in .html, found a.json"):
             simulation.replay("a.json", 1, replace=True)
-        with self.assertRaisesRegex(ValueError, "nonsense"):
+        with self.assertRaisesRegex(troupe.InputError, '^replay\\(\\): error: unknown field "nonsense"; known: '):
             simulation.replay("a.html", 1, fields=["nonsense"])
         self.assertEqual((simulation.tick, os.listdir()), (0, []))
+        simulation.record("run.h5")
+        with self.assertRaisesRegex(RuntimeError, r"^replay\(\): this run is already being recorded; call stop_recording"):
+            simulation.replay("a.html", 1)
+        self.assertEqual((simulation.tick, os.listdir()), (0, ["run.h5"]))
 
 
 class Notebook(InAFolder):

@@ -58,7 +58,7 @@ class Loading(InAFolder):
         near = troupe.Measures(numpy, [{"kind": "neighbours", "radius_m": np.float32(9)}])
         self.assertEqual(near.values(), troupe.Measures(plain, [{"kind": "neighbours", "radius_m": 9}]).values())
         for wrong in (1j, {1}, object(), np.array([1j])):
-            with self.assertRaisesRegex(TypeError, "^a [a-z]+ has no counterpart in JSON: give a dict, "):
+            with self.assertRaisesRegex(TypeError, "^a value of the type [a-z]+ has no counterpart in JSON: give a dict, "):
                 troupe.Simulation({**ROOM, "seed": wrong})
 
     def test_the_error_for_a_number_that_is_not_finite_names_its_place(self):
@@ -168,6 +168,7 @@ class Loading(InAFolder):
             (lambda: world.picture(1.5), "width: found 1.5: give a whole number"),
             (lambda: world.find(3), "name: found 3: give a text"),
             (lambda: world.run_for(), 'run_for() needs the argument "seconds": give a number'),
+            (lambda: world.swarm().set_speeds(1), 'set_speeds() needs the argument "turn"'),
             (lambda: world.state_hash(3), "state_hash() takes at most 0 arguments without a name, found 1"),
             (lambda: troupe.Measures(world, 3), "wanted: found 3: give a list"),
             (lambda: world.spawn("r", (1, 2)), "pose: found (1, 2): give a troupe.Pose"),

@@ -126,6 +126,18 @@ TEST_F(MeasuresOfASimulation, ListWhatIsWrong) {
   }
 }
 
+TEST_F(MeasuresOfASimulation, SuggestTheNameOfAMeasureThatTheWorldLists) {
+  Simulation world = simulation(make_registry(), R"([{"kind": "coverage", "name": "visited"}])");
+  try {
+    const Measures measures(world, {"visitd"});
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                testing::StartsWith("measure visitd: error: unknown measure \"visitd\"; known: "));
+    EXPECT_THAT(error.what(), testing::EndsWith(", visited (did you mean \"visited\"?)"));
+  }
+}
+
 /// The greatest x of all robots.
 class Front : public engine::Measure {
  public:

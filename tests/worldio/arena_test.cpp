@@ -376,6 +376,24 @@ TEST_F(IncludeTest, ErrorsOfExtends) {
       ElementsAre("maze.json:2: error: /types/a/extends: expected the name of a type, found the number 3"));
 }
 
+TEST_F(IncludeTest, AnEntryWithAMisspelledInheritedNameIsTold) {
+  const auto found = [&](const std::string& entry) {
+    return load(R"("types": {"base": {"size_m": [1, 1, 1],
+      "sensors": [{"name": "front", "kind": "ranger", "transducers": []}]},
+      "a": {"extends": "base", "sensors": [{"name": "front", "period_s": 1},
+        )" + entry +
+                "]}}")
+        .found;
+  };
+  EXPECT_THAT(
+      found(R"({"name": "fornt", "period_s": 1})"),
+      ElementsAre("maze.json:5: error: /types/a/sensors: the type inherits no entry \"fornt\" (did you "
+                  "mean \"front\"?); an entry with a new name needs a \"kind\""));
+  EXPECT_THAT(found(R"({"name": "rear", "period_s": 1})"),
+              ElementsAre(testing::StartsWith("maze.json:5: error: /types/a/sensors/1: missing \"kind\"")));
+  EXPECT_THAT(found(R"({"name": "frond", "kind": "ranger", "transducers": []})"), IsEmpty());
+}
+
 TEST_F(IncludeTest, AWrongBaseHidesNoOtherError) {
   EXPECT_THAT(
       load("\"types\": {\"a\": {\"extends\": \"b\"},\n\"b\": {\"extends\": \"a\", \"fidget\": 3}}").found,

@@ -148,6 +148,15 @@ TEST(ExperimentJson, ConditionsMayNameMeasuresOfTheWorld) {
   EXPECT_THAT(wrong.found, ElementsAre(HasSubstr("maze.json:10: error: /measures/0: ")));
 }
 
+TEST(ExperimentJson, AConditionOnAMisspelledMeasureOfTheWorldIsTold) {
+  const Loaded wrong(R"("measures": [{"kind": "coverage", "name": "visited"}],
+    "stop_when": ["visitd >= 0.9"])");
+  EXPECT_THAT(wrong.found,
+              ElementsAre(testing::AllOf(
+                  HasSubstr("maze.json:11: error: /stop_when/0: unknown measure \"visitd\"; known: alive, "),
+                  testing::EndsWith(", visited (did you mean \"visited\"?)"))));
+}
+
 TEST(ExperimentJson, WrongConditionsAreTold) {
   const auto found = [](const std::string& condition) {
     const Loaded loaded("\"stop_when\": [\n" + condition + "]");

@@ -266,5 +266,36 @@ TEST(JsonDocument, SetSaysWhatIsWrong) {
           "contain ~ only as ~0 or ~1"));
 }
 
+TEST(JsonDocument, SetNamesTheIndexOfAnEntryThatThePointerCallsByItsName) {
+  Parsed parsed(R"({"list": [3, {"name": 4}, {"kind": "x", "name": "eye"}]})");
+  for (const char* pointer : {"/list/eye/range_m", "/list/x", "/list/4"})
+    set_json_value(*parsed.root, pointer, "1", parsed.diagnostics);
+  const std::string neither = "is neither an index nor \"-\", which appends an entry";
+  EXPECT_THAT(
+      findings(parsed.diagnostics),
+      ElementsAre(
+          "--set /list/eye/range_m: error: /list is a list: \"eye\" " + neither +
+              "; the entry called \"eye\" is /list/2",
+          "--set /list/x: error: /list is a list: \"x\" " + neither,
+          "--set /list/4: error: /list is a list of length 3, whose entries are counted from 0: there "
+          "is no /list/4"));
+}
+
+TEST(JsonDocument, SetNamesTheTypeFromWhichATypeInheritsTheKeyOfThePointer) {
+  Parsed parsed(R"({"types": {"bot": {"drive": {}, "size_m": [1, 1, 1]}, "scout": {"extends": "bot"},
+      "spy": {"extends": "scout", "device": {}}, "a": {"extends": "b"}, "b": {"extends": "a"}}})");
+  for (const char* pointer :
+       {"/types/spy/drive/period_s", "/types/spy/devise/name", "/types/a/drive/period_s", "/types/spy/color"})
+    set_json_value(*parsed.root, pointer, "1", parsed.diagnostics);
+  EXPECT_THAT(
+      findings(parsed.diagnostics),
+      ElementsAre(
+          "--set /types/spy/drive/period_s: error: /types/spy has no key \"drive\" of its own: change "
+          "the inherited key in /types/bot, or add a \"drive\" to this type",
+          "--set /types/spy/devise/name: error: /types/spy has no key \"devise\" (did you mean "
+          "\"device\"?)",
+          "--set /types/a/drive/period_s: error: /types/a has no key \"drive\""));
+}
+
 }  // namespace
 }  // namespace troupe::worldio

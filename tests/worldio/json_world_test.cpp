@@ -829,6 +829,22 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
               ElementsAre("maze.json:1: error: expected an object, found a list of length 0"));
 }
 
+TEST(JsonWorld, AKeyInAnUnknownUnitIsToldItsUnits) {
+  const auto found = [](const std::string& keys, const std::string& of_bot = "") {
+    return Loaded(R"({"troupe": 1, "types": {"bot": {"size_m": [1, 1, 1])" + of_bot + "}}" + keys + "}")
+        .found;
+  };
+  const auto ends = [](const char* hint) { return ElementsAre(testing::EndsWith(hint)); };
+  EXPECT_THAT(found(R"(, "quit_time_min": 5)"), ends(R"( (did you mean "quit_time_s" or "quit_time_ms"?))"));
+  EXPECT_THAT(found(R"(, "models": [{"name": "a", "type": "bot", "pose": {"x_ft": 3}}])"),
+              ends(R"( (did you mean "x_m" or "x_cm" or "x_mm"?))"));
+  EXPECT_THAT(found("", R"(, "drive": {"kind": "diff", "speed_max_kmh": 3})"),
+              ends(R"( (did you mean "speed_max_mps"?))"));
+  EXPECT_THAT(found("", R"(, "sensors": [{"kind": "ranger", "transducers": [{"samples_kg": 3}]}])"),
+              ends(R"( (did you mean "samples"?))"));
+  EXPECT_THAT(found(R"(, "sede": 3)"), ends(R"( (did you mean "seed"?))"));
+}
+
 TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
   const auto file = write_picture("white.pgm", {"..", ".."});
   write_picture("dark.pgm", {"##", "#."});

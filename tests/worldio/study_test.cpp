@@ -273,7 +273,9 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(findings(diagnostics_), IsEmpty());
   EXPECT_THAT(wrong(R"("measures": ["coverag"])"), ElementsAre(HasSubstr("did you mean \"coverage\"?")));
   EXPECT_THAT(wrong(R"("measures": ["finer"])"),
-              ElementsAre(HasSubstr("study.json:2: error: /measures/0: unknown measure \"finer\"")));
+              ElementsAre(testing::AllOf(
+                  HasSubstr("study.json:2: error: /measures/0: unknown measure \"finer\"; known: alive, "),
+                  testing::EndsWith("(did you mean \"fine\"?)"))));
   {
     Diagnostics found;
     load_study_text(file_, R"({"troupe_study": 1, "world": 3, "measures": ["fine"]})", make_registry(),

@@ -198,6 +198,34 @@ std::optional<std::size_t> list_index(const std::string& token, std::size_t size
   return number_of<std::size_t>(token);
 }
 
+/// Returns a hint for a message about a pointer that contains the name of a list's entry in place of its
+/// index, with a leading "; ". Empty if no entry has this name. `path` is the pointer to the list.
+std::string index_hint(const JsonNode::List& list, const std::string& name, const std::string& path) {
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const JsonNode* entry_name = list[i].find("name");
+    if (entry_name && entry_name->text() && *entry_name->text() == name)
+      return fmt::format("; the entry called \"{}\" is {}/{}", name, path, i);
+  }
+  return {};
+}
+
+/// Returns a hint for a message about a key that a type does not have itself, but inherits by `extends`, with
+/// a leading space. Empty if no type from which it inherits has the key. `types` contains all types of the
+/// world.
+std::string base_hint(const JsonNode& types, const JsonNode& type, const std::string& key) {
+  const JsonNode* heir = &type;
+  for (std::size_t left = types.object() ? types.object()->size() : 0; left > 0; --left) {
+    const JsonNode* base = heir->find("extends");
+    if (!base || !base->text()) break;
+    heir = types.find(*base->text());
+    if (!heir) break;
+    if (heir->find(key))
+      return fmt::format(" of its own: change the inherited key in /types/{}, or add a \"{}\" to this type",
+                         escape_pointer_token(*base->text()), key);
+  }
+  return {};
+}
+
 }  // namespace
 
 const JsonNode* JsonNode::find(std::string_view key) const {
@@ -271,6 +299,7 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
   }
 
   JsonNode* at = &document;
+  const JsonNode* around = at;
   std::string path;
   for (std::size_t i = 0; i < tokens->size(); ++i) {
     const std::string& token = (*tokens)[i];
@@ -282,8 +311,8 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
       const auto index = list_index(token, list->size());
       if (!index) {
         diagnostics.error(
-            where, fmt::format("{} is a list: \"{}\" is neither an index nor \"-\", which appends an entry",
-                               parent, token));
+            where, fmt::format("{} is a list: \"{}\" is neither an index nor \"-\", which appends an entry{}",
+                               parent, token, index_hint(*list, token, parent)));
         return;
       }
       if (*index > list->size() || (*index == list->size() && !last)) {
@@ -293,16 +322,19 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
         return;
       }
       if (*index == list->size()) list->emplace_back();
+      around = at;
       at = &(*list)[*index];
     } else if (auto* members = std::get_if<JsonNode::Object>(&at->value)) {
       JsonNode* member = at->find(token);
       if (!member && !last) {
         std::vector<std::string_view> known;
         for (const JsonMember& m : *members) known.push_back(m.key);
-        diagnostics.error(where,
-                          fmt::format("{} has no key \"{}\"{}", parent, token, did_you_mean(token, known)));
+        const std::string inherited = base_hint(*around, *at, token);
+        diagnostics.error(where, fmt::format("{} has no key \"{}\"{}", parent, token,
+                                             inherited.empty() ? did_you_mean(token, known) : inherited));
         return;
       }
+      around = at;
       at = member ? member : &members->emplace_back(JsonMember{token, where, {}}).node;
     } else {
       diagnostics.error(where, fmt::format("{} is {}, not an object or a list: there is no {}", parent,

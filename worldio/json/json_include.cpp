@@ -365,6 +365,7 @@ class TypeMerger {
   void resolve(std::size_t type);
   std::optional<std::size_t> find_base(const JsonMember& type);
   void inherit(std::size_t type, std::size_t base);
+  void drop_misspelled_entries(JsonMember& heir, const JsonNode& base);
   /// Replaces the base of a type that cannot inherit, because its base is unknown or wrong.
   void replace_base(std::size_t type) {
     is_wrong_[type] = true;
@@ -440,6 +441,33 @@ std::optional<std::size_t> TypeMerger::find_base(const JsonMember& type) {
   return std::nullopt;
 }
 
+/// Reports the entries of the lists `sensors` and `devices` of an heir that have no kind, and whose name
+/// resembles that of an entry of the base type. Removes them: the reader would only report that they lack a
+/// kind.
+void TypeMerger::drop_misspelled_entries(JsonMember& heir, const JsonNode& base) {
+  constexpr std::size_t k_most_compared = 100;  // longer lists would take time
+  for (const char* key : {"sensors", "devices"}) {
+    JsonNode* own = heir.node.find(key);
+    const JsonNode* inherited = base.find(key);
+    if (!own || !own->list() || !inherited || !inherited->list()) continue;
+    std::vector<std::string_view> names;
+    for (const JsonNode& entry : *inherited->list())
+      if (const std::string* name = text_of(entry, "name")) names.push_back(*name);
+    if (names.size() > k_most_compared) continue;
+    std::erase_if(std::get<JsonNode::List>(own->value), [&](const JsonNode& entry) {
+      const std::string* name = text_of(entry, "name");
+      if (!name || entry.find("kind") || std::ranges::find(names, *name) != names.end()) return false;
+      const std::string hint = did_you_mean(*name, names);
+      if (hint.empty()) return false;
+      diagnostics_.error(entry.where,
+                         fmt::format("/types/{}/{}: the type inherits no entry \"{}\"{}; an entry with a new "
+                                     "name needs a \"kind\"",
+                                     escape_pointer_token(heir.key), key, *name, hint));
+      return true;
+    });
+  }
+}
+
 void TypeMerger::inherit(std::size_t type, std::size_t base) {
   JsonMember& heir = types_[type];
   JsonNode inherited = types_[base].node;
@@ -462,6 +490,7 @@ void TypeMerger::inherit(std::size_t type, std::size_t base) {
   Members& members = *members_of(&inherited);
   remove_key(members, "name");
   if (heir.node.find("kind")) remove_key(members, "kind");
+  drop_misspelled_entries(heir, inherited);
   merge(heir.node, inherited);
   if (!has_any_shape(inherited) && !has_any_shape(heir.node)) add_missing_size(heir.node, where);
 }

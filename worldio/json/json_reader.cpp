@@ -1,10 +1,32 @@
 #include "worldio/json/json_reader.hpp"
 
+#include "engine/fields/fields.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 
 namespace troupe::worldio {
+namespace {
+
+/// Returns a suggestion for an unknown key that differs from known keys only in its unit, such as
+/// `quit_time_min`. Empty if there are no such keys. did_you_mean() would suggest `quit_time_ms`.
+std::string unit_hint(std::string_view key, const std::vector<std::string>& known) {
+  std::vector<std::string> near;
+  const auto add_if_known = [&](std::string candidate) {
+    if (std::ranges::find(known, candidate) != known.end()) near.push_back(std::move(candidate));
+  };
+  const std::string_view name = key.substr(0, key.rfind('_'));
+  for (auto unit = engine::Unit::meters; unit <= engine::Unit::watts;
+       unit = static_cast<engine::Unit>(static_cast<int>(unit) + 1))
+    for (const engine::UnitSuffix& in : engine::unit_suffixes(unit)) {
+      add_if_known(std::string(name) + std::string(in.suffix));
+      if (key.ends_with(in.suffix)) add_if_known(std::string(key.substr(0, key.size() - in.suffix.size())));
+    }
+  return near.empty() ? std::string() : fmt::format(" (did you mean \"{}\"?)", fmt::join(near, "\" or \""));
+}
+
+}  // namespace
 
 std::string DocumentPath::pointer() const {
   if (!parent_) return {};
@@ -45,7 +67,8 @@ void JsonObject::finish() const {
   for (const JsonMember& member : *members_)
     if (std::ranges::find(known_, member.key) == known_.end())
       at_.error_at(member.where, unknown_name("key", member.key,
-                                              std::vector<std::string_view>(known_.begin(), known_.end())));
+                                              std::vector<std::string_view>(known_.begin(), known_.end()),
+                                              unit_hint(member.key, known_)));
 }
 
 const JsonNode::List* read_list(const JsonCursor& at) {

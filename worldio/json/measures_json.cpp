@@ -25,4 +25,15 @@ std::optional<engine::MeasureSpec> parse_measure(const std::string& text, const 
   return node ? read_measure(JsonCursor(*node, diagnostics), registry) : std::nullopt;
 }
 
+std::string misspelled_measure(const std::string& name, std::vector<std::string_view> listed,
+                               const engine::Registry& registry) {
+  const std::vector<std::string_view> kinds = name_list(registry.measures);
+  if (did_you_mean(name, listed).empty() || !did_you_mean(name, kinds).empty()) return {};
+  for (std::size_t end = name.find(':'); end != name.npos; end = name.find(':', end + 1))
+    if (registry.find_measure(name.substr(0, end))) return {};  // "stalls:leaders", "plug_in:measure:leaders"
+  if (registry.find_measure(name)) return {};
+  listed.insert(listed.end(), kinds.begin(), kinds.end());
+  return unknown_name("measure", name, std::move(listed));
+}
+
 }  // namespace troupe::worldio

@@ -7,6 +7,8 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace troupe::worldio {
 
@@ -27,5 +29,11 @@ std::optional<engine::MeasureSpec> read_measure(const JsonCursor& at, const engi
 /// as "--measure", in place of a file.
 std::optional<engine::MeasureSpec> parse_measure(const std::string& text, const std::string& source,
                                                  const engine::Registry& registry, Diagnostics& diagnostics);
+
+/// Returns an error message if `name` is no kind of measure, resembles no kind, but resembles one of the
+/// names `listed` that the list `measures` of the world gives to its measures. Otherwise returns an empty
+/// text; the functions above then say what is wrong with the name.
+std::string misspelled_measure(const std::string& name, std::vector<std::string_view> listed,
+                               const engine::Registry& registry);
 
 }  // namespace troupe::worldio

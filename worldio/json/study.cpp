@@ -385,8 +385,13 @@ void StudyReader::read_measures(JsonObject& object) {
         if (const std::optional<std::string> world = text_of_world()) names = measure_names(*world);
       is_of_world = !names || names->contains(*text);
     }
+    if (!is_of_world && text && names)
+      if (const std::string error = misspelled_measure(*text, {names->begin(), names->end()}, registry_);
+          !error.empty())
+        return at.error(error);
     if (!is_of_world && !read_measure(at, registry_)) return;
     study_.measures.push_back(at.node().text() ? *at.node().text() : option_text(at.node()));
+    study_.where_measures.push_back(at.where());
   });
   each(object, "statistics", [&](const JsonCursor& at) {
     const Value name = read_value(at, {.name = "statistic",

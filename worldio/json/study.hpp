@@ -49,6 +49,7 @@ struct Study {
   /// name of a measure that the world lists. Empty: the measures of the world or, if it has none, all
   /// measures that need no parameters.
   std::vector<std::string> measures;
+  std::vector<Where> where_measures;  ///< positions of `measures` in the study, for messages
   std::vector<Statistic> statistics;  ///< the statistics of each measure; load_study() sets at least one
   double measure_every_s = 1;  ///< simulated time between measurements, s; 0: every tick (simulation step)
   bool series = false;         ///< whether all measurements are also stored, in a separate table

@@ -8,6 +8,7 @@
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
+#include "worldio/json/measures_json.hpp"
 #include "worldio/json/read_document.hpp"
 #include "worldio/json/wall_line.hpp"
 #include "worldio/load.hpp"
@@ -285,19 +286,29 @@ constexpr std::string_view k_condition =
     "a condition on a measure, as in \"coverage >= 0.9\", with one of <, <=, >, >=, ==, != and a number";
 constexpr std::string_view k_comparison_pattern = "(<|<=|>|>=|==|!=) *[-+0-9.eE]+ *$";
 
+/// Returns the entries of the world's list `measures` that have a key `name`, each with this name, for the
+/// condition at `at`.
+std::vector<std::pair<std::string_view, const JsonNode*>> named_measures(const JsonCursor& at) {
+  const JsonCursor* world = at.parent() ? at.parent()->parent() : nullptr;
+  const JsonNode* measures = world ? world->node().find("measures") : nullptr;
+  std::vector<std::pair<std::string_view, const JsonNode*>> named;
+  if (!measures || !measures->list()) return named;
+  for (const JsonNode& entry : *measures->list())
+    if (const JsonNode* name = entry.find("name"); name && name->text())
+      named.emplace_back(*name->text(), &entry);
+  return named;
+}
+
 /// Returns the entry of the world's list `measures` with the key `name`, for the condition at `at`. Returns
 /// nothing if there is none, or if `name` is the name of a kind of measure.
 std::optional<MeasureDocument> measure_of_world(const JsonCursor& at, const std::string& name,
                                                 const Registry& registry) {
-  const JsonCursor* world = at.parent() ? at.parent()->parent() : nullptr;
-  const JsonNode* measures = world ? world->node().find("measures") : nullptr;
-  if (!measures || !measures->list()) return std::nullopt;
-  for (const JsonNode& entry : *measures->list()) {
-    const JsonNode* given = entry.find("name");
-    if (!given || !given->text() || *given->text() != name) continue;
+  for (const auto& [given, entry] : named_measures(at)) {
+    if (given != name) continue;
     if (registry.find_measure(name) || registry.find_measure(name.substr(0, name.find(':')))) break;
     Diagnostics reported;  // errors of the entry are reported where the list `measures` is read
-    return read_document<MeasureDocument>(JsonCursor(entry, reported), {registry, LoadOptions().most_bodies});
+    return read_document<MeasureDocument>(JsonCursor(*entry, reported),
+                                          {registry, LoadOptions().most_bodies});
   }
   return std::nullopt;
 }
@@ -317,7 +328,13 @@ void read_condition_text(const JsonCursor& at, const std::string& text, const Re
     return;  // the name may be that of a measure of the world that could not be read
   MeasureDocument& measure = condition.measure.emplace(listed.value_or(MeasureDocument()));
   measure.where = at.where();
-  if (!listed) read_measure_text(at, name, registry, &measure);
+  if (!listed) {
+    std::vector<std::string_view> names;
+    for (const auto& [given, entry] : named_measures(at)) names.push_back(given);
+    if (const std::string error = misspelled_measure(name, std::move(names), registry); !error.empty())
+      return at.error(error);
+    read_measure_text(at, name, registry, &measure);
+  }
   if (at.diagnostics().findings().size() > before) return;
   condition.is = read_comparison(at, compares);
 }
