@@ -516,6 +516,30 @@ class OnProcesses:
         self.assertRegex(done.stderr, r"troupe: error: rank 1 on \S+: .*walker")
         self.assertFalse((self.folder / "results" / "table.csv").exists())
 
+    def sweep_of_two(self, mount):
+        """Runs a study of eight runs on two processes. On rank 1, the command `mount` changes the files first."""
+        if os.geteuid() != 0:
+            self.skipTest("NOT TESTED: other files on one of two processes: this needs root")
+        self.write_study(for_s=1, count=4)
+        arguments = [PROGRAM, "sweep", "study.json", "-o", "results", "--threads", "1", "--quiet"]
+        done = self.call([self.launcher, *self.launcher_options, "-n", "1", *arguments, ":", "-n", "1", "unshare", "--mount", "sh", "-c",
+                          mount + ' && exec "$@"', "sh", *arguments])
+        self.assertNotEqual(done.returncode, 0)
+        self.assertFalse((self.folder / "results" / "table.csv").exists())
+        return done.stderr
+
+    def test_files_of_a_study_that_differ_between_processes_are_an_error(self):
+        (self.folder / "other.json").write_text(WORLD.replace("0.31", "0.35"))
+        errors = self.sweep_of_two("mount --bind other.json room.json")
+        self.assertRegex(errors, r"rank 1 on \S+: study\.json: error: this study, its world, or an image, plug-in or script of it "
+                                 r"differs from that of rank 0: give all processes the same files\n")
+
+    def test_a_folder_that_the_processes_do_not_share_is_an_error(self):
+        (self.folder / "results").mkdir()
+        errors = self.sweep_of_two("mount -t tmpfs none results")
+        self.assertIn("results: error: the results of 4 finished runs are missing, so there is no table: either this folder is not "
+                      "on a file system that all processes share, or another program has removed or replaced files", errors)
+
     def test_a_process_that_does_not_answer_ends_a_study(self):
         self.write_study(for_s=1e7, count=2)
         sweep = self.start(self.command(3, "sweep", "study.json", "-o", "parts", "--threads", 1, "--rank-limit", 4, "--quiet"))
