@@ -179,7 +179,7 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     fmt::print(stderr, "{}\n", error.what());
     return k_bad_input;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}", error_line(error.what()));
+    fmt::print(stderr, "{}", error_line(exception_text(error)));
     return k_failed;
   } catch (...) {  // a plug-in may throw anything
     fmt::print(

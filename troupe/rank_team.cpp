@@ -85,7 +85,7 @@ struct RankTeam::Impl {
         replica_here.follow(received.order, received.rest);
       }
     } catch (const std::exception& error) {
-      mailboxes.close(fmt::format("rank {} failed: {}", rank, error.what()));
+      mailboxes.close(fmt::format("rank {} failed: {}", rank, exception_text(error)));
     } catch (...) {  // for example of a plug-in
       mailboxes.close(
           fmt::format("rank {} failed: it threw an exception that is not a std::exception", rank));

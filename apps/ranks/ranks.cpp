@@ -382,7 +382,7 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
     std::this_thread::sleep_for(grace(limit_s));
     _exit(k_failed);
   } catch (const std::exception& error) {
-    end_at_once(launcher.rank, error.what());
+    end_at_once(launcher.rank, exception_text(error));
   } catch (...) {
     end_at_once(launcher.rank,
                 "unknown exception (not derived from std::exception); a plug-in may have thrown it");

@@ -31,6 +31,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <new>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -839,6 +840,20 @@ TEST_F(RanksOfAProgram, EndIfTheyCannotBeMade) {
   };
   const fs::path file = write("room.json", k_wanderers);
   EXPECT_THROW(Simulation(file, options), std::runtime_error);
+}
+
+TEST_F(RanksOfAProgram, SayWhichOfThemHasNotEnoughMemory) {
+  SimulationOptions options;
+  options.threads = 1;
+  options.ranks = 3;
+  options.rank_clock = [](unsigned rank) -> double { return rank == 1 ? throw std::bad_alloc() : 0.0; };
+  try {
+    Simulation simulation(write("room.json", k_wanderers), options);  // may already throw
+    simulation.step();
+    ADD_FAILURE();
+  } catch (const std::exception& error) {
+    EXPECT_THAT(error.what(), HasSubstr("rank 1 failed: not enough memory"));
+  }
 }
 
 TEST_F(RanksOfAProgram, AreOneTo1024) {
