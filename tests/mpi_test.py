@@ -283,6 +283,15 @@ class OnProcesses:
                 self.assertGreater(summary["rank_waited_s"], 0)
                 self.assertLessEqual(summary["rank_waited_s"], summary["wall_s"])
 
+    def test_ranks_that_share_processors_divide_them(self):
+        processors = sorted(os.sched_getaffinity(0))
+        if len(processors) < 3:
+            self.skipTest("NOT TESTED: ranks that share a part of the processors: this needs three processors")
+        shared = ",".join(map(str, processors[:2]))
+        done = self.call([self.launcher, *self.launcher_options, "-n", "2", "taskset", "-c", shared, PROGRAM, "run", "room.json",
+                          "--for", "0.2", "--json"])
+        self.assertEqual(self.threads_of(done), 1)
+
     def test_a_rank_that_is_bound_to_one_core_is_a_warning(self):
         cores = len(os.sched_getaffinity(0))
         if cores < 2 or os.geteuid() != 0:
