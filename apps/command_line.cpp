@@ -164,6 +164,7 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
       std::vector<std::string> arguments = split_arguments(app, argc, argv);
       std::ranges::reverse(arguments);  // as CLI11 expects them
       app.parse(std::move(arguments));
+      if (python_is_wanted()) run_in_python(argc, argv);
     } catch (const CLI::ParseError& error) {
       const bool is_help = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
       if (is_help) return prints_for_all_ranks() ? told(app.exit(error)) : k_finished;
@@ -173,13 +174,12 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
       print_usage_error(fmt::format("{}\n", error.what()));
       return k_bad_input;
     }
-    if (python_is_wanted()) run_in_python(argc, argv);
     return told(run_command(app, commands, limit));
   } catch (const InputError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return k_bad_input;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}", error_line(error.what()));
+    fmt::print(stderr, "{}", error_line(exception_text(error)));
     return k_failed;
   } catch (...) {  // a plug-in may throw anything
     fmt::print(

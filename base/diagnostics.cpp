@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 #include <numeric>
 #include <utility>
 
@@ -248,6 +249,10 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
 
 std::string comma_list(std::span<const std::string_view> names) {
   return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string exception_text(const std::exception& error) {
+  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ? "not enough memory" : error.what();
 }
 
 std::string_view first_characters(std::string_view text, std::size_t most) {

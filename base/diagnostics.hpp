@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <map>
 #include <memory>
@@ -193,6 +194,9 @@ std::vector<std::string_view> name_list(const Range& objects) {
 }
 /// Returns the names joined as `a, b, c`; empty without names.
 std::string comma_list(std::span<const std::string_view> names);
+/// Returns the text of an exception for a message: `not enough memory` for std::bad_alloc, whose own text is
+/// only the name of its class; otherwise what().
+std::string exception_text(const std::exception& error);
 /// Returns the beginning of a text in UTF-8: as many whole characters as fit in `most` bytes.
 std::string_view first_characters(std::string_view text, std::size_t most);
 

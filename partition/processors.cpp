@@ -3,6 +3,7 @@
 #include "base/number_text.hpp"
 #include "base/split.hpp"
 
+#include <fmt/format.h>
 #include <sched.h>
 
 #include <algorithm>
@@ -18,9 +19,10 @@ namespace troupe::partition {
 namespace fs = std::filesystem;
 namespace {
 
-/// The number of processors in the affinity mask of the calling thread, or of all processors of the machine
-/// if the system does not report the mask.
-unsigned affine_processors() {
+/// Calls visit() with the affinity mask of the calling thread and its size in bytes, if the system reports
+/// the mask.
+template <class Visit>
+void visit_affinity(Visit&& visit) {
   constexpr int k_most_processors = 1 << 20;
   // The kernel rejects a mask that is smaller than its own but does not report the size of its own, so larger
   // masks are tried.
@@ -28,10 +30,18 @@ unsigned affine_processors() {
     const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> mask(CPU_ALLOC(bits),
                                                                 [](cpu_set_t* m) { CPU_FREE(m); });
     const std::size_t bytes = CPU_ALLOC_SIZE(bits);
-    if (mask && sched_getaffinity(0, bytes, mask.get()) == 0)
-      return static_cast<unsigned>(CPU_COUNT_S(bytes, mask.get()));
+    if (mask && sched_getaffinity(0, bytes, mask.get()) == 0) return visit(*mask, bytes);
   }
-  return std::thread::hardware_concurrency();
+}
+
+/// The number of processors in the affinity mask of the calling thread, or of all processors of the machine
+/// if the system does not report the mask.
+unsigned affine_processors() {
+  unsigned count = std::thread::hardware_concurrency();
+  visit_affinity([&](const cpu_set_t& mask, std::size_t bytes) {
+    count = static_cast<unsigned>(CPU_COUNT_S(bytes, &mask));
+  });
+  return count;
 }
 
 std::string first_line(const fs::path& file) {
@@ -107,6 +117,16 @@ std::optional<double> processor_quota(const fs::path& root) {
     }
   }
   return least;
+}
+
+std::string affinity_list() {
+  std::string list;
+  visit_affinity([&](const cpu_set_t& mask, std::size_t bytes) {
+    for (std::size_t processor = 0; processor < 8 * bytes; ++processor)
+      if (CPU_ISSET_S(processor, bytes, &mask))
+        list += fmt::format("{}{}", list.empty() ? "" : " ", processor);
+  });
+  return list;
 }
 
 unsigned processors_allowed() {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace troupe::partition {
 
@@ -10,6 +11,10 @@ namespace troupe::partition {
 /// processor_quota(), rounded up. The result may be far below the number of processors of the machine. Reads
 /// a few small files.
 unsigned processors_allowed();
+
+/// Lists the processors in the affinity mask of the calling thread: `0 1 6` for the processors 0, 1 and 6.
+/// Empty if the system does not report the mask.
+std::string affinity_list();
 
 /// The processor time that Linux control groups (cgroups) grant this process, in processors: 1.5 means 150 ms
 /// of processor time per 100 ms of wall time. The process's group and each ancestor of this group may set a

@@ -283,6 +283,15 @@ class OnProcesses:
                 self.assertGreater(summary["rank_waited_s"], 0)
                 self.assertLessEqual(summary["rank_waited_s"], summary["wall_s"])
 
+    def test_ranks_that_share_processors_divide_them(self):
+        processors = sorted(os.sched_getaffinity(0))
+        if len(processors) < 3:
+            self.skipTest("NOT TESTED: ranks that share a part of the processors: this needs three processors")
+        shared = ",".join(map(str, processors[:2]))
+        done = self.call([self.launcher, *self.launcher_options, "-n", "2", "taskset", "-c", shared, PROGRAM, "run", "room.json",
+                          "--for", "0.2", "--json"])
+        self.assertEqual(self.threads_of(done), 1)
+
     def test_a_rank_that_is_bound_to_one_core_is_a_warning(self):
         cores = len(os.sched_getaffinity(0))
         if cores < 2 or os.geteuid() != 0:
@@ -344,10 +353,8 @@ class OnProcesses:
         self.refused(self.run_on(2), "Usage: ")
 
     def test_controllers_in_python_are_refused(self):
-        done = self.run_on(2, "run", "room.json", "--controller", "my.py")
-        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
-        self.assertIn("--controller works only in one process, but mpirun of", done.stderr)
-        self.assertEqual([file.name for file in self.folder.iterdir()], ["room.json"])
+        self.refused(self.run_on(2, "run", "room.json", "--controller", "my.py"),
+                     "--controller works only in one process, but mpirun of")
 
     def test_ranks_in_one_process_are_refused(self):
         self.refused(self.run_on(2, "run", "room.json", "--ranks", 2), "leave out --ranks")
@@ -515,6 +522,30 @@ class OnProcesses:
         self.assertNotEqual(done.returncode, 0)
         self.assertRegex(done.stderr, r"troupe: error: rank 1 on \S+: .*walker")
         self.assertFalse((self.folder / "results" / "table.csv").exists())
+
+    def sweep_of_two(self, mount):
+        """Runs a study of eight runs on two processes. On rank 1, the command `mount` changes the files first."""
+        if os.geteuid() != 0:
+            self.skipTest("NOT TESTED: other files on one of two processes: this needs root")
+        self.write_study(for_s=1, count=4)
+        arguments = [PROGRAM, "sweep", "study.json", "-o", "results", "--threads", "1", "--quiet"]
+        done = self.call([self.launcher, *self.launcher_options, "-n", "1", *arguments, ":", "-n", "1", "unshare", "--mount", "sh", "-c",
+                          mount + ' && exec "$@"', "sh", *arguments])
+        self.assertNotEqual(done.returncode, 0)
+        self.assertFalse((self.folder / "results" / "table.csv").exists())
+        return done.stderr
+
+    def test_files_of_a_study_that_differ_between_processes_are_an_error(self):
+        (self.folder / "other.json").write_text(WORLD.replace("0.31", "0.35"))
+        errors = self.sweep_of_two("mount --bind other.json room.json")
+        self.assertRegex(errors, r"rank 1 on \S+: study\.json: error: this study, its world, or an image, plug-in or script of it "
+                                 r"differs from that of rank 0: give all processes the same files\n")
+
+    def test_a_folder_that_the_processes_do_not_share_is_an_error(self):
+        (self.folder / "results").mkdir()
+        errors = self.sweep_of_two("mount -t tmpfs none results")
+        self.assertIn("results: error: the results of 4 finished runs are missing, so there is no table: either this folder is not "
+                      "on a file system that all processes share, or another program has removed or replaced files", errors)
 
     def test_a_process_that_does_not_answer_ends_a_study(self):
         self.write_study(for_s=1e7, count=2)

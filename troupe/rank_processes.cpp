@@ -179,7 +179,7 @@ void RankProcesses::follow(const std::vector<std::filesystem::path>& plugin_path
       } catch (const std::exception& error) {
         followers.erase(number);
         answer = begin_message(Order::failed, number);
-        answer.put_text(error.what());
+        answer.put_text(exception_text(error));
       }
       transport_.send(0, std::move(answer));
     } else if (order == Order::drop) {

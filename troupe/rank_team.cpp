@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <exception>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,17 @@ using engine::Order;
 using partition::Transport;
 
 constexpr std::uint32_t k_world = 0;  // number of the only world of these ranks
+
+std::unique_ptr<partition::JobThread> make_thread(unsigned rank, unsigned ranks) {
+  try {
+    return std::make_unique<partition::JobThread>(1);
+  } catch (const std::system_error& error) {
+    throw partition::RankError(
+        fmt::format("{} ranks: the system allows no thread for rank {} ({}): use fewer ranks, or raise the "
+                    "limits on threads and memory of this process",
+                    ranks, rank, error.code().message()));
+  }
+}
 
 }  // namespace
 
@@ -56,7 +68,7 @@ struct RankTeam::Impl {
                         .requests = {}} {
     try {
       for (unsigned rank = 1; rank < options.ranks; ++rank) {
-        threads.push_back(std::make_unique<partition::JobThread>(1));
+        threads.push_back(make_thread(rank, options.ranks));
         threads.back()->add([this, &lead, &registry, world, rank] { follow(lead, registry, world, rank); });
       }
       for (unsigned rank = 1; rank < options.ranks; ++rank) mailboxes.of(0).receive(rank);  // rank is ready
@@ -85,7 +97,7 @@ struct RankTeam::Impl {
         replica_here.follow(received.order, received.rest);
       }
     } catch (const std::exception& error) {
-      mailboxes.close(fmt::format("rank {} failed: {}", rank, error.what()));
+      mailboxes.close(fmt::format("rank {} failed: {}", rank, exception_text(error)));
     } catch (...) {  // for example of a plug-in
       mailboxes.close(
           fmt::format("rank {} failed: it threw an exception that is not a std::exception", rank));

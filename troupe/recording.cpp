@@ -225,7 +225,9 @@ void Recording::observe(const Simulation& simulation) {
   simulation.world().require_whole();
   if (!impl_->writer.is_open()) return;
   impl_->require_same_run(simulation);
-  if (impl_->writer.due(simulation.tick())) impl_->writer.record(simulation.world(), simulation.state_hash());
+  if (!impl_->writer.due(simulation.tick())) return;
+  simulation.world().gather_distributed();
+  impl_->writer.record(simulation.world(), simulation.state_hash());
 }
 
 void Recording::flush() { impl_->writer.flush(); }

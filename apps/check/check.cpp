@@ -268,6 +268,11 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
         "troupe check: error: only one run is requested, so there is nothing to compare: give several "
         "numbers of threads, as in --threads 1,8 (--ranks, --tile-size, --amnesia, --reach and --controllers "
         "also add runs)");
+  if (options.simulation.distribute && !options.simulation.processes && std::ranges::max(options.ranks) < 2)
+    throw InputError(
+        "--distribute: error: no run of this check has several ranks, so no robots would be distributed: "
+        "give "
+        "numbers of ranks, as in --ranks 2,3");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
   for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);

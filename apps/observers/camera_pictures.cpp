@@ -109,6 +109,7 @@ CameraPictures::CameraPictures(std::filesystem::path folder, std::uint64_t every
 void CameraPictures::observe(const Simulation& simulation) {
   const std::uint64_t tick = simulation.tick();
   if (tick == 0 || tick % every_ticks_ != 0) return;
+  simulation.world().gather_distributed();
   std::set<std::string> taken;
   for (const RobotCamera& camera : running_cameras(simulation)) {
     const std::string stem = file_stem(camera.name, taken);

@@ -26,6 +26,7 @@ class CameraPictures : public Observer {
   CameraPictures(std::filesystem::path folder, std::uint64_t every_ticks);
 
   void observe(const Simulation& simulation) override;
+  bool reads_robots() const override { return false; }  // observe() fetches the robots at each interval
 
  private:
   std::filesystem::path folder_;

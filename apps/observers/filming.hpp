@@ -49,6 +49,7 @@ class Snapshots : public Observer {
   /// errors of drawing or writing early. Throws the errors of Pictures::rehearse().
   void rehearse() { pictures_.rehearse(first_); }
   void observe(const Simulation& simulation) override;
+  bool reads_robots() const override { return false; }  // Pictures fetches the robots that it draws
   void finish(const Simulation& simulation) override;
   /// Returns a warning that lists the times of --snapshot-at that the run did not reach, or an empty text.
   std::string warning() const override { return warning_; }
@@ -89,6 +90,7 @@ class Filming : public Observer {
   void open();
 
   void observe(const Simulation& simulation) override;
+  bool reads_robots() const override { return false; }  // Pictures fetches the robots that it draws
   /// Adds the frames of the film up to the current time of `source`. Call it repeatedly, with increasing
   /// times. A frame between two calls is interpolated between the states at these calls.
   ///

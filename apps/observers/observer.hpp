@@ -32,10 +32,11 @@ class Observer {
   Observer& operator=(const Observer&) = delete;
   virtual ~Observer() = default;
 
-  /// Whether observe() needs the state of robots. An observer that needs only hashes, times or counts returns
-  /// false. The robots may be divided among several ranks (processes, or groups of threads, that compute the
-  /// run together). If an observer returns true, rank 0 then fetches the robots of all ranks after every
-  /// tick.
+  /// Whether observe() needs the state of robots after every tick. The robots may be divided among several
+  /// ranks (processes, or groups of threads, that compute the run together). If an observer returns true,
+  /// rank 0 then fetches the robots of all ranks after every tick. An observer returns false if it needs only
+  /// hashes, times or counts, or if its observe() itself fetches the robots (engine::World::gather()) after
+  /// the ticks whose robots it needs.
   virtual bool reads_robots() const { return true; }
   /// Called once before the first tick and after every tick.
   virtual void observe(const Simulation& simulation) = 0;

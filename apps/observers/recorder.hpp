@@ -37,6 +37,7 @@ class Recorder : public Observer {
   explicit Recorder(Recording recording) : recording_(std::move(recording)) {}
 
   void observe(const Simulation& simulation) override;
+  bool reads_robots() const override { return false; }  // Recording fetches the robots of a frame
   void before_save() override { recording_.flush(); }
   void finish(const Simulation& simulation) override;
 

@@ -1,6 +1,7 @@
 #include "apps/ranks/ranks.hpp"
 
 #include "apps/interrupt.hpp"
+#include "apps/ranks/rank_place.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "base/number_text.hpp"
@@ -200,11 +201,17 @@ void finish(MpiTransport& transport, unsigned nodes, double limit_s) {
   transport.finish();
 }
 
+/// What a rank knows of all ranks after meet().
+struct Peers {
+  std::vector<std::string> hosts;  ///< host names of the ranks, by rank
+  unsigned sharing = 1;            ///< count_sharing() of this rank
+};
+
 /// Compares the program, its version and its arguments on all ranks. Throws InputError on all ranks if they
-/// differ. Returns the host names of the ranks, by rank. limit_s: the longest time that ending the connection
-/// may take, s
-std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
-  std::vector<std::string> hosts{host()};
+/// differ. limit_s: the longest time that ending the connection may take, s
+Peers meet(MpiTransport& transport, double limit_s) {
+  Peers peers;
+  std::vector<RankPlace> places{{host(), partition::affinity_list()}};  // on rank 0, later of all ranks
   const std::string version = version_line();
   const std::uint64_t contents = program_contents();
   const std::string given = arguments();
@@ -213,56 +220,64 @@ std::vector<std::string> meet(MpiTransport& transport, double limit_s) {
     for (unsigned rank = 1; rank < transport.ranks(); ++rank) {
       const auto letter = transport.receive(rank);
       MessageReader message(*letter);
-      hosts.push_back(message.get_text());
+      RankPlace& place = places.emplace_back();
+      place.host = message.get_text();
       const std::string version_there = message.get_text();
       const std::string given_there = message.get_text();
-      const auto contents_there = message.is_done() ? 0 : message.get<std::uint64_t>();  // older versions
+      // Other versions may send less.
+      const auto contents_there = message.is_done() ? 0 : message.get<std::uint64_t>();
+      if (!message.is_done()) place.processors = message.get_text();
       if (!difference.empty()) continue;
       if (version_there != version)
         difference = fmt::format(
             "troupe: error: rank {} on {} runs {}, but rank 0 on {} runs {}: start the same program on all "
             "ranks",
-            rank, hosts.back(), version_there, hosts.front(), version);
+            rank, place.host, version_there, places.front().host, version);
       else if (contents_there != contents)
         difference = fmt::format(
             "troupe: error: rank {} on {} runs another build of {} than rank 0 on {}: start the same program "
             "file on all ranks",
-            rank, hosts.back(), version, hosts.front());
+            rank, place.host, version, places.front().host);
       else if (given_there != given)
         difference = fmt::format(
             "troupe: error: rank {} on {} was started with the arguments{}, but rank 0 with{}: give all "
             "ranks "
             "the same arguments",
-            rank, hosts.back(), given_there, given);
+            rank, place.host, given_there, given);
     }
     MessageWriter verdict;
     verdict.put_text(difference);
-    for (const std::string& each : hosts) verdict.put_text(each);
+    for (const RankPlace& place : places) verdict.put_text(peers.hosts.emplace_back(place.host));
+    for (std::size_t rank = 0; rank < places.size(); ++rank) verdict.put(count_sharing(places, rank));
     transport.send_to_all(std::move(verdict));
+    peers.sharing = count_sharing(places, 0);
   } else {
     MessageWriter own;
-    own.put_text(hosts.front());
+    own.put_text(places.front().host);
     own.put_text(version);
     own.put_text(given);
     own.put(contents);
+    own.put_text(places.front().processors);
     transport.send(0, std::move(own));
     const auto letter = transport.receive(0);
     MessageReader verdict(*letter);
     difference = verdict.get_text();
-    hosts.clear();
-    for (unsigned rank = 0; rank < transport.ranks(); ++rank) hosts.push_back(verdict.get_text());
+    for (unsigned rank = 0; rank < transport.ranks(); ++rank) peers.hosts.push_back(verdict.get_text());
+    for (unsigned rank = 0; rank <= transport.rank() && difference.empty(); ++rank)
+      peers.sharing = verdict.get<unsigned>();
   }
   if (!difference.empty()) {
-    finish(transport, nodes_of(hosts), limit_s);
+    finish(transport, nodes_of(peers.hosts), limit_s);
     throw InputError(difference);
   }
-  return hosts;
+  return peers;
 }
 
 /// Returns the default number of worker threads of this rank: SLURM_CPUS_PER_TASK if it is set, but no more
-/// than the processors that this process may use; else the number of processors to which the launcher has
-/// bound this process; else an equal part of all processors of the host.
-unsigned threads_of_rank(const std::vector<std::string>& hosts, unsigned rank) {
+/// than the processors that this process may use; else the number of these processors, divided by the number
+/// of ranks that share them.
+unsigned threads_of_rank(const Peers& peers, unsigned rank) {
+  const std::vector<std::string>& hosts = peers.hosts;
   const unsigned allowed = partition::processors_allowed();
   if (const char* slurm = std::getenv("SLURM_CPUS_PER_TASK"))
     if (const auto cpus = number_of<unsigned>(slurm); cpus && *cpus > 0) {
@@ -285,7 +300,7 @@ unsigned threads_of_rank(const std::vector<std::string>& hosts, unsigned rank) {
         "troupe: warning: each rank may use 1 of the {} processors of {}: for several threads per rank, "
         "give mpirun the option --bind-to none\n",
         all, hosts[rank]);
-  return allowed < all ? allowed : std::max(1u, all / here);
+  return std::max(1u, allowed / peers.sharing);
 }
 
 /// Rank 0 alone decides when the run ends, so the others ignore the signals that a launcher passes on.
@@ -294,36 +309,35 @@ void ignore_signals() {
 }
 
 /// Connects this process with the other processes of the launcher. Then calls work() with the transport and
-/// the host names of the ranks, and returns its result. limit_s: the longest time that this process waits for
+/// the result of meet(), and returns its result. limit_s: the longest time that this process waits for
 /// another, also when the connection begins and ends, s
 ExitCode with_others(const Launcher& launcher, double limit_s,
-                     const std::function<ExitCode(MpiTransport&, const std::vector<std::string>&)>& work) {
+                     const std::function<ExitCode(MpiTransport&, const Peers&)>& work) {
   std::unique_ptr<MpiTransport> transport;
   {
     const EndsWithin limit(limit_s, launcher.rank, "the connection to the other ranks (MPI_Init)");
     transport = connect(launcher);
   }
   transport->set_limit(limit_s);
-  const std::vector<std::string> hosts = meet(*transport, limit_s);
-  transport->set_hosts(hosts);
+  const Peers peers = meet(*transport, limit_s);
+  transport->set_hosts(peers.hosts);
   ExitCode code = k_finished;
   try {
-    code = work(*transport, hosts);
+    code = work(*transport, peers);
   } catch (const InputError&) {  // thrown on rank 0, which has already ended the other ranks
-    finish(*transport, nodes_of(hosts), limit_s);
+    finish(*transport, nodes_of(peers.hosts), limit_s);
     throw;
   }
-  finish(*transport, nodes_of(hosts), limit_s);
+  finish(*transport, nodes_of(peers.hosts), limit_s);
   return code;
 }
 
-ExitCode on_processes(MpiTransport& transport, const std::vector<std::string>& hosts,
-                      const WorldOptions& options,
+ExitCode on_processes(MpiTransport& transport, const Peers& peers, const WorldOptions& options,
                       const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
   SimulationOptions simulation = options.simulation;
   const unsigned threads =
-      simulation.threads > 0 ? simulation.threads : threads_of_rank(hosts, transport.rank());
-  const auto processes = std::make_shared<RankProcesses>(transport, nodes_of(hosts), threads);
+      simulation.threads > 0 ? simulation.threads : threads_of_rank(peers, transport.rank());
+  const auto processes = std::make_shared<RankProcesses>(transport, nodes_of(peers.hosts), threads);
   if (transport.rank() > 0) {
     ignore_signals();
     count_save_requests();  // rank 0 saves the state, whichever rank receives the signal
@@ -382,7 +396,7 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
     std::this_thread::sleep_for(grace(limit_s));
     _exit(k_failed);
   } catch (const std::exception& error) {
-    end_at_once(launcher.rank, error.what());
+    end_at_once(launcher.rank, exception_text(error));
   } catch (...) {
     end_at_once(launcher.rank,
                 "unknown exception (not derived from std::exception); a plug-in may have thrown it");
@@ -401,10 +415,9 @@ ExitCode on_ranks(const WorldOptions& options,
           fmt::format("troupe: error: --ranks is for ranks in one process, but {} started {} "
                       "processes, each of which is a rank: leave out --ranks",
                       launcher->name, launcher->ranks));
-    return with_others(*launcher, options.rank_limit_s,
-                       [&](MpiTransport& transport, const std::vector<std::string>& hosts) {
-                         return on_processes(transport, hosts, options, run);
-                       });
+    return with_others(*launcher, options.rank_limit_s, [&](MpiTransport& transport, const Peers& peers) {
+      return on_processes(transport, peers, options, run);
+    });
   });
 }
 
@@ -415,12 +428,11 @@ ExitCode on_each_rank(unsigned threads, double limit_s, const std::function<Exit
     return run(alone);
   }
   return reported(*launcher, limit_s, [&] {
-    return with_others(
-        *launcher, limit_s, [&](MpiTransport& transport, const std::vector<std::string>& hosts) {
-          const unsigned own = threads > 0 ? threads : threads_of_rank(hosts, transport.rank());
-          RankDeal deal(transport, own, limit_s);
-          return run(deal);
-        });
+    return with_others(*launcher, limit_s, [&](MpiTransport& transport, const Peers& peers) {
+      const unsigned own = threads > 0 ? threads : threads_of_rank(peers, transport.rank());
+      RankDeal deal(transport, own, limit_s);
+      return run(deal);
+    });
   });
 }
 

@@ -3,6 +3,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/sweep/one_run.hpp"
 #include "apps/sweep/table.hpp"
+#include "base/diagnostics.hpp"
 #include "worldio/partial_file.hpp"
 
 #include <fmt/format.h>
@@ -84,7 +85,7 @@ std::map<std::size_t, std::string> make_runs(const worldio::Study& study,
       try {
         made = make_run(study, runs[i], columns, options);
       } catch (const std::exception& thrown) {
-        error = thrown.what();
+        error = exception_text(thrown);
       } catch (...) {  // a plug-in may throw anything
         error = "unknown exception (not derived from std::exception)";
       }

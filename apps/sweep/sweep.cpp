@@ -19,9 +19,12 @@
 
 #include <fmt/format.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -68,11 +71,9 @@ std::vector<std::size_t> runs_to_make(const Study& study, const SweepOptions& op
 
 /// Returns the runs of this rank. list: the indices of all runs to make, of which rank r makes those at the
 /// positions r, r + number of ranks, ...
-std::vector<std::size_t> dealt(const partition::Message& list, const RankDeal& deal) {
-  partition::MessageReader reader(list);
+std::vector<std::size_t> dealt(const std::vector<std::size_t>& list, const RankDeal& deal) {
   std::vector<std::size_t> own;
-  for (std::size_t i = 0; !reader.is_done(); ++i)
-    if (const auto run = reader.get<std::uint64_t>(); i % deal.ranks() == deal.rank()) own.push_back(run);
+  for (std::size_t i = deal.rank(); i < list.size(); i += deal.ranks()) own.push_back(list[i]);
   return own;
 }
 
@@ -107,10 +108,10 @@ Ended gathered(const Ended& here, const RankDeal& deal) {
 /// Removes the errors that earlier calls wrote to journals for runs that this call had to make again, but
 /// that it did not make because a signal stopped it. list: the indices of the runs that this call had to
 /// make; failed: those of them that failed.
-void forget_old_errors(SweepResults& results, const partition::Message& list,
+void forget_old_errors(SweepResults& results, const std::vector<std::size_t>& list,
                        const std::map<std::size_t, std::string>& failed) {
-  for (partition::MessageReader reader(list); !reader.is_done();)
-    if (const auto run = reader.get<std::uint64_t>(); !failed.contains(run)) results.failed.erase(run);
+  for (const std::size_t run : list)
+    if (!failed.contains(run)) results.failed.erase(run);
 }
 
 /// Returns how many of the runs first, first + step, ... of the study have neither a result nor an error.
@@ -197,10 +198,10 @@ void prepare_folder(const SweepOptions& options, bool has_series) {
 /// Prints how the sweep ended, and writes the tables if all runs of the study are done.
 ///
 /// list: the indices of the runs that this call had to make
-/// all_are_here: whether this call had to make all missing runs of the study; otherwise other processes make
-/// those of the other parts (--part)
+/// ranks: number of ranks that made them. Several ranks make all missing runs of the study; otherwise other
+/// processes may make those of the other parts (--part)
 ExitCode finish(const Study& study, const SweepIdentity& identity, const SweepOptions& options,
-                const partition::Message& list, const Ended& ended, bool all_are_here) {
+                const std::vector<std::size_t>& list, const Ended& ended, unsigned ranks) {
   print_errors(ended.failed);
   SweepTable table{.study = study,
                    .measures = worldio::measure_columns(identity.measures, study.statistics),
@@ -211,21 +212,25 @@ ExitCode finish(const Study& study, const SweepIdentity& identity, const SweepOp
   if (!options.quiet) print_result(table, is_complete, options.folder);
   if (stop_requested() || (ended.was_stopped && !is_complete)) return k_stopped;
   const std::size_t lost =
-      all_are_here ? missing_runs(table, 0, 1) : missing_runs(table, options.part - 1, options.parts);
+      ranks > 1 ? missing_runs(table, 0, 1) : missing_runs(table, options.part - 1, options.parts);
   if (lost > 0)
-    throw OutputError(
-        fmt::format("{}: error: the results of {} are missing, so there is no table: another program "
-                    "has removed or replaced files in this folder; repeat the command",
-                    options.folder.string(), counted(lost, "finished run")));
+    throw OutputError(fmt::format(
+        "{}: error: the results of {} are missing, so there is no table: {}another program has removed or "
+        "replaced files in this folder; repeat the command",
+        options.folder.string(), counted(lost, "finished run"),
+        ranks > 1 ? "either this folder is not on a file system that all processes share, or " : ""));
   return ended.failed.empty() ? k_finished : k_failed;
 }
 
 ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
-  partition::Message list;  // the indices of all runs to make
+  std::vector<std::size_t> list;   // the indices of all runs to make
+  std::string identity_of_rank_0;  // SweepIdentity::text; on the other ranks
   if (deal.rank() > 0) {
-    std::optional<partition::Message> shared = deal.shared();  // first, so that rank 0 reports errors
+    const std::optional<partition::Message> shared = deal.shared();  // first, so that rank 0 reports errors
     if (!shared) return k_finished;
-    list = *std::move(shared);
+    partition::MessageReader reader(*shared);
+    identity_of_rank_0 = reader.get_text();
+    list = reader.get_all<std::size_t>();
   }
   Diagnostics diagnostics;
   const Study study = checked_study(options, diagnostics);
@@ -241,12 +246,18 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
     throw InputError(
         "troupe sweep: error: -o DIR is required: the folder for the results of the runs and the tables");
   const SweepIdentity identity = identify(study, options, deal.rank() == 0, diagnostics);
+  if (deal.rank() > 0 && identity.text != identity_of_rank_0)
+    throw InputError(fmt::format(
+        "{}: error: this study, its world, or an image, plug-in or script of it differs from that "
+        "of rank 0: give all processes the same files",
+        options.study.string()));
   prepare_folder(options, study.series);
   if (deal.rank() == 0) {
+    list = runs_to_make(study, options, identity);
     partition::MessageWriter writer;
-    for (const std::size_t run : runs_to_make(study, options, identity)) writer.put(std::uint64_t{run});
-    list = writer.take();
-    deal.share(list);
+    writer.put_text(identity.text);
+    writer.put_all(std::span<const std::size_t>(list));
+    deal.share(writer.take());
   }
   if (deal.ranks() > 1) {
     options.part = deal.rank() + 1;
@@ -259,7 +270,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   const Ended ended = gathered(here, deal);
   if (deal.rank() > 0) return k_finished;
   try {
-    return finish(study, identity, options, list, ended, deal.ranks() > 1);
+    return finish(study, identity, options, list, ended, deal.ranks());
   } catch (const OutputError& error) {  // thrown further, it would say that nothing was written
     fmt::print(stderr, "{}\n", error.what());
     return k_failed;

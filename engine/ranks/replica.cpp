@@ -1,5 +1,6 @@
 #include "engine/ranks/replica.hpp"
 
+#include "base/diagnostics.hpp"
 #include "engine/kinds/effects.hpp"
 #include "engine/ranks/distributed_rows.hpp"
 #include "engine/ranks/replicated_rows.hpp"
@@ -315,7 +316,7 @@ void Replica::fail() {
     failure.text = error.what();
     if (error.robot().valid()) failure.robot = 1 + error.robot().value;
   } catch (const std::exception& error) {
-    failure.text = fmt::format("rank {}: {}", transport_.rank(), error.what());
+    failure.text = fmt::format("rank {}: {}", transport_.rank(), exception_text(error));
   } catch (...) {
   }
   is_exchanged_ = true;

@@ -1,5 +1,6 @@
 #include "engine/ranks/shared_error.hpp"
 
+#include "base/diagnostics.hpp"
 #include "engine/kinds/step_error.hpp"
 
 #include <utility>
@@ -13,7 +14,7 @@ void SharedError::attempt(std::uint64_t number, const std::function<void()>& ste
   } catch (const std::exception& thrown) {
     error_ = std::current_exception();
     failed_ = number;
-    text_ = thrown.what();
+    text_ = exception_text(thrown);
   }
 }
 

@@ -167,7 +167,8 @@ class Job:
 
     def session(self, check):
         """Records a session (random actions of a viewer, sessions.py), and lets the program repeat it: from the start with other
-        threads or several ranks, and from a checkpoint that was saved in the session."""
+        threads or several ranks, which may divide the robots among themselves, and from a checkpoint that was saved in the
+        session."""
         draws = random.Random(f"session {check['seed']}")
         source, log = self.folder / "session.json", self.folder / "session.log"
         for old in (*self.folder.glob("session.session*.jsonl"), *self.folder.glob("session.checkpoint*.h5")):
@@ -187,7 +188,8 @@ class Job:
         self.acts |= viewer.done
         self.expected = [line for line in lines if " error " not in line]
         end_s = repr((len(self.expected) - 1) * self.world.get("tick_s", 0.1))
-        ways = [("run", source, "--threads", draws.choice((1, 2, 3, 8)), "--ranks", draws.choice((1, 1, 2, 3)))]
+        ways = [("run", source, "--threads", draws.choice((1, 2, 3, 8)), "--ranks", draws.choice((1, 1, 2, 3)),
+                 *draws.choice(((), ("--distribute",))))]
         if viewer.checkpoint:
             ways.append(("resume", self.folder / viewer.checkpoint, "--threads", draws.choice((1, 2, 3))))
         for way in ways:

@@ -137,6 +137,9 @@ TEST_F(CheckProgram, BadInputIsExitCode2) {
             "troupe check: error: only one run is requested, so there is nothing to compare: give several "
             "numbers of threads, as in --threads 1,8 (--ranks, --tile-size, --amnesia, --reach and "
             "--controllers also add runs)\n");
+  EXPECT_EQ(error_of({"check", "room.world", "--for", "1", "--distribute"}),
+            "--distribute: error: no run of this check has several ranks, so no robots would be distributed: "
+            "give numbers of ranks, as in --ranks 2,3\n");
 }
 
 /// A sensor that counts the bodies within 1 m, and declares a reach of its own.

@@ -3,6 +3,7 @@
 #include "worldio/results/hdf5_file.hpp"
 
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -90,6 +91,28 @@ TEST_F(RunPictures, SnapshotsAreTakenWhenTheyAreAskedFor) {
   const std::string hash = lines.back().substr(lines.back().find(' ') + 1, 16);
   EXPECT_THAT(read("p-0.5.png"), HasSubstr(hash));
   EXPECT_THAT(read("p-0.png"), Not(HasSubstr(hash)));
+}
+
+/// Ranks that divide the robots among themselves send them to rank 0 only when it draws them.
+TEST_F(RunPictures, DistributedRanksSendRobotsOnlyForPictures) {
+  const auto messages = [&](const std::vector<std::string>& output) {
+    std::vector<std::string> options{
+        "run",         "room.world", "--for",          "10",  "--ranks",      "2",     "--threads", "1",
+        "--tile-size", "1",          "--rank-balance", "off", "--distribute", "--json"};
+    options.insert(options.end(), output.begin(), output.end());
+    const Outcome outcome = troupe(options);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out).at("ranks_messages_mean").get<double>();
+  };
+  const double none = messages({});
+  EXPECT_LE(messages({"--size", "64x48", "--snapshot", "end.png"}), none + 0.1);
+  EXPECT_LE(messages({"--size", "64x48", "--snapshot", "{time}.png", "--snapshot-at", "3,7"}), none + 0.1);
+  EXPECT_LE(messages({"--size", "64x48", "--film", "%06d.png", "--fps", "0.2"}), none + 0.1)
+      << "100 ticks, 3 frames";
+  const Outcome one =
+      troupe({"run", "room.world", "--for", "10", "--quiet", "--size", "64x48", "--snapshot", "one.png"});
+  EXPECT_EQ(one.code, 0) << one.err;
+  EXPECT_EQ(read("end.png"), read("one.png"));
 }
 
 TEST_F(RunPictures, SnapshotsThatTheRunDoesNotReachAreNamed) {

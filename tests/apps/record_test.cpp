@@ -5,6 +5,7 @@
 #include "worldio/results/recording_reader.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -83,6 +84,25 @@ class Record : public ProgramTest {
   }
   RecordingReader recording(const std::string& file) const { return RecordingReader(path(file)); }
 };
+
+/// A run on ranks that divide the robots among themselves: only recorded ticks need the robots of all ranks.
+TEST_F(Record, DistributedRanksSendRobotsOnlyForFrames) {
+  const auto messages = [&](const std::vector<std::string>& output) {
+    std::vector<std::string> options{
+        "run",         "mixed.json", "--for",          "20",  "--ranks",      "2",     "--threads", "1",
+        "--tile-size", "1",          "--rank-balance", "off", "--distribute", "--json"};
+    options.insert(options.end(), output.begin(), output.end());
+    const Outcome outcome = troupe(options);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out).at("ranks_messages_mean").get<double>();
+  };
+  const double none = messages({});
+  EXPECT_GE(messages({"--record", "all.h5", "--record-fields", "all"}), none + 0.9)
+      << "200 ticks, 200 frames";
+  EXPECT_LE(messages({"--record", "few.h5", "--record-fields", "all", "--record-every", "5"}), none + 0.1);
+  record("one.h5", {"--for", "20", "--record-fields", "all", "--record-every", "5"}, "mixed.json");
+  EXPECT_EQ(troupe({"diff", "one.h5", "few.h5"}).code, 0);
+}
 
 TEST_F(Record, PosesOfEveryTick) {
   record("run.h5", {"--seed", "5"});

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <new>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -257,6 +259,11 @@ TEST(Diagnostics, FindingsAboutManyHeirs) {
     diagnostics.warning(heir(i).where, "type \"" + heir(i).name + "\" is never used");
   }
   EXPECT_EQ(diagnostics.findings().size(), 2 * k_heirs + 1);
+}
+
+TEST(ExceptionText, SaysThatMemoryIsMissing) {
+  EXPECT_EQ(exception_text(std::bad_alloc()), "not enough memory");
+  EXPECT_EQ(exception_text(std::runtime_error("no clock")), "no clock");
 }
 
 TEST(Diagnostics, AFindingThatQuotesTwoPartsIsAboutTheFirst) {

@@ -89,6 +89,8 @@ TEST_F(ProcessorQuota, IsNoneWhereTheFilesSayNothing) {
 TEST(Processors, AreThoseOfTheAffinityMask) {
   EXPECT_GE(processors_allowed(), 1u);
   unsigned allowed = 0;
+  std::string list;
+  std::string expected;
   std::thread([&] {  // a thread has a mask of its own
     cpu_set_t all;
     ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
@@ -99,9 +101,12 @@ TEST(Processors, AreThoseOfTheAffinityMask) {
     CPU_SET(first, &one);
     ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
     allowed = processors_allowed();
+    list = affinity_list();
+    expected = std::to_string(first);
   })
       .join();
   EXPECT_EQ(allowed, 1u);
+  EXPECT_EQ(list, expected);
 }
 
 }  // namespace

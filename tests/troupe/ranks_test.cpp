@@ -18,6 +18,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <any>
@@ -31,6 +32,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <new>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -839,6 +841,57 @@ TEST_F(RanksOfAProgram, EndIfTheyCannotBeMade) {
   };
   const fs::path file = write("room.json", k_wanderers);
   EXPECT_THROW(Simulation(file, options), std::runtime_error);
+}
+
+/// While it exists, no thread can be started: its stack would not fit into the address space.
+class NoFurtherThread {
+ public:
+  NoFurtherThread() {
+    pthread_attr_t none{};
+    pthread_attr_init(&none);
+    pthread_attr_setstacksize(&none, std::size_t{1} << 60);
+    pthread_getattr_default_np(&usual_);
+    pthread_setattr_default_np(&none);
+    pthread_attr_destroy(&none);
+  }
+  ~NoFurtherThread() {
+    pthread_setattr_default_np(&usual_);
+    pthread_attr_destroy(&usual_);
+  }
+  NoFurtherThread(const NoFurtherThread&) = delete;
+  NoFurtherThread& operator=(const NoFurtherThread&) = delete;
+
+ private:
+  pthread_attr_t usual_{};
+};
+
+TEST_F(RanksOfAProgram, SayThatTheSystemAllowsTooFewThreads) {
+  SimulationOptions options;
+  options.threads = 1;
+  options.ranks = 3;
+  const fs::path file = write("room.json", k_wanderers);
+  const NoFurtherThread limit;
+  try {
+    Simulation(file, options);
+    ADD_FAILURE();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), StartsWith("3 ranks: the system allows no thread for rank 1 ("));
+    EXPECT_THAT(error.what(), HasSubstr("use fewer ranks, or raise the limits on threads and memory"));
+  }
+}
+
+TEST_F(RanksOfAProgram, SayWhichOfThemHasNotEnoughMemory) {
+  SimulationOptions options;
+  options.threads = 1;
+  options.ranks = 3;
+  options.rank_clock = [](unsigned rank) -> double { return rank == 1 ? throw std::bad_alloc() : 0.0; };
+  try {
+    Simulation simulation(write("room.json", k_wanderers), options);  // may already throw
+    simulation.step();
+    ADD_FAILURE();
+  } catch (const std::exception& error) {
+    EXPECT_THAT(error.what(), HasSubstr("rank 1 failed: not enough memory"));
+  }
 }
 
 TEST_F(RanksOfAProgram, AreOneTo1024) {
