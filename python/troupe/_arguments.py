@@ -11,13 +11,14 @@ import numpy as np
 
 #: What an argument must be, for the types in the signatures that pybind11 writes.
 _WORDS = {"int": "a whole number", "float": "a number", "str": "a text", "bool": "True or False", "os.PathLike": "a path",
-          "dict": "a dict", "list": "a list", "List[str]": "a list of texts", "tuple": "a tuple", "function": "a function"}
+          "dict": "a dict", "list": "a list", "List[str]": "a list of texts", "tuple": "a tuple", "function": "a function",
+          "object": "a value", "troupe._core.Pose": "a troupe.Pose or a tuple (x, y, heading)"}
 
 
 class _Parameter(NamedTuple):
     name: str
     kind: str
-    is_required: bool
+    default: str  # "" if the argument must be given
 
 
 class _Signature(NamedTuple):
@@ -49,7 +50,7 @@ def _signature(text: str) -> _Signature:
             into = read.named
         elif colon:
             kind, default, _ = rest.partition(" = ")
-            into.append(_Parameter(name, kind, not default))
+            into.append(_Parameter(name, kind, default))
     return read
 
 
@@ -70,8 +71,38 @@ def _words(kind: str) -> str:
         return "an array of numbers"
     if kind.startswith("List[Tuple["):
         return f"a list of tuples ({', '.join(map(_words, _inside(_inside(kind)[0])))})"
+    if kind.startswith("List[Union["):
+        return f"a list whose elements are each {_words(_inside(kind)[0])}"
     other = "a list" if kind.startswith("List[") else kind.replace("troupe._core.", "a troupe.")
     return _WORDS.get(kind, other)
+
+
+def _is_number(value: Any) -> bool:
+    """Whether pybind11 converts a value to a floating-point number."""
+    try:
+        return not isinstance(value, (str, bytes, bytearray)) and float(value) is not None
+    except (TypeError, ValueError, OverflowError):
+        return False
+
+
+def _is_whole(value: Any) -> bool:
+    try:
+        return operator.index(value) is not None
+    except TypeError:
+        return False
+
+
+def _is_text(value: Any) -> bool:
+    """Whether a value is a text that UTF-8 can represent, or bytes."""
+    return isinstance(value, bytes) or isinstance(value, str) and not re.search("[\ud800-\udfff]", value)
+
+
+def _is_path(value: Any) -> bool:
+    """Whether a value is a path that the file system can represent."""
+    try:
+        return b"\0" not in os.fsencode(value)
+    except (TypeError, ValueError):  # such as half of a surrogate pair, which os.fsdecode() does not return
+        return False
 
 
 def _fits(kind: str, value: Any) -> Optional[bool]:
@@ -100,10 +131,9 @@ def _fits(kind: str, value: Any) -> Optional[bool]:
         except (TypeError, ValueError):
             return False
     simple: Dict[str, bool] = {
-        "object": True, "int": hasattr(value, "__index__"), "float": hasattr(value, "__float__") or hasattr(value, "__index__"),
-        "str": isinstance(value, (str, bytes)), "bool": isinstance(value, bool), "dict": isinstance(value, dict),
-        "os.PathLike": isinstance(value, (str, bytes, os.PathLike)), "list": isinstance(value, list),
-        "tuple": isinstance(value, tuple), "function": callable(value)}
+        "object": True, "int": _is_whole(value), "float": _is_number(value), "str": _is_text(value),
+        "bool": isinstance(value, bool), "dict": isinstance(value, dict), "os.PathLike": _is_path(value),
+        "list": isinstance(value, list), "tuple": isinstance(value, tuple), "function": callable(value)}
     if kind == "troupe._core.Pose" and isinstance(value, tuple):  # pybind11 converts it
         return len(value) == 3 and all(_fits("float", each) for each in value)
     if kind.startswith("troupe._core."):
@@ -129,10 +159,13 @@ def _fault(name: str, signature: _Signature, given: Sequence[Any], named: Mappin
             return f'{name}() has two values for the argument "{argument}": one by position and one by name'
     values.update(named)
     for parameter in parameters.values():
-        if parameter.is_required and parameter.name not in values:
+        if not parameter.default and parameter.name not in values:
             return f'{name}() needs the argument "{parameter.name}": give {_words(parameter.kind)}'
     fits = {each: _fits(parameters[each].kind, values[each]) for each in values if each in parameters}
     unsuitable = [each for each in fits if fits[each] is False] or [each for each in fits if fits[each] is None]
+    # The signature does not say that an argument may be any object but None.
+    unsuitable = unsuitable or [each for each in fits if values[each] is None and parameters[each].kind == "object"
+                                and parameters[each].default != "None"]
     if not unsuitable:  # only whole numbers can have a suitable type and still not fit, such as -1 for an index
         extreme = [each for each in fits if parameters[each].kind == "int" and not 0 <= operator.index(values[each]) < 1 << 16]
         found = ", ".join(f"{each}: found {values[each]}" for each in extreme)
