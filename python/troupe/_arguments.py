@@ -77,7 +77,7 @@ def _words(kind: str) -> str:
     return _WORDS.get(kind, other)
 
 
-def _is_number(value: Any) -> bool:
+def is_number(value: Any) -> bool:
     """Whether pybind11 converts a value to a floating-point number."""
     try:
         return not isinstance(value, (str, bytes, bytearray)) and float(value) is not None
@@ -97,7 +97,7 @@ def _is_text(value: Any) -> bool:
     return isinstance(value, bytes) or isinstance(value, str) and not re.search("[\ud800-\udfff]", value)
 
 
-def _is_path(value: Any) -> bool:
+def is_path(value: Any) -> bool:
     """Whether a value is a path that the file system can represent."""
     try:
         return b"\0" not in os.fsencode(value)
@@ -131,8 +131,8 @@ def _fits(kind: str, value: Any) -> Optional[bool]:
         except (TypeError, ValueError):
             return False
     simple: Dict[str, bool] = {
-        "object": True, "int": _is_whole(value), "float": _is_number(value), "str": _is_text(value),
-        "bool": isinstance(value, bool), "dict": isinstance(value, dict), "os.PathLike": _is_path(value),
+        "object": True, "int": _is_whole(value), "float": is_number(value), "str": _is_text(value),
+        "bool": isinstance(value, bool), "dict": isinstance(value, dict), "os.PathLike": is_path(value),
         "list": isinstance(value, list), "tuple": isinstance(value, tuple), "function": callable(value)}
     if kind == "troupe._core.Pose" and isinstance(value, tuple):  # pybind11 converts it
         return len(value) == 3 and all(_fits("float", each) for each in value)
