@@ -57,6 +57,7 @@ class Loading(InAFolder):
         self.assertEqual(numpy.state_hash(), plain.state_hash())
         near = troupe.Measures(numpy, [{"kind": "neighbours", "radius_m": np.float32(9)}])
         self.assertEqual(near.values(), troupe.Measures(plain, [{"kind": "neighbours", "radius_m": 9}]).values())
+        self.assertEqual(troupe.Simulation({**ROOM, "title": pathlib.Path("maps/room")}).title, "maps/room")
         for wrong in (1j, {1}, object(), np.array([1j])):
             with self.assertRaisesRegex(TypeError, "^a [a-z]+ has no counterpart in JSON: give a dict, "):
                 troupe.Simulation({**ROOM, "seed": wrong})
