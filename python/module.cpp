@@ -63,9 +63,7 @@ void raise_with_cause(py::handle type, const std::exception& error) {
 }
 
 void raise_input_error(const InputError& error) {
-  const py::object message = text_of(error);
-  py::object value = py::reinterpret_borrow<py::object>(input_error)(message);
-  value.attr("findings") = message.attr("splitlines")();
+  const py::object value = input_error(text_of(error));
   PyErr_SetObject(input_error.ptr(), value.ptr());
 }
 
@@ -181,6 +179,9 @@ void bind_errors(py::module_& module) {
   input_error.attr("__doc__") =
       "Raised for invalid input: a world, a checkpoint or options. `findings` is the list of the errors, "
       "each a text\nsuch as `maze.world:41: error: ...`.";
+  const py::cpp_function findings(
+      [](const py::object& error) -> py::object { return py::str(error).attr("splitlines")(); });
+  input_error.attr("findings") = py::module_::import("builtins").attr("property")(findings);
   step_error = new_exception(module, "StepError", PyExc_RuntimeError);
   step_error.attr("__doc__") =
       "Raised when a step fails: a commanded speed was not finite, or a controller or a device threw an "

@@ -48,9 +48,7 @@ def _wanted(measures: Sequence[str]) -> List[Union[str, Dict[str, Any]]]:
 
 def _without_lines(error: _core.InputError, name: str, below: str = "") -> _core.InputError:
     """Returns an error whose findings name only JSON pointers, not lines of a text that is not a file."""
-    made = _core.InputError(without_lines(str(error), name, below))
-    made.findings = str(made).splitlines()
-    return made
+    return _core.InputError(without_lines(str(error), name, below))
 
 
 def _load(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any]) -> _core.Simulation:

@@ -107,6 +107,10 @@ class Loading(InAFolder):
         self.assertRegex(findings[0], r'^made\.json: error: /types/bot/drive/kind: unknown drive "hover"; known: ')
         self.assertIn("/types/cart/size_m", findings[1])
         self.assertEqual(str(caught.exception), "\n".join(findings))
+        self.assertEqual(pickle.loads(pickle.dumps(caught.exception)).findings, findings)
+        with self.assertRaises(troupe.InputError) as caught:
+            troupe.Simulation(ROOM, controllers="none.py")
+        self.assertEqual(caught.exception.findings, ["none.py: error: there is no such file"])
         first = ROOM["populations"][0]
         with self.assertRaisesRegex(troupe.InputError, '^dict.json: error: /populations/1: unknown key "sed"'):
             troupe.Simulation({**ROOM, "populations": [first, {**first, "name": "s", "sed": 1}]})
