@@ -159,6 +159,9 @@ double from_zero(std::string_view what, double value, double most);
 /// indent: the parameter of json.dumps().
 std::string json_of(const py::object& value, const py::object& indent = py::none());
 
+/// Returns the text of a Python value for the text of an error: that of repr(), shortened if it is long.
+std::string short_repr(const py::handle& value);
+
 /// Two numbers, or None.
 using Two = std::optional<std::array<double, 2>>;
 /// Returns the options of a picture, made from the arguments of Simulation.picture() in Python. Throws

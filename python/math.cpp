@@ -1,6 +1,6 @@
 #include "base/math.hpp"
 
-#include "python/bindings.hpp"
+#include "python/columns.hpp"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,6 @@
 
 namespace troupe::python {
 namespace {
-
-using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 py::tuple sincos_of(const Numbers& angles) {
   const std::vector<py::ssize_t> shape(angles.shape(), angles.shape() + angles.ndim());

@@ -97,6 +97,10 @@ void check_numpy() {
 
 }  // namespace
 
+std::string short_repr(const py::handle& value) {
+  return py::str(py::module_::import("reprlib").attr("repr")(value));
+}
+
 double measured(const py::object& function, Swarm robots) {
   const py::object argument = py::cast(HeldSwarm{nullptr, std::move(robots)});
   struct End {

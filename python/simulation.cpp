@@ -1,6 +1,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/spec/ticks.hpp"
 #include "python/bindings.hpp"
+#include "python/columns.hpp"
 #include "python/whole_numbers.hpp"
 
 #include <fmt/format.h>
@@ -9,10 +10,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -147,9 +151,8 @@ bool run_until(const py::object& self, const py::function& done, double at_most_
 py::object on_tick(const py::object& self, const py::object& callback) {
   self.cast<Holder>()->use_outside("on_tick()");
   if (!callback.is_none() && PyCallable_Check(callback.ptr()) == 0)
-    throw py::type_error(
-        fmt::format("on_tick() takes a function, or None, which removes all callbacks; found {}",
-                    std::string(py::repr(callback))));
+    throw py::type_error(fmt::format(
+        "on_tick() takes a function, or None, which removes all callbacks; found {}", short_repr(callback)));
   py::list callbacks = callback.is_none() ? py::list() : callbacks_of(self);
   if (!callback.is_none()) callbacks.append(callback);
   py::setattr(self, k_callbacks, callbacks);
@@ -376,25 +379,30 @@ Hit cast_one(const Holder& held, const Pose& start, double range_max, HeldModel*
   return {hit.range_m, hit.met() ? std::optional(hit.body.value) : std::nullopt, hit.part};
 }
 
-/// Casts many rays. starts: one row (x, y, z, heading) per ray, m and rad. Returns two arrays: the distance
-/// at which each ray meets a surface, m, and the id of the body, or -1 if it meets nothing.
-py::tuple cast_many(const Holder& held,
-                    const py::array_t<double, py::array::c_style | py::array::forcecast>& starts,
-                    double range_max, HeldModel* without) {
+/// Casts many rays. given: one row (x, y, z, heading) per ray, m and rad. Returns two arrays: the distance at
+/// which each ray meets a surface, m, and the id of the body, or -1 if it meets nothing.
+py::tuple cast_many(const Holder& held, const py::object& given, double range_max, HeldModel* without) {
+  constexpr std::string_view k_wanted = "an array of n x 4: x, y, z (m) and heading (rad) of each ray";
+  const Numbers starts = numbers_of("starts", given, k_wanted);
   if (starts.ndim() != 2 || starts.shape(1) != 4)
     throw py::value_error(
-        fmt::format("starts has shape {}; give an array of n x 4: x, y, z (m) and heading (rad) of each ray",
-                    std::string(py::str(starts.attr("shape")))));
-  Simulation& simulation = held->use();
+        fmt::format("starts has shape {}; give {}", std::string(py::str(starts.attr("shape"))), k_wanted));
   const Model* passes = without != nullptr ? &without->use() : nullptr;
   py::array_t<double> ranges(starts.shape(0));
   py::array_t<std::int64_t> bodies(starts.shape(0));
-  for (py::ssize_t i = 0; i < starts.shape(0); ++i) {
-    const double* start = starts.data(i, 0);
-    const RayHit hit = simulation.cast({start[0], start[1], start[2], start[3]}, range_max, passes);
-    ranges.mutable_at(i) = hit.range_m;
-    bodies.mutable_at(i) = hit.met() ? std::int64_t{hit.body.value} : -1;
-  }
+  const double* start = starts.data();
+  const std::span<double> range = elements<double>(ranges);
+  const std::span<std::int64_t> body = elements<std::int64_t>(bodies);
+  held->work([&](const Simulation& simulation) {
+    for (std::size_t i = 0; i < range.size(); ++i, start += 4) {
+      if (!std::all_of(start, start + 4, [](double number) { return std::isfinite(number); }))
+        throw std::invalid_argument(fmt::format("row {} of starts is {}, {}, {}, {}: give finite numbers", i,
+                                                start[0], start[1], start[2], start[3]));
+      const RayHit hit = simulation.cast({start[0], start[1], start[2], start[3]}, range_max, passes);
+      range[i] = hit.range_m;
+      body[i] = hit.met() ? std::int64_t{hit.body.value} : -1;
+    }
+  });
   return py::make_tuple(ranges, bodies);
 }
 
@@ -420,7 +428,7 @@ void bind_rays(py::module_& module, SimulationClass& simulation) {
            "through all bodies that move with this body (one carries the other, or a\nthird body carries "
            "both). The ray meets surfaces that rangers detect, nearer than range_max. Raises ValueError if "
            "a\nnumber is not finite, or if range_max is negative or above 300 km.")
-      .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
+      .def("cast_many", &cast_many, py::arg("starts"), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
            "Casts n rays. starts: n x 4, x, y, z (m) and heading (rad) of each ray in the world frame; "
            "range_max and without are\nas in cast(). Returns two arrays: for each ray the distance at which "

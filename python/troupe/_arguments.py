@@ -18,7 +18,7 @@ _WORDS = {"int": "a whole number", "float": "a number", "str": "a text", "bool":
 class _Parameter(NamedTuple):
     name: str
     kind: str
-    default: str  # "" if the argument must be given
+    is_required: bool
 
 
 class _Signature(NamedTuple):
@@ -50,7 +50,7 @@ def _signature(text: str) -> _Signature:
             into = read.named
         elif colon:
             kind, default, _ = rest.partition(" = ")
-            into.append(_Parameter(name, kind, default))
+            into.append(_Parameter(name, kind, not default))
     return read
 
 
@@ -159,13 +159,10 @@ def _fault(name: str, signature: _Signature, given: Sequence[Any], named: Mappin
             return f'{name}() has two values for the argument "{argument}": one by position and one by name'
     values.update(named)
     for parameter in parameters.values():
-        if not parameter.default and parameter.name not in values:
+        if parameter.is_required and parameter.name not in values:
             return f'{name}() needs the argument "{parameter.name}": give {_words(parameter.kind)}'
     fits = {each: _fits(parameters[each].kind, values[each]) for each in values if each in parameters}
     unsuitable = [each for each in fits if fits[each] is False] or [each for each in fits if fits[each] is None]
-    # The signature does not say that an argument may be any object but None.
-    unsuitable = unsuitable or [each for each in fits if values[each] is None and parameters[each].kind == "object"
-                                and parameters[each].default != "None"]
     if not unsuitable:  # only whole numbers can have a suitable type and still not fit, such as -1 for an index
         extreme = [each for each in fits if parameters[each].kind == "int" and not 0 <= operator.index(values[each]) < 1 << 16]
         found = ", ".join(f"{each}: found {values[each]}" for each in extreme)

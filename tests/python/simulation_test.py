@@ -146,8 +146,10 @@ class Loading(InAFolder):
         for size in (-1, math.nan, math.inf):
             with self.assertRaisesRegex(ValueError, f"tile_size_m is {size:g}: give a number from 0"):
                 troupe.Simulation(ROOM, tile_size_m=size)
-        for robots in ({"r": -1}, {"r": 1.5}, {3: 1}):
-            with self.assertRaisesRegex(TypeError, "robots: found .*; give the name of a population and a whole number from 0"):
+        for robots, error, text in (({"r": -1}, ValueError, "robots['r']: found -1: give a whole number from 0"),
+                                    ({"r": 1.5}, TypeError, "robots['r']: found 1.5: give a whole number from 0"),
+                                    ({3: 1}, TypeError, "robots: found the key 3: give the name of a population")):
+            with self.assertRaisesRegex(error, f"^{re.escape(text)}$"):
                 troupe.Simulation(ROOM, robots=robots)
         with self.assertRaisesRegex(TypeError, "set: the key 1 is not a JSON pointer: give a text"):
             troupe.Simulation(ROOM, set={1: 2})
@@ -179,7 +181,7 @@ class Loading(InAFolder):
             (lambda: troupe.Simulation("\ud800"), r"world: found '\ud800': give a dict or a path"),
             (lambda: world.find("r0").set_speed(np.ones(2), 0), "forward: found array([1., 1.]): give a number"),
             (lambda: world.model(np.arange(2)), "id: found array([0, 1]): give a whole number"),
-            (lambda: world.swarm().set_speeds(None, 0), "forward: found None: give a value"),
+            (lambda: world.swarm().set_speeds(None, 0), "forward: found None: give one number, or one per robot"),
             (lambda: world.on_tick(), 'on_tick() needs the argument "callback": give a value'),
             (lambda: troupe.Measures(world, 3),
              "wanted: found 3: give a list whose elements are each a text or a dict or a function"),
@@ -188,7 +190,14 @@ class Loading(InAFolder):
              "pose: found [1, 2, 3]: give a troupe.Pose or a tuple (x, y, heading)"),
             (lambda: troupe.Simulation.from_text(3), "text: found 3: give a text"),
             (lambda: world.cast((0, 0, 0), "far"), "range_max: found 'far': give a number"),
-            (lambda: world.swarm().set_poses(None), "poses: found None: give an array of numbers"),
+            (lambda: world.swarm().set_poses(None), "poses: found None: give x, y, z (m) and heading (rad) per robot"),
+            (lambda: world.swarm().set_poses(np.full((9, 4), 1j)),
+             "poses: found [[1j, 1j, 1j, 1j], [1j, 1j, 1j, 1j], [1j, 1j, 1j, 1j], [1j, 1j, 1j, 1j], [1j, 1j, 1j, 1j], "
+             "[1j, 1j, 1j, 1j], ...]: give numbers"),
+            (lambda: world.cast_many([["0"] * 4], 1), "starts: found [['0', '0', '0', '0']]: give numbers"),
+            (lambda: world.cast_many("east", 1), "starts: found 'east': give numbers"),
+            (lambda: world.cast_many([[1], [1, 2]], 1),
+             "starts: found [[1], [1, 2]]: give an array of n x 4: x, y, z (m) and heading (rad) of each ray"),
             (lambda: world.set_poses([(world.find("cart"), "here")]),
              "poses: found [(<Model cart>, 'here')]: give a list of tuples (a troupe.Model, a troupe.Pose or a tuple (x, y, heading))"),
             (lambda: troupe.Pose(("a", 1, 2)), "x_y_heading: found ('a', 1, 2): give three numbers"),
@@ -667,6 +676,9 @@ class Rays(InAFolder):
             one = world.cast(troupe.Pose(z=0.1, heading=start[3]), 6)
             self.assertEqual((far, body), (one.range_m, -1 if one.body is None else one.body))
         self.assertGreater((bodies >= 0).sum(), 5)
+        starts[7, 1] = np.nan
+        with self.assertRaisesRegex(ValueError, "^row 7 of starts is 0, nan, 0.1, .*: give finite numbers$"):
+            world.cast_many(starts, 6)
         with self.assertRaisesRegex(ValueError, "starts has shape .30, 3."):
             world.cast_many(starts[:, :3], 6)
 
