@@ -90,9 +90,9 @@ engine::Unit unit_of(const std::string& symbol);
 
 /// A simulation owned by Python. Arrays and handles that refer to it keep it alive.
 ///
-/// It steps without the interpreter's lock, so that other Python threads can run meanwhile. Only one thread
-/// at a time may use a simulation: during a step, calls of other threads raise RuntimeError. All functions
-/// must be called with the interpreter's lock, except use_while_stepping().
+/// It steps and draws without the interpreter's lock, so that other Python threads can run meanwhile. Only
+/// one thread at a time may use a simulation: meanwhile, calls of other threads raise RuntimeError. All
+/// functions must be called with the interpreter's lock, except use_while_stepping().
 class Held {
  public:
   explicit Held(Simulation&& simulation) : simulation_(std::move(simulation)) {}

@@ -115,7 +115,7 @@ double measured(const py::object& function, Swarm robots) {
 Simulation& Held::use() {
   if (stepping_)
     throw std::logic_error(
-        "this simulation is being stepped by another thread: only one thread at a time may use a simulation");
+        "this simulation is being used by another thread: only one thread at a time may use a simulation");
   return simulation_;
 }
 

@@ -443,16 +443,19 @@ void snapshot(const Holder& held, const fs::path& file, int width, int height, c
               const std::string& layers, const Two& center_m, const Two& angle_rad,
               const std::optional<double>& across_m, const std::string& color_by, const Two& color_range,
               const std::string& background) {
-  held->use().snapshot(file, picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
-                                             color_by, color_range, background));
+  const PictureOptions options = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
+                                                 color_by, color_range, background);
+  held->work([&](const Simulation& simulation) { simulation.snapshot(file, options); });
 }
 
 py::array_t<std::uint8_t> picture(const Holder& held, int width, int height, const std::string& camera,
                                   const std::string& layers, const Two& center_m, const Two& angle_rad,
                                   const std::optional<double>& across_m, const std::string& color_by,
                                   const Two& color_range, const std::string& background) {
-  const std::vector<std::uint8_t> bytes = held->use().picture(picture_options(
-      width, height, camera, layers, center_m, angle_rad, across_m, color_by, color_range, background));
+  const PictureOptions options = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
+                                                 color_by, color_range, background);
+  std::vector<std::uint8_t> bytes;
+  held->work([&](const Simulation& simulation) { bytes = simulation.picture(options); });
   py::array_t<std::uint8_t> rgb({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
   std::ranges::copy(bytes, rgb.mutable_data());
   return rgb;

@@ -340,7 +340,7 @@ class Running(InAFolder):
         stepper.join()
         self.assertGreater(turns, 5)
         self.assertGreater(len(refused), turns)
-        self.assertIn("is being stepped by another thread", refused[0])
+        self.assertIn("is being used by another thread", refused[0])
         self.assertEqual(world.tick, 300)
 
     def test_control_c_ends_it_between_two_ticks(self):
@@ -954,7 +954,7 @@ class Models(InAFolder):
         view = world.view(rate=0.001, out=self.folder)  # the second tick would wait for 200 s
         stepping = threading.Thread(target=lambda: world.step(3), daemon=True)
         stepping.start()
-        with self.assertRaisesRegex(RuntimeError, "is being stepped by another thread"):
+        with self.assertRaisesRegex(RuntimeError, "is being used by another thread"):
             while stepping.is_alive():
                 world.state_hash()
         del view
@@ -1348,6 +1348,24 @@ class Looking(InAFolder):
         for across_m in (-1, 0, 1e-308, math.nan, math.inf):
             with self.assertRaisesRegex(ValueError, "^across_m is .*: give a finite number, at least 1e-06$"):
                 world.picture(16, 16, across_m=across_m)
+
+    def test_other_threads_run_while_a_picture_is_drawn_or_rays_are_cast(self):
+        world = troupe.Simulation(ROOM, threads=1)
+        with skipped_where_lacking():
+            world.picture(16, 16)
+        for use in (lambda: world.picture(800, 600), lambda: world.snapshot("room.png", 800, 600),
+                    lambda: world.cast_many(np.full((50000, 4), 0.1), 4)):
+            refused = []
+            user = threading.Thread(target=lambda: [use() for _ in range(10)])
+            user.start()
+            while user.is_alive():
+                try:
+                    world.tick
+                except RuntimeError as error:
+                    refused.append(str(error))
+                time.sleep(0.001)
+            user.join()
+            self.assertRegex(" ".join(refused), "is being used by another thread")
 
     def test_statistics(self):
         world = troupe.Simulation(ROOM)
