@@ -589,6 +589,19 @@ class Controllers(InAFolder):
         with self.assertRaisesRegex(troupe.StepError, "has the type bool, which cannot store 2: give whole numbers from 0 to 1"):
             troupe.Simulation("w.json", controllers=wrong).step()
 
+    def test_a_class_may_be_defined_again_many_times(self):
+        for turn in np.linspace(0, 1, 70):  # as in a notebook
+            class turner(troupe.Controller):
+                robots = "r"
+                params = {"turn": float(turn)}
+
+                def decide(self, robots):
+                    robots.set_speeds(0, robots.params["turn"])
+
+            world = troupe.Simulation("w.json", robots=1, threads=1, controllers=turner)
+            world.step(2)
+            self.assertEqual(world.swarm("r").speeds()[0, 2] > 0, turn > 0)
+
     def test_a_decide_whose_statements_would_not_run_is_an_error(self):
         for change, word in (("            yield\n", "yield"), ("", "async")):
             text = ROAM.replace("class roam", "class my").replace("        memory = robots.memory\n", "        memory = robots.memory\n" + change)
