@@ -61,7 +61,8 @@ void bind_random(py::module_& module) {
       .def(
           "uniform", [](Random& random, double low, double high) { return random.uniform(low, high); },
           py::arg("low") = 0.0, py::arg("high") = 1.0,
-          "Returns a number that is uniformly distributed in [low, high).")
+          "Returns a number that is uniformly distributed in [low, high). If high is not above low, returns "
+          "low.")
       .def("normal", &Random::normal,
            "Returns a normally distributed number with mean 0 and standard deviation 1.")
       .def("exponential", &Random::exponential, "Returns an exponentially distributed number with mean 1.")

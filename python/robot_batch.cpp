@@ -180,7 +180,8 @@ void bind_robot_batch(py::module_& module) {
            "first ranger. Raises\nLookupError if the controller uses no such ranger.")
       .def("bearings", &RobotBatch::bearings, py::arg("sensor") = "",
            "Headings of the beams of the ranger named `sensor`, rad, in the frame of the ranger. An empty "
-           "name means the first ranger.")
+           "name means the first\n"
+           "ranger.")
       .def("heard", &RobotBatch::heard, py::arg("dtype"), py::arg("device") = "radio",
            "The messages that the radios named `device` heard in this tick, as Swarm.heard() returns them.")
       .def("commands", &RobotBatch::commands, py::arg("device"),
@@ -207,9 +208,9 @@ void bind_robot_batch(py::module_& module) {
             return robots.drawn<double>([&](Random& random) { return random.uniform(low, high); });
           },
           py::arg("low") = 0.0, py::arg("high") = 1.0,
-          "One uniformly distributed number in [low, high) per robot, float64. Each call takes the next "
-          "number of each robot's\nrandom stream of this tick, as a call of Random::uniform() in a "
-          "controller in C++ does.")
+          "One uniformly distributed number in [low, high) per robot, float64; low if high is not above low. "
+          "Each call takes the\nnext number of each robot's random stream of this tick, as a call of "
+          "Random::uniform() in a controller in C++ does.")
       .def(
           "normal",
           [](RobotBatch& robots) {

@@ -172,9 +172,10 @@ void bind_run(SimulationClass& simulation) {
            "after each tick. Raises ValueError if\n`seconds` is negative, NaN or above 1e12.")
       .def("run_until", &run_until, py::arg("done"), py::arg("at_most_s"),
            "Steps until the callback done(simulation), which is called after each step, returns a true "
-           "value. Returns True in this\ncase, and False if `at_most_s` seconds of simulated time pass first "
-           "or a condition of `stop_when` in the world file ends the\nrun first. Raises ValueError if "
-           "`at_most_s` is negative, NaN or above 1e12.")
+           "value. Returns True in this\n"
+           "case, and False if `at_most_s` seconds of simulated time pass first or a condition of "
+           "`stop_when` in the world file\n"
+           "ends the run first. Raises ValueError if `at_most_s` is negative, NaN or above 1e12.")
       .def("on_tick", &on_tick, py::arg("callback").none(true),
            "Adds a callback: callback(simulation) is called at the end of every step, after the recording of "
            "record() has received\nthe tick. None removes all callbacks. A callback may do everything that a "
@@ -295,7 +296,8 @@ void bind_bodies(SimulationClass& simulation) {
           },
           py::arg("name"),
           "Returns the model of this name: a body (\"r0\") or a part of one (\"r0.ranger:1\"). Raises "
-          "LookupError, whose\ntext lists similar names, if there is none.")
+          "LookupError, whose text lists\n"
+          "similar names, if there is none.")
       .def(
           "model",
           [](const Holder& held, std::uint32_t id) {
@@ -415,10 +417,16 @@ void bind_rays(py::module_& module, SimulationClass& simulation) {
       .def_readonly("body", &Hit::body)
       .def_readonly("part", &Hit::part)
       .def("met", [](const Hit& hit) { return hit.body.has_value(); })
-      .def("__repr__", [](const Hit& hit) {
-        return hit.body ? fmt::format("<Hit of body {} after {:g} m>", *hit.body, hit.range_m)
-                        : std::string("<Hit of nothing>");
-      });
+      .def("__repr__",
+           [](const Hit& hit) {
+             return hit.body ? fmt::format("<Hit of body {} after {:g} m>", *hit.body, hit.range_m)
+                             : std::string("<Hit of nothing>");
+           })
+      .def(py::pickle([](const Hit& hit) { return py::make_tuple(hit.range_m, hit.body, hit.part); },
+                      [](const py::tuple& state) {
+                        return Hit{state[0].cast<double>(), state[1].cast<std::optional<std::uint32_t>>(),
+                                   state[2].cast<std::uint32_t>()};
+                      }));
   simulation
       .def("cast", &cast_one, py::arg("start"), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
@@ -468,19 +476,23 @@ void bind_pictures(SimulationClass& simulation) {
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
            "Draws the world into a file, whose name must end in .png, .svg or .pdf; .svg and .pdf show the "
-           "world only from straight\nabove. width and height are in pixels; docs/pictures.md describes the "
-           "other options. Raises ValueError for a size below\n1 and for other numbers that cannot be drawn, "
-           "InputError for\nunknown names, and RuntimeError if the file cannot be written or a library is "
-           "missing.")
-      .def(
-          "picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
-          py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
-          py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
-          py::arg("color_range") = py::none(), py::arg("background") = "paper",
-          "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
-          "are in pixels;\ndocs/pictures.md describes the other options. Raises ValueError for a size below "
-          "1, for other numbers that\ncannot be drawn and for the background \"transparent\", InputError for "
-          "unknown names, and RuntimeError\nif the library OSMesa is missing.");
+           "world only from\n"
+           "straight above. width and height are in pixels; docs/pictures.md describes the other options. "
+           "Raises ValueError for a\n"
+           "size below 1 and for other numbers that cannot be drawn, InputError for unknown names, and "
+           "RuntimeError if the file\n"
+           "cannot be written or a library is missing.")
+      .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
+           py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
+           py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
+           py::arg("color_range") = py::none(), py::arg("background") = "paper",
+           "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
+           "are in pixels;\n"
+           "docs/pictures.md describes the other options. Raises ValueError for a size below 1, for other "
+           "numbers that cannot be\n"
+           "drawn and for the background \"transparent\", InputError for unknown names, and RuntimeError if "
+           "the library OSMesa is\n"
+           "missing.");
 }
 
 // ---- poses and speeds

@@ -221,12 +221,14 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            "RuntimeError for a swarm without robots.")
       .def("command", &command_device, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
            "Sets fields of the commands of a device by name: swarm.command(\"lamp\", shows=1, "
-           "red=brightness). A value is one number\nfor all robots or one per robot. For a field of several "
-           "columns it is one row for all robots, one row per robot, or,\nfor a field of bytes, a bytes, "
-           "bytearray or memoryview object or a list of one such object per robot, padded with zeros. Other "
-           "fields keep\ntheir "
-           "values. The commands apply from the next step on. Raises LookupError for an unknown device or "
-           "field,\nValueError for values that do not fit and for NaN, and TypeError for texts.")
+           "red=brightness). A value is one number\n"
+           "for all robots or one per robot. For a field of several columns it is one row for all robots, "
+           "one row per robot, or,\n"
+           "for a field of bytes, a bytes, bytearray or memoryview object or a list of one such object per "
+           "robot, padded with\n"
+           "zeros. Other fields keep their values. The commands apply from the next step on. Raises "
+           "LookupError for an unknown\n"
+           "device or field, ValueError for values that do not fit and for NaN, and TypeError for texts.")
       .def("say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
            py::arg("where") = py::none(),
            "Sets the messages that the radios named `device` send in each tick from the next one on, until "
@@ -259,7 +261,8 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       },
       py::arg("of"),
       "Returns the group of one robot, also if a type or a population has its name. of: a Model. Raises "
-      "LookupError if the model\nis not a robot, and RuntimeError for a model of another simulation.");
+      "LookupError if the\n"
+      "model is not a robot, and RuntimeError for a model of another simulation.");
 }
 
 }  // namespace troupe::python

@@ -106,8 +106,9 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
       std::ranges::any_of(all, [&](const Table& table) { return table.table->component() == component; });
   for (Table& table : all) {
     if (!type.empty() && table.type != type) continue;
-    names.push_back(table.given());
-    if ((is_whole ? table.table->component() : names.back()) == component) found.push_back(std::move(table));
+    const std::string name = table.given();
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    if ((is_whole ? table.table->component() : name) == component) found.push_back(std::move(table));
   }
   if (found.size() == 1) return found.front();
   if (found.empty()) {
@@ -197,10 +198,12 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
            "type of robot.")
       .def("table", &table_of, py::arg("component"), py::arg("type") = "",
            "The table of one component: component is its name in the state, such as \"pose\" or "
-           "\"ranger/ir\", or the name that the\nworld gives it, such as \"ir\" for a device of this name. "
-           "If several types of robots have this component, `type` must name\none of them. Raises "
-           "LookupError, whose text lists the known names, for an unknown component or type, and ValueError "
-           "if several\ntables fit.");
+           "\"ranger/ir\", or the name that the\n"
+           "world gives it, such as \"ir\" for a device of this name. If several types of robots have this "
+           "component, `type` must\n"
+           "name one of them. Raises LookupError, whose text lists the known names, for an unknown component "
+           "or type, and\n"
+           "ValueError if several tables fit.");
 }
 
 }  // namespace troupe::python

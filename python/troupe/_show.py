@@ -74,11 +74,11 @@ def replay(
     """Steps the simulation by `seconds` of simulated time and writes a page (.html) that plays this run in a browser.
 
     every_s: simulated time between two frames of the page, s. fields: names of components of the state ("stall") or of
-    fields of sensors ("ranges") that the page can show in addition to poses, as in record(). If either is not given, the
-    value that the world file sets under "record" is used. replace: whether an existing file is replaced. If `replace` is False and the
-    file exists, raises FileExistsError before the first step. The run ends earlier if a stop condition holds. Raises
-    ValueError if `seconds` is not a finite number above 0, `every_s` is not a finite number of 0 or more or `file` does
-    not end in .html, and TypeError if `fields` is a string.
+    fields of sensors ("ranges") that the page can show in addition to poses, as in record(). If either is not given,
+    the value that the world file sets under "record" is used. replace: whether an existing file is replaced. If
+    `replace` is False and the file exists, raises FileExistsError before the first step. The run ends earlier if a stop
+    condition holds. Raises ValueError if `seconds` is not a finite number above 0, `every_s` is not a finite number of
+    0 or more or `file` does not end in .html, and TypeError if `fields` is a string.
     """
     _check_finite("replay()", seconds=seconds)
     _check_number("every_s", every_s)

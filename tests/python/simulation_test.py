@@ -230,6 +230,18 @@ class Loading(InAFolder):
                 self.assertIn("callback", [each.name for each in traceback.extract_tb(error.__traceback__)])
                 raise
 
+    def test_docstrings_are_at_most_120_columns_wide(self):
+        members = [(name, member) for name, member in vars(troupe._core).items() if not name.startswith("__")]
+        for name, kind in members[:]:
+            if isinstance(kind, type):
+                members += [(f"{name}.{each}", member) for each, member in vars(kind).items() if not each.startswith("__")]
+        texts = {name: (member.__doc__ or "").splitlines() for name, member in members}
+        self.assertGreater(len(texts), 200)
+        self.assertEqual([(name, line) for name, lines in texts.items() for line in lines if len(line) > 120 and "->" not in line],
+                         [])
+        for name in troupe.math.__all__:
+            self.assertRegex(getattr(troupe.math, name).__doc__, r"(?m)^Returns ")
+
     def test_warnings_are_told(self):
         world = troupe.Simulation.from_text('position( name "a" colour "red" )', "a.world")
         self.assertEqual(len(world.warnings), 1)
@@ -1061,7 +1073,7 @@ class Tables(InAFolder):
         self.assertEqual((ranges.dtype, ranges.shape), (np.float32, (8, 3)))
         bots = world.swarm("bot")
         np.testing.assert_array_equal(ranges[np.argsort(eyes.ids)], bots.ranges())
-        with self.assertRaisesRegex(LookupError, 'unknown component "ranger/ear"; known: '):
+        with self.assertRaisesRegex(LookupError, 'unknown component "ranger/ear"; known: command, eye, life, '):
             world.table("ranger/ear")
         with self.assertRaisesRegex(LookupError, 'unknown type "bott"; known: .*bot.*did you mean "bot"'):
             world.table("pose", type="bott")
@@ -1218,7 +1230,7 @@ class Looking(InAFolder):
             with self.assertRaisesRegex(TypeError, f"^the measure <lambda> returned {found}, expected a number$"):
                 troupe.Measures(world, [wrong]).values()
 
-    def test_poses_speeds_and_events_can_be_pickled(self):
+    def test_poses_speeds_hits_and_events_can_be_pickled(self):
         world = troupe.Simulation(ROOM)
         robot, events = world.find("r0"), troupe.Events(world)
         robot.set_pose((4.7, 0, 0))
@@ -1228,7 +1240,7 @@ class Looking(InAFolder):
             world.step()
             seen += events.see()
         self.assertEqual(repr(seen), "[<Event stall_begins of r0>]")
-        for value in (troupe.Pose(1, 2, 3, 4), robot.pose(), robot.speed(), *seen):
+        for value in (troupe.Pose(1, 2, 3, 4), robot.pose(), robot.speed(), world.cast((0, 4, 0), 9), world.cast((0, 0, 0), 0), *seen):
             other = pickle.loads(pickle.dumps(value))
             self.assertEqual((type(other), repr(other)), (type(value), repr(value)))
         self.assertEqual(pickle.loads(pickle.dumps(seen[0])).id, seen[0].id)
@@ -1252,6 +1264,9 @@ class Looking(InAFolder):
             with troupe.Recording("run.h5", world, every_s=0.2) as recording:
                 world.run_for(1, lambda _: recording.observe())
         self.assertGreater(os.path.getsize("run.h5"), 1000)
+        with self.assertRaisesRegex(RuntimeError, r"^observe\(\): the recording is closed: make another one$"):
+            recording.observe()
+        recording.close()
         with troupe.Recording("two.h5", world) as recording:
             world.reset(seed=99)
             with self.assertRaisesRegex(RuntimeError, "^two.h5: error: the simulation was reset after tick 5"):
