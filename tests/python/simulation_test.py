@@ -1096,6 +1096,15 @@ class Tables(InAFolder):
         with self.assertRaisesRegex(ValueError, "the name eye stands for 2 components; use the name that belongs to only one of them: .*ranger/eye"):
             troupe.Simulation(two).table("eye")
 
+    def test_are_found_without_a_look_at_all_robots(self):
+        many = {"troupe": 1, "types": {"bot": ROOM["types"]["bot"]},
+                "populations": [{"name": "r", "type": "bot", "count": 100000,
+                                 "place": {"rule": "grid", "pitch_m": 1, "region_m": [[-160, -160], [160, 160]]}}]}
+        world = troupe.Simulation(many, threads=1)
+        for _ in range(10000):  # minutes if each call looked at the types of all robots
+            heading = world.table("pose")["heading"]
+        self.assertEqual((len(heading), world.table("pose").type), (100000, "bot"))
+
     def test_have_no_readings_of_sensors_that_do_not_run(self):
         bot = {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
             {"name": "sonar", "kind": "ranger", "active": False, "transducers": [{"range_max_m": 5}]}]}
