@@ -14,6 +14,10 @@ _WORDS = {"int": "a whole number", "float": "a number", "str": "a text", "bool":
           "dict": "a dict", "list": "a list", "List[str]": "a list of texts", "tuple": "a tuple", "function": "a function",
           "object": "a value", "troupe._core.Pose": "a troupe.Pose or a tuple (x, y, heading)"}
 
+#: Types as pybind11 2.12 and newer write them (regular expressions), and as older versions write them.
+_SPELLINGS = ((r"Annotated\[list\[(\w+)\], FixedSize\((\d+)\)\]", r"List[\1[\2]]"), (r"\blist\[", "List["),
+              (r"\btuple\[", "Tuple["), (r"\bCallable\b", "function"))
+
 
 class _Parameter(NamedTuple):
     name: str
@@ -42,6 +46,8 @@ def _split(text: str) -> List[str]:
 
 def _signature(text: str) -> _Signature:
     """Reads a signature such as "(file: os.PathLike, width: int = 1280, *, camera: str = 'top') -> None"."""
+    for newer, older in _SPELLINGS:
+        text = re.sub(newer, older, text)
     read = _Signature([], [], ("*args" in text, "**kwargs" in text))
     into = read.positional
     for part in _split(text[text.index("(") + 1:text.rindex(")")]):

@@ -219,6 +219,19 @@ class Loading(InAFolder):
         with self.assertRaisesRegex(TypeError, r"^Simulation\(\) takes at most 1 argument without a name, found 2: give robots, "):
             troupe.Simulation(ROOM, 500)
 
+    def test_types_as_newer_versions_of_pybind11_write_them_are_read(self):
+        signature = ("poses: list[tuple[troupe._core.Model, troupe._core.Pose]] = [], names: list[str] = [], "
+                     "center_m: Optional[Annotated[list[float], FixedSize(2)]] = None, done: Optional[Callable] = None")
+        text = ("act(): incompatible function arguments. The following argument types are supported:\n"
+                f"    1. (self: object, {signature}) -> None\n\nInvoked with: 1")
+        for arguments, error in (
+            ({"poses": 3}, "poses: found 3: give a list of tuples (a troupe.Model, a troupe.Pose or a tuple (x, y, heading))"),
+            ({"names": "r0"}, "names: found 'r0': give a list of texts"),
+            ({"center_m": (1, 2, 3), "done": None}, "center_m: found (1, 2, 3): give a list of 2 numbers or None"),
+            ({"center_m": None, "done": 3}, "done: found 3: give a function or None"),
+        ):
+            self.assertEqual(troupe._arguments.message(text, (None,), arguments), error)
+
     def test_a_type_error_of_the_program_keeps_its_text(self):
         def callback(_):
             raise TypeError("mine(): incompatible with yours")
