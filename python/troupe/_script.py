@@ -243,18 +243,26 @@ class _Field(np.ndarray):  # type: ignore[type-arg]
         super().__setitem__(key, value)  # type: ignore[no-untyped-call]
 
 
+def _line_of(thing: Any) -> int:
+    """Returns the line at which a class or a function begins; 0 if its source is not known, as that of exec()."""
+    try:
+        return inspect.getsourcelines(thing)[1]
+    except (OSError, TypeError):
+        return 0
+
+
 def _check_decide(cls: Any, instance: Any, file: str, line: int) -> None:
     if cls.decide is Controller.decide:
         _fail(file, line, f"{cls.__name__} has no function decide(self, robots): define it, to command the robots")
     is_async = inspect.iscoroutinefunction(cls.decide) or inspect.isasyncgenfunction(cls.decide)
     if is_async or inspect.isgeneratorfunction(cls.decide):
-        _fail(file, inspect.getsourcelines(cls.decide)[1],
+        _fail(file, _line_of(cls.decide),
               f"{cls.__name__}.decide: a call would execute none of its statements: write it without "
               f"`{'async' if is_async else 'yield'}`")
     try:
         inspect.signature(instance.decide).bind(None)
     except TypeError:
-        _fail(file, inspect.getsourcelines(cls.decide)[1],
+        _fail(file, _line_of(cls.decide),
               f"{cls.__name__}.decide{inspect.signature(cls.decide)}: expected decide(self, robots)")
 
 
@@ -277,13 +285,6 @@ def number_of(function: Any, value: Any) -> float:
         error = ResultError(f"the measure {getattr(function, '__name__', function)} returned {found}, expected a number")
         error.lineno = getattr(getattr(function, "__code__", None), "co_firstlineno", 0)
         raise error from None
-
-
-def _line_of(cls: Any) -> int:
-    try:
-        return inspect.getsourcelines(cls)[1]
-    except OSError:
-        return 0
 
 
 def misspelt_members(base: type, own: Iterable[str]) -> List[Tuple[str, str]]:

@@ -589,6 +589,17 @@ class Controllers(InAFolder):
         with self.assertRaisesRegex(troupe.StepError, "has the type bool, which cannot store 2: give whole numbers from 0 to 1"):
             troupe.Simulation("w.json", controllers=wrong).step()
 
+    def test_the_source_of_a_class_need_not_be_known(self):
+        for names in ({}, {"__name__": "__main__"}):  # as in an interactive interpreter
+            exec("import troupe\nclass own(troupe.Controller):\n  def decide(self, robots): robots.set_speeds(0.1, 0)\n"
+                 "class wrong(own):\n  def decide(self): pass\n"
+                 "class late(own):\n  async def decide(self, robots): pass\n", names)
+            troupe.Simulation("w.json", controllers=names["own"]).step()
+            for name, text in (("wrong", r"wrong.decide\(self\): expected decide\(self, robots\)"),
+                               ("late", "late.decide: a call would execute none of its statements: write it without `async`")):
+                with self.assertRaisesRegex(troupe.InputError, f"error: {text}"):
+                    troupe.Simulation("w.json", controllers=names[name])
+
     def test_a_class_may_be_defined_again_many_times(self):
         for turn in np.linspace(0, 1, 70):  # as in a notebook
             class turner(troupe.Controller):
