@@ -186,7 +186,7 @@ def message(text: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
     given  the arguments without a name, the object of a method first
     named  the keyword arguments
     """
-    found = re.match(r"(\w+)\(\): incompatible (constructor|function) arguments[^\n]*((?:\n    \d+\. [^\n]*)+)", text)
+    found = re.match(r"(\w*)\(\): incompatible (constructor|function) arguments[^\n]*((?:\n    \d+\. [^\n]*)+)", text)
     if not found:
         return text
     name, _, all_lines = found.groups()
@@ -203,7 +203,8 @@ def message(text: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
             del signature.positional[0]
         given = given[1:]
     if len(signatures) == 1:
-        return _fault(name, signatures[0], given, named) or text
+        fault = _fault(name, signatures[0], given, named) or text
+        return fault if name else fault.removeprefix("arg0: ")  # the setter of a property has no name
     forms = [", ".join(f"{each.name}: {_words(each.kind)}" for each in signature.positional) for signature in signatures]
     values = [*map(reprlib.repr, given), *(f"{each}={reprlib.repr(named[each])}" for each in named)]
     return f"{name}() takes ({') or ('.join(forms)}); found ({', '.join(values)})"

@@ -200,6 +200,7 @@ class Loading(InAFolder):
              "starts: found [[1], [1, 2]]: give an array of n x 4: x, y, z (m) and heading (rad) of each ray"),
             (lambda: world.set_poses([(world.find("cart"), "here")]),
              "poses: found [(<Model cart>, 'here')]: give a list of tuples (a troupe.Model, a troupe.Pose or a tuple (x, y, heading))"),
+            (lambda: setattr(troupe.Pose(), "heading", "north"), "found 'north': give a number"),
             (lambda: troupe.Pose(("a", 1, 2)), "x_y_heading: found ('a', 1, 2): give three numbers"),
             (lambda: troupe.Measures(world, [functools.partial(len)]),
              "wanted: the function functools.partial(<built-in function len>) has no name: give it one with "
