@@ -138,7 +138,7 @@ def _fits(kind: str, value: Any) -> Optional[bool]:
             return False
     simple: Dict[str, bool] = {
         "object": True, "int": _is_whole(value), "float": is_number(value), "str": _is_text(value),
-        "bool": isinstance(value, bool), "dict": isinstance(value, dict), "os.PathLike": is_path(value),
+        "bool": value is None or hasattr(value, "__bool__"), "dict": isinstance(value, dict), "os.PathLike": is_path(value),
         "list": isinstance(value, list), "tuple": isinstance(value, tuple), "function": callable(value)}
     if kind == "troupe._core.Pose" and isinstance(value, tuple):  # pybind11 converts it
         return len(value) == 3 and all(_fits("float", each) for each in value)

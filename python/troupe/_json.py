@@ -34,9 +34,10 @@ def _not_finite(value: Any, pointer: str) -> Optional[Tuple[str, float]]:
 
 
 def text_of(value: Any, at: str = "", **options: Any) -> str:
-    """Returns the JSON text of a value, which may contain NumPy numbers and arrays, and paths. at: the JSON pointer of the value in
-    the document that it belongs to. options: those of json.dumps(). Raises TypeError if the value has no counterpart in
-    JSON, and ValueError for a number that is not finite, whose text names the JSON pointer of the number."""
+    """Returns the JSON text of a value, which may contain NumPy numbers and arrays, and paths. at: the JSON pointer of
+    the value in the document that it belongs to. options: those of json.dumps(). Raises TypeError if the value has no
+    counterpart in JSON, and ValueError for a number that is not finite, whose text names the JSON pointer of the
+    number."""
     try:
         return json.dumps(value, allow_nan=False, default=_plain, **options)
     except ValueError as error:

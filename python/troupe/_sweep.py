@@ -149,7 +149,8 @@ def _thread_count(threads: Any) -> int:
 
 
 def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,
-          threads: Optional[int] = None, name: Union[str, "os.PathLike[str]"] = "dict.json", **options: Any) -> "pandas.DataFrame":
+          threads: Optional[int] = None, name: Union[str, "os.PathLike[str]"] = "dict.json",
+          **options: Any) -> "pandas.DataFrame":
     """Makes all runs of a study and returns a pandas data frame. Each run uses one thread; several runs are made in
     parallel.
 

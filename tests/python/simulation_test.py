@@ -174,6 +174,8 @@ class Loading(InAFolder):
              f'snapshot() has no keyword argument "camra"; known: {known} (did you mean "camera"?)'),
             (lambda: world.picture(1.5), "width: found 1.5: give a whole number"),
             (lambda: world.find(3), "name: found 3: give a text"),
+            (lambda: world.record("a.h5", replace=np.bool_(True), fields=3), "fields: found 3: give a list of texts"),
+            (lambda: world.record("a.h5", replace="no"), "replace: found 'no': give True or False"),
             (lambda: world.run_for(), 'run_for() needs the argument "seconds": give a number'),
             (lambda: world.state_hash(3), "state_hash() takes at most 0 arguments without a name, found 1"),
             (lambda: world.find("\ud800"), r"name: found '\ud800': give a text"),
