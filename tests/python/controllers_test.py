@@ -637,6 +637,17 @@ class Controllers(InAFolder):
         self.assertIsInstance(cause, KeyError)
         self.assertEqual(traceback.extract_tb(cause.__traceback__)[-1].name, "decide")
 
+    def test_decide_cannot_use_the_simulation(self):
+        class peeper(troupe.Controller):
+            robots = "r"
+
+            def decide(self, robots):
+                world.find("r0")
+
+        world = troupe.Simulation("w.json", controllers=peeper)
+        with self.assertRaisesRegex(troupe.StepError, "or by the step that calls this code: .* decide.. of a controller may use only"):
+            world.step()
+
     def test_a_program_can_exit_in_decide(self):
         class last(troupe.Controller):
             robots = "r"
