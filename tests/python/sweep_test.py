@@ -396,6 +396,12 @@ class Plot(unittest.TestCase):
         self.assertEqual(len(troupe.plot.series_by(self.folder)[2]), 2)
         self.assertEqual(troupe.plot.csv.field_size_limit(), limit)
 
+    def test_the_results_are_those_in_a_folder(self):
+        frame = pandas.DataFrame({"run": [0]})
+        for read in (lambda: troupe.plot.draw(frame), lambda: troupe.plot.final_by(frame, "run"), lambda: troupe.plot.series_by(frame)):
+            with self.assertRaisesRegex(TypeError, "^folder: found a DataFrame: give the name of the folder of a completed sweep$"):
+                read()
+
     def test_what_is_wrong_is_one_message(self):
         def message(*arguments, **named):
             with self.assertRaises(troupe.plot.PlotError) as raised:
