@@ -89,6 +89,7 @@ Column::Column(std::string_view name, const py::object& given, std::size_t robot
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots) {
   if (!where) return {};
   const py::array given(*where);
+  if (robots == 0 && given.ndim() == 1 && given.size() == 0) return {};  // NumPy makes floats of []
   if (given.dtype().kind() != 'b' || given.ndim() != 1 || static_cast<std::size_t>(given.size()) != robots)
     refuse(fmt::format("where, an array of {},", std::string(py::str(given.dtype()))), given, robots,
            "one bool per robot");

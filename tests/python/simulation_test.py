@@ -1234,6 +1234,9 @@ class Swarms(InAFolder):
         none = troupe.Simulation({**ROOM, "populations": [empty]}).swarm("r")
         self.assertEqual(len(none), 0)
         self.assertEqual(none.poses().shape, (0, 4))
+        none.set_speeds([], [], where=[])
+        with self.assertRaisesRegex(ValueError, "^where, an array of bool, has shape .1,.; for a swarm of 0 robots"):
+            none.set_speeds(0, 0, where=[True])
 
 
 class Looking(InAFolder):
