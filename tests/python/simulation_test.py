@@ -797,6 +797,11 @@ class Models(InAFolder):
         with self.assertRaisesRegex(ValueError, "give .x, y, heading"):
             troupe.Pose((1, 2))
         self.assertEqual(cart.sensors(), ["eye"])
+        self.assertEqual(cart, world.model(cart.id))
+        self.assertEqual({cart: 1}[world.find("cart")], 1)
+        self.assertNotEqual(cart, world.find("r0"))
+        self.assertNotEqual(cart, troupe.Simulation(ROOM).find("cart"))
+        self.assertNotEqual(cart, "cart")
         self.assertIsNone(cart.energy())
         self.assertEqual(cart.flag_count(), 0)
         with self.assertRaisesRegex(LookupError, 'no model "card" in .*did you mean "cart"'):
