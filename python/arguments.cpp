@@ -62,10 +62,14 @@ void explain_arguments(py::module_& module) {
       explain_in(member);
       continue;
     }
-    for (const auto& [method_name, method] : py::dict(member.attr("__dict__")))
-      explain_in(py::isinstance(method, py::handle(reinterpret_cast<PyObject*>(&PyStaticMethod_Type)))
-                     ? method.attr("__func__")
-                     : py::reinterpret_borrow<py::object>(method));
+    for (const auto& [method_name, method] : py::dict(member.attr("__dict__"))) {
+      const auto is_of = [&method](PyTypeObject& type) {
+        return py::isinstance(method, py::handle(reinterpret_cast<PyObject*>(&type)));
+      };
+      explain_in(is_of(PyStaticMethod_Type) ? method.attr("__func__")
+                 : is_of(PyProperty_Type)   ? method.attr("fset")
+                                            : py::reinterpret_borrow<py::object>(method));
+    }
   }
 }
 

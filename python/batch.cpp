@@ -526,11 +526,12 @@ void bind_batch(py::module_& module) {
           },
           py::arg("begins") = py::none(),
           "Advances all copies by one step. begins: one bool per copy; copies with True begin their next "
-          "episode instead of making\na step. None: all copies make a step. Raises RuntimeError before the "
-          "first reset() and if the last step or reset of a\ncopy failed, and StepError if the step of a "
-          "copy "
-          "fails or gives a reward that is not finite. Ctrl-C raises KeyboardInterrupt after "
-          "the step; a step that waits for a view then stops waiting.")
+          "episode instead of\n"
+          "making a step. None: all copies make a step. Raises RuntimeError before the first reset() and if "
+          "the last step or\n"
+          "reset of a copy failed, and StepError if the step of a copy fails or gives a reward that is not "
+          "finite. Ctrl-C raises\n"
+          "KeyboardInterrupt after the step; a step that waits for a view then stops waiting.")
       .def(
           "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
           py::arg("copy") = 0, "Number of completed ticks of a copy in its current episode.")

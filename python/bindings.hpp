@@ -90,9 +90,9 @@ engine::Unit unit_of(const std::string& symbol);
 
 /// A simulation owned by Python. Arrays and handles that refer to it keep it alive.
 ///
-/// It steps without the interpreter's lock, so that other Python threads can run meanwhile. Only one thread
-/// at a time may use a simulation: during a step, calls of other threads raise RuntimeError. All functions
-/// must be called with the interpreter's lock, except use_while_stepping().
+/// It steps and draws without the interpreter's lock, so that other Python threads can run meanwhile. Only
+/// one thread at a time may use a simulation: meanwhile, calls of other threads raise RuntimeError. All
+/// functions must be called with the interpreter's lock, except use_while_stepping().
 class Held {
  public:
   explicit Held(Simulation&& simulation) : simulation_(std::move(simulation)) {}
@@ -158,6 +158,9 @@ double from_zero(std::string_view what, double value, double most);
 /// Throws py::error_already_set if the value, such as NaN, has none.
 /// indent: the parameter of json.dumps().
 std::string json_of(const py::object& value, const py::object& indent = py::none());
+
+/// Returns the text of a Python value for the text of an error: that of repr(), shortened if it is long.
+std::string short_repr(const py::handle& value);
 
 /// Two numbers, or None.
 using Two = std::optional<std::array<double, 2>>;

@@ -13,6 +13,8 @@
 namespace troupe::python {
 namespace {
 
+constexpr std::string_view k_column = "one number, or one per robot";
+
 /// Whether a value is a bytes object, or a bytearray or a memoryview, which are treated in the same way.
 bool is_bytes(const py::handle& value) {
   return py::isinstance<py::bytes>(value) || py::isinstance<py::bytearray>(value) ||
@@ -63,21 +65,23 @@ void require_numbers(std::string_view name, const py::array& given) {
   constexpr std::string_view k_numbers =
       "biufO";  // kinds of NumPy types; Python objects are converted one by one
   if (k_numbers.find(given.dtype().kind()) == std::string_view::npos)
-    throw py::type_error(
-        fmt::format("{}: found {}: give numbers", name, std::string(py::repr(given.attr("tolist")()))));
+    throw py::type_error(fmt::format("{}: found {}: give numbers", name, short_repr(given.attr("tolist")())));
 }
 
-Column::Column(std::string_view name, const py::object& given, std::size_t robots) : name_(name) {
-  const py::array values = py::array::ensure(given);
-  if (values) {
-    require_numbers(name, values);
-    numbers_ = Numbers::ensure(values);
+Numbers numbers_of(std::string_view name, const py::object& given, std::string_view wanted) {
+  if (!given.is_none()) {  // NumPy converts None to NaN
+    if (const py::array values = py::array::ensure(given)) {
+      require_numbers(name, values);
+      if (const Numbers numbers = Numbers::ensure(values)) return numbers;
+    }
   }
-  if (!values || !numbers_)
-    throw py::type_error(
-        fmt::format("{}: found {}: give one number, or one per robot", name, std::string(py::repr(given))));
+  throw py::type_error(fmt::format("{}: found {}: give {}", name, short_repr(given), wanted));
+}
+
+Column::Column(std::string_view name, const py::object& given, std::size_t robots)
+    : name_(name), numbers_(numbers_of(name, given, k_column)) {
   if (numbers_.ndim() > 1 || (numbers_.ndim() == 1 && static_cast<std::size_t>(numbers_.size()) != robots))
-    refuse(name, numbers_, robots, "one number, or one per robot");
+    refuse(name, numbers_, robots, k_column);
   first_ = numbers_.data();
   step_ = numbers_.ndim() == 0 ? 0 : 1;
 }
@@ -85,6 +89,7 @@ Column::Column(std::string_view name, const py::object& given, std::size_t robot
 std::vector<std::uint8_t> mask_of(const Where& where, std::size_t robots) {
   if (!where) return {};
   const py::array given(*where);
+  if (robots == 0 && given.ndim() == 1 && given.size() == 0) return {};  // NumPy makes floats of []
   if (given.dtype().kind() != 'b' || given.ndim() != 1 || static_cast<std::size_t>(given.size()) != robots)
     refuse(fmt::format("where, an array of {},", std::string(py::str(given.dtype()))), given, robots,
            "one bool per robot");
@@ -122,7 +127,7 @@ py::array converted(const engine::StateField& field, const py::array& given, con
   const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
   if (is_whole && !py::module_::import("numpy").attr("array_equal")(made, given).cast<bool>())
     throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
-                                      engine::element_name(field.element), std::string(py::str(value))));
+                                      engine::element_name(field.element), short_repr(value)));
   return made;
 }
 
@@ -139,16 +144,17 @@ void refuse_nan(const engine::StateField& field, const py::array& rows, std::spa
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots) {
   const py::module_ numpy = py::module_::import("numpy");
   const auto columns = static_cast<py::ssize_t>(field.columns);
-  py::array given = is_of_bytes(value) ? padded(field, value) : py::array(numpy.attr("asarray")(value));
+  const bool has_bytes = field.element == engine::Element::u8 && is_of_bytes(value);
+  py::array given = has_bytes ? padded(field, value) : py::array(numpy.attr("asarray")(value));
   if (columns == 1 && given.ndim() == 1) given = given.attr("reshape")(-1, 1);
-  const bool is_one_row = is_bytes(value) || (given.ndim() == 1 && given.shape(0) == columns);
+  const bool is_one_row = (has_bytes && is_bytes(value)) || (given.ndim() == 1 && given.shape(0) == columns);
   const bool has_rows = given.ndim() == 2 && given.shape(0) == robots && given.shape(1) == columns;
   const bool fits = given.ndim() == 0 || is_one_row || has_rows;
   if (!fits)
-    refuse(fmt::format("\"{}\"", field.name), py::array(numpy.attr("asarray")(value)),
-           static_cast<std::size_t>(robots),
-           columns == 1 ? "one number, or one per robot"
-                        : fmt::format("{} numbers, or {} per robot", columns, columns));
+    refuse(
+        fmt::format("\"{}\"", field.name), py::array(numpy.attr("asarray")(value)),
+        static_cast<std::size_t>(robots),
+        columns == 1 ? std::string(k_column) : fmt::format("{} numbers, or {} per robot", columns, columns));
   const py::array made = converted(field, given, value);
   return numpy.attr("ascontiguousarray")(numpy.attr("broadcast_to")(made, py::make_tuple(robots, columns)));
 }
@@ -157,10 +163,18 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
                          const py::object& message, py::ssize_t robots) {
   const auto field = std::ranges::find(fields, "payload", &engine::StateField::name);
   if (field == fields.end()) throw std::out_of_range(fmt::format("the device \"{}\" is not a radio", device));
+  const auto columns = static_cast<py::ssize_t>(field->columns);
+  const auto require_room = [&](py::ssize_t length) {
+    if (length > columns)
+      throw py::value_error(
+          fmt::format("a message of {} bytes is longer than the payload of \"{}\", which is {} bytes", length,
+                      device, columns));
+  };
   py::dict values;
   values["mode"] = 1;
   if (is_bytes(message)) {
     const py::bytes copy = bytes_copy(message);
+    require_room(static_cast<py::ssize_t>(py::len(copy)));
     values["length"] = py::len(copy);
     values["payload"] = copy;
     return values;
@@ -168,7 +182,11 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
   const py::module_ numpy = py::module_::import("numpy");
   if (is_of_bytes(message)) {  // NumPy would pad the messages to the length of the longest
     py::list lengths;
-    for (const py::handle each : message) lengths.append(py::len(bytes_copy(each)));
+    for (const py::handle each : message) {
+      const auto length = static_cast<py::ssize_t>(py::len(bytes_copy(each)));
+      require_room(length);
+      lengths.append(length);
+    }
     if (static_cast<py::ssize_t>(lengths.size()) != robots)
       refuse("message", py::array(numpy.attr("asarray")(lengths)), static_cast<std::size_t>(robots),
              "a bytes object, or a list of one such object per robot");
@@ -178,8 +196,8 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
   }
   const py::array rows = numpy.attr("ascontiguousarray")(message);
   if (rows.dtype().kind() == 'U')
-    throw py::value_error(fmt::format("message: found the text {}: give bytes, as in text.encode()",
-                                      std::string(py::repr(message))));
+    throw py::value_error(
+        fmt::format("message: found the text {}: give bytes, as in text.encode()", short_repr(message)));
   if (rows.ndim() == 0 || rows.shape(0) != robots)
     refuse("message", rows, static_cast<std::size_t>(robots),
            "a bytes object, or an array with one row per robot");
@@ -189,11 +207,7 @@ py::dict message_command(std::span<const engine::StateField> fields, const std::
         "bytes object, or an array of numbers or bytes",
         std::string(py::str(rows.dtype()))));
   const py::ssize_t length = robots > 0 ? rows.nbytes() / robots : 0;
-  const auto columns = static_cast<py::ssize_t>(field->columns);
-  if (length > columns)
-    throw py::value_error(
-        fmt::format("a message of {} bytes is longer than the payload of \"{}\", which is {} bytes", length,
-                    device, columns));
+  require_room(length);
   py::array_t<std::uint8_t> payload({robots, columns});
   std::memset(payload.mutable_data(), 0, static_cast<std::size_t>(payload.nbytes()));
   for (py::ssize_t i = 0; i < robots; ++i)

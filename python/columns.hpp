@@ -24,6 +24,9 @@ using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 /// Throws TypeError if the elements of an array are not numbers, such as texts, which NumPy would convert.
 /// name: name of the argument.
 void require_numbers(std::string_view name, const py::array& given);
+/// Converts a Python value to an array of numbers. Throws TypeError for None and for a value that is no
+/// number and no array of numbers. name: name of the argument; wanted: text that says what is expected.
+Numbers numbers_of(std::string_view name, const py::object& given, std::string_view wanted);
 
 using Where = std::optional<py::object>;
 

@@ -132,11 +132,12 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
           },
           py::arg("for_s") = py::none(),
           "Waits until the first user with full control connects, and then steps the simulation as users "
-          "command, until `for_s`\nseconds of simulated time have passed (None: no limit) or a stop "
-          "condition of the world holds. Calls the callbacks of\nSimulation.on_tick() after each step. "
-          "Ctrl-C ends "
-          "the run with KeyboardInterrupt. Raises ValueError if `for_s` is negative,\nNaN or more than "
-          "1e12, and RuntimeError in a callback of on_tick().")
+          "command, until `for_s`\n"
+          "seconds of simulated time have passed (None: no limit) or a stop condition of the world holds. "
+          "Calls the callbacks of\n"
+          "Simulation.on_tick() after each step. Ctrl-C ends the run with KeyboardInterrupt. Raises "
+          "ValueError if `for_s` is\n"
+          "negative, NaN or more than 1e12, and RuntimeError in a callback of on_tick().")
       .def("close", &HeldView::close,
            "Ends the session and disconnects all users. Further calls of other functions of the view raise "
            "RuntimeError.");
@@ -158,14 +159,18 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       py::kw_only(), py::arg("port") = 0, py::arg("rate") = 1.0, py::arg("out") = fs::path(),
       py::arg("bind") = "", py::arg("hosts") = std::vector<std::string>(),
       "Shows the simulation in a browser and returns a View with the address of the page. Either View.run() "
-      "steps the\nsimulation, or the program calls step(), which waits while a user has paused the run. "
-      "`rate` limits the speed to a\nmultiple of real time, from 0.001 to 1e6; 0 is no limit. The session "
-      "file is created in "
-      "the folder `out`; an empty path is the current\nfolder. With \"mortal\": true in the world file, "
-      "users can also remove and disable robots. port, bind and hosts are the\noptions --port, --bind and "
-      "--allow-host of `troupe view` (docs/live.md). Raises RuntimeError while the simulation has another "
-      "view: "
-      "\nclose() that one first. Raises ValueError for another rate, and for a host that is no host name.");
+      "steps the\n"
+      "simulation, or the program calls step(), which waits while a user has paused the run. `rate` limits "
+      "the speed to a\n"
+      "multiple of real time, from 0.001 to 1e6; 0 is no limit. The session file is created in the folder "
+      "`out`; an empty\n"
+      "path is the current folder. With \"mortal\": true in the world file, users can also remove and "
+      "disable robots. port,\n"
+      "bind and hosts are the options --port, --bind and --allow-host of `troupe view` (docs/live.md). "
+      "Raises RuntimeError\n"
+      "while the simulation has another view: close() that one first. Raises ValueError for another rate, "
+      "and for a host that\n"
+      "is no host name.");
 }
 
 }  // namespace troupe::python

@@ -69,7 +69,7 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Settings& set
       settings.emplace_back(std::move(at), std::move(json));
     } catch (const py::cast_error&) {
       throw py::type_error(fmt::format("set: the key {} is not a JSON pointer: give a text such as \"/seed\"",
-                                       std::string(py::repr(pointer))));
+                                       short_repr(pointer)));
     }
   };
   if (const py::dict* named = std::get_if<py::dict>(&*set)) {
@@ -78,9 +78,8 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Settings& set
   }
   for (const py::handle each : std::get<py::list>(*set)) {
     if (!py::isinstance<py::tuple>(each) || py::len(each) != 2)
-      throw py::type_error(
-          fmt::format("set: the list has the element {}: give tuples of a JSON pointer and a value",
-                      std::string(py::repr(each))));
+      throw py::type_error(fmt::format(
+          "set: the list has the element {}: give tuples of a JSON pointer and a value", short_repr(each)));
     const auto pair = py::reinterpret_borrow<py::tuple>(each);
     add(pair[0], pair[1]);
   }
@@ -98,13 +97,14 @@ std::vector<std::pair<std::string, std::size_t>> robots_of(const py::object& rob
     return {{"", whole_number("robots", robots, allowed)}};
   }
   std::vector<std::pair<std::string, std::size_t>> sizes;
-  for (const auto& [name, count] : robots.cast<py::dict>()) try {
-      sizes.emplace_back(name.cast<std::string>(), count.cast<std::size_t>());
-    } catch (const py::cast_error&) {
+  for (const auto& [name, count] : robots.cast<py::dict>()) {
+    if (!py::isinstance<py::str>(name))
       throw py::type_error(
-          fmt::format("robots: found {}: {}; give the name of a population and a whole number from 0",
-                      std::string(py::repr(name)), std::string(py::repr(count))));
-    }
+          fmt::format("robots: found the key {}: give the name of a population", short_repr(name)));
+    sizes.emplace_back(name.cast<std::string>(),
+                       whole_number(fmt::format("robots[{}]", short_repr(name)),
+                                    py::reinterpret_borrow<py::object>(count), "a whole number from 0"));
+  }
   return sizes;
 }
 

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <cstring>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -61,7 +62,8 @@ void bind_random(py::module_& module) {
       .def(
           "uniform", [](Random& random, double low, double high) { return random.uniform(low, high); },
           py::arg("low") = 0.0, py::arg("high") = 1.0,
-          "Returns a number that is uniformly distributed in [low, high).")
+          "Returns a number that is uniformly distributed in [low, high). If high is not above low, returns "
+          "low.")
       .def("normal", &Random::normal,
            "Returns a normally distributed number with mean 0 and standard deviation 1.")
       .def("exponential", &Random::exponential, "Returns an exponentially distributed number with mean 1.")
@@ -90,10 +92,16 @@ void bind_models(py::module_& module) {
   py::class_<HeldModel>(
       module, "Model",
       "A model of a simulation: a body, or a part that is mounted on a body, such as a sensor. It keeps its "
-      "simulation alive\nand stays valid after reset(). Poses are in m and rad.")
+      "simulation alive\nand stays valid after reset(). Poses are in m and rad. Two models are equal if they "
+      "are the same body or part of one\nsimulation.")
       .def_property_readonly("name", [](const HeldModel& m) { return m.model.name(); })
       .def_property_readonly("id", [](const HeldModel& m) { return m.model.id().value; })
       .def("__repr__", [](const HeldModel& m) { return fmt::format("<Model {}>", m.model.name()); })
+      .def(
+          "__eq__", [](const HeldModel& a, const HeldModel& b) { return a.model == b.model; },
+          py::is_operator())
+      .def("__hash__",
+           [](const HeldModel& m) { return std::hash<const Held*>()(m.held.get()) + m.model.id().value; })
       .def(
           "pose", [](HeldModel& m) { return m.use().pose(); },
           "Pose in the world frame, m and rad. A body that was removed keeps its last pose; all numbers are "

@@ -63,9 +63,7 @@ void raise_with_cause(py::handle type, const std::exception& error) {
 }
 
 void raise_input_error(const InputError& error) {
-  const py::object message = text_of(error);
-  py::object value = py::reinterpret_borrow<py::object>(input_error)(message);
-  value.attr("findings") = message.attr("splitlines")();
+  const py::object value = input_error(text_of(error));
   PyErr_SetObject(input_error.ptr(), value.ptr());
 }
 
@@ -99,6 +97,10 @@ void check_numpy() {
 
 }  // namespace
 
+std::string short_repr(const py::handle& value) {
+  return py::str(py::module_::import("reprlib").attr("repr")(value));
+}
+
 double measured(const py::object& function, Swarm robots) {
   const py::object argument = py::cast(HeldSwarm{nullptr, std::move(robots)});
   struct End {
@@ -113,7 +115,9 @@ double measured(const py::object& function, Swarm robots) {
 Simulation& Held::use() {
   if (stepping_)
     throw std::logic_error(
-        "this simulation is being stepped by another thread: only one thread at a time may use a simulation");
+        "this simulation is being used by another thread, or by the step that calls this code: only one "
+        "thread "
+        "at a time may use a simulation, and decide() of a controller may use only its argument");
   return simulation_;
 }
 
@@ -181,6 +185,9 @@ void bind_errors(py::module_& module) {
   input_error.attr("__doc__") =
       "Raised for invalid input: a world, a checkpoint or options. `findings` is the list of the errors, "
       "each a text\nsuch as `maze.world:41: error: ...`.";
+  const py::cpp_function findings(
+      [](const py::object& error) -> py::object { return py::str(error).attr("splitlines")(); });
+  input_error.attr("findings") = py::module_::import("builtins").attr("property")(findings);
   step_error = new_exception(module, "StepError", PyExc_RuntimeError);
   step_error.attr("__doc__") =
       "Raised when a step fails: a commanded speed was not finite, or a controller or a device threw an "

@@ -144,23 +144,35 @@ struct HeldEvents {
 struct HeldRecording {
   Holder held;
   Recording recording;
+  bool is_closed = false;
+
+  /// Recording::observe() does nothing after close(), so that frames would be missing without an error.
+  void observe() {
+    if (is_closed) throw std::logic_error("observe(): the recording is closed: make another one");
+    recording.observe(held->use());
+  }
+  void close() {
+    is_closed = true;
+    recording.close();
+  }
 };
 
 }  // namespace
 
 void bind_observers(py::module_& module) {
-  py::class_<HeldMeasures>(
-      module, "Measures",
-      "Numbers that are computed from the state of a simulation, such as the covered area "
-      "(docs/measures.md). wanted: a list of\nnames of measures (\"stalls\"), names with the type, "
-      "population or robot that they are computed for (\"stalls:leaders\"), or\ndicts with a kind and "
-      "parameters ({\"kind\": \"coverage\", \"cell_m\": 0.5}), or functions that take the Swarm of all "
-      "robots\nand return a number. Such a function must not change the world, and can use the swarm only "
-      "during "
-      "the call. An empty list means the measures of the world file, or, if it has none, "
-      "all measures that need no\nparameters. Raises InputError for an unknown measure, robot or parameter, "
-      "and for two measures "
-      "with the\nsame column.")
+  py::class_<HeldMeasures>(module, "Measures",
+                           "Numbers that are computed from the state of a simulation, such as the covered "
+                           "area (docs/measures.md). wanted: a list\n"
+                           "of names of measures (\"stalls\"), names with the type, population or robot that "
+                           "they are computed for\n"
+                           "(\"stalls:leaders\"), or dicts with a kind and parameters ({\"kind\": "
+                           "\"coverage\", \"cell_m\": 0.5}), or functions that take\n"
+                           "the Swarm of all robots and return a number. Such a function must not change the "
+                           "world, and can use the swarm only\n"
+                           "during the call. An empty list means the measures of the world file, or, if it "
+                           "has none, all measures that need no\n"
+                           "parameters. Raises InputError for an unknown measure, robot or parameter, and "
+                           "for two measures with the same column.")
       .def(py::init(&measures_of), py::arg("simulation").none(false), py::arg("wanted") = py::tuple())
       .def("see", &HeldMeasures::see,
            "Updates measures that depend on earlier ticks, such as the covered area. Call it after every "
@@ -229,18 +241,19 @@ void bind_observers(py::module_& module) {
           "tick on. Frames after\nthe current tick are removed from the file. Raises RuntimeError if the "
           "file is not a recording of this run.")
       .def(
-          "observe", [](HeldRecording& r) { r.recording.observe(r.held->use()); },
+          "observe", &HeldRecording::observe,
           "Records the current state if its tick is a multiple of the recording interval. Call it after each "
-          "step. Raises\nRuntimeError after a reset of the simulation: make a new recording then.")
+          "step. Raises\nRuntimeError after close() and after a reset of the simulation: make a new "
+          "recording "
+          "then.")
       .def(
           "flush", [](HeldRecording& r) { r.recording.flush(); },
           "Writes the frames that are still in memory to the file. Readers that opened it in SWMR mode "
           "(h5py: swmr=True) can\nthen read them.")
-      .def(
-          "close", [](HeldRecording& r) { r.recording.close(); },
-          "Writes the frames that are still in memory and closes the file. All HDF5 tools can then read it.")
+      .def("close", &HeldRecording::close,
+           "Writes the frames that are still in memory and closes the file. All HDF5 tools can then read it.")
       .def("__enter__", [](py::object self) { return self; })
-      .def("__exit__", [](HeldRecording& r, const py::args&) { r.recording.close(); });
+      .def("__exit__", [](HeldRecording& r, const py::args&) { r.close(); });
 }
 
 }  // namespace troupe::python

@@ -180,7 +180,8 @@ void bind_robot_batch(py::module_& module) {
            "first ranger. Raises\nLookupError if the controller uses no such ranger.")
       .def("bearings", &RobotBatch::bearings, py::arg("sensor") = "",
            "Headings of the beams of the ranger named `sensor`, rad, in the frame of the ranger. An empty "
-           "name means the first ranger.")
+           "name means the first\n"
+           "ranger.")
       .def("heard", &RobotBatch::heard, py::arg("dtype"), py::arg("device") = "radio",
            "The messages that the radios named `device` heard in this tick, as Swarm.heard() returns them.")
       .def("commands", &RobotBatch::commands, py::arg("device"),
@@ -191,28 +192,25 @@ void bind_robot_batch(py::module_& module) {
       .def("say", &RobotBatch::say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
            py::arg("where") = py::none(),
            "Sets the messages that the radios named `device` send, as Swarm.say() does.")
-      .def("set_speeds", &RobotBatch::drive<engine::ControlMode::velocity>, py::arg("forward").none(false),
-           py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
-           py::arg("where") = py::none(),
+      .def("set_speeds", &RobotBatch::drive<engine::ControlMode::velocity>, py::arg("forward"),
+           py::arg("turn"), py::kw_only(), py::arg("left") = 0.0, py::arg("where") = py::none(),
            "Commands speeds in the body frame, as Swarm.set_speeds() does: forward and left in m/s, turn in "
            "rad/s.")
-      .def("accelerate", &RobotBatch::drive<engine::ControlMode::acceleration>,
-           py::arg("forward").none(false), py::arg("turn").none(false), py::kw_only(),
-           py::arg("left").none(false) = 0.0, py::arg("where") = py::none(),
+      .def("accelerate", &RobotBatch::drive<engine::ControlMode::acceleration>, py::arg("forward"),
+           py::arg("turn"), py::kw_only(), py::arg("left") = 0.0, py::arg("where") = py::none(),
            "Commands accelerations in the body frame, as Swarm.accelerate() does: forward and left in m/s^2, "
            "turn in rad/s^2.")
-      .def("go_to", &RobotBatch::go_to, py::arg("x").none(false), py::arg("y").none(false),
-           py::arg("heading").none(false), py::kw_only(), py::arg("where") = py::none(),
-           "Commands goal poses in the frame of estimates(), m and rad.")
+      .def("go_to", &RobotBatch::go_to, py::arg("x"), py::arg("y"), py::arg("heading"), py::kw_only(),
+           py::arg("where") = py::none(), "Commands goal poses in the frame of estimates(), m and rad.")
       .def(
           "uniform",
           [](RobotBatch& robots, double low, double high) {
             return robots.drawn<double>([&](Random& random) { return random.uniform(low, high); });
           },
           py::arg("low") = 0.0, py::arg("high") = 1.0,
-          "One uniformly distributed number in [low, high) per robot, float64. Each call takes the next "
-          "number of each robot's\nrandom stream of this tick, as a call of Random::uniform() in a "
-          "controller in C++ does.")
+          "One uniformly distributed number in [low, high) per robot, float64; low if high is not above low. "
+          "Each call takes the\nnext number of each robot's random stream of this tick, as a call of "
+          "Random::uniform() in a controller in C++ does.")
       .def(
           "normal",
           [](RobotBatch& robots) {

@@ -35,7 +35,7 @@ namespace {
 using engine::ControllerKind;
 using engine::DecideBatch;
 
-constexpr std::size_t k_most_kinds = 64;  // controllers, and measures, in a process
+constexpr std::size_t k_most_kinds = 256;  // controllers, and measures, in a process
 
 /// A measure in Python: a function of a swarm that returns a number.
 struct PythonMeasure {

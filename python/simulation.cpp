@@ -1,6 +1,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/spec/ticks.hpp"
 #include "python/bindings.hpp"
+#include "python/columns.hpp"
 #include "python/whole_numbers.hpp"
 
 #include <fmt/format.h>
@@ -9,10 +10,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -147,9 +151,8 @@ bool run_until(const py::object& self, const py::function& done, double at_most_
 py::object on_tick(const py::object& self, const py::object& callback) {
   self.cast<Holder>()->use_outside("on_tick()");
   if (!callback.is_none() && PyCallable_Check(callback.ptr()) == 0)
-    throw py::type_error(
-        fmt::format("on_tick() takes a function, or None, which removes all callbacks; found {}",
-                    std::string(py::repr(callback))));
+    throw py::type_error(fmt::format(
+        "on_tick() takes a function, or None, which removes all callbacks; found {}", short_repr(callback)));
   py::list callbacks = callback.is_none() ? py::list() : callbacks_of(self);
   if (!callback.is_none()) callbacks.append(callback);
   py::setattr(self, k_callbacks, callbacks);
@@ -169,9 +172,10 @@ void bind_run(SimulationClass& simulation) {
            "after each tick. Raises ValueError if\n`seconds` is negative, NaN or above 1e12.")
       .def("run_until", &run_until, py::arg("done"), py::arg("at_most_s"),
            "Steps until the callback done(simulation), which is called after each step, returns a true "
-           "value. Returns True in this\ncase, and False if `at_most_s` seconds of simulated time pass first "
-           "or a condition of `stop_when` in the world file ends the\nrun first. Raises ValueError if "
-           "`at_most_s` is negative, NaN or above 1e12.")
+           "value. Returns True in this\n"
+           "case, and False if `at_most_s` seconds of simulated time pass first or a condition of "
+           "`stop_when` in the world file\n"
+           "ends the run first. Raises ValueError if `at_most_s` is negative, NaN or above 1e12.")
       .def("on_tick", &on_tick, py::arg("callback").none(true),
            "Adds a callback: callback(simulation) is called at the end of every step, after the recording of "
            "record() has received\nthe tick. None removes all callbacks. A callback may do everything that a "
@@ -292,7 +296,8 @@ void bind_bodies(SimulationClass& simulation) {
           },
           py::arg("name"),
           "Returns the model of this name: a body (\"r0\") or a part of one (\"r0.ranger:1\"). Raises "
-          "LookupError, whose\ntext lists similar names, if there is none.")
+          "LookupError, whose text lists\n"
+          "similar names, if there is none.")
       .def(
           "model",
           [](const Holder& held, std::uint32_t id) {
@@ -376,25 +381,30 @@ Hit cast_one(const Holder& held, const Pose& start, double range_max, HeldModel*
   return {hit.range_m, hit.met() ? std::optional(hit.body.value) : std::nullopt, hit.part};
 }
 
-/// Casts many rays. starts: one row (x, y, z, heading) per ray, m and rad. Returns two arrays: the distance
-/// at which each ray meets a surface, m, and the id of the body, or -1 if it meets nothing.
-py::tuple cast_many(const Holder& held,
-                    const py::array_t<double, py::array::c_style | py::array::forcecast>& starts,
-                    double range_max, HeldModel* without) {
+/// Casts many rays. given: one row (x, y, z, heading) per ray, m and rad. Returns two arrays: the distance at
+/// which each ray meets a surface, m, and the id of the body, or -1 if it meets nothing.
+py::tuple cast_many(const Holder& held, const py::object& given, double range_max, HeldModel* without) {
+  constexpr std::string_view k_wanted = "an array of n x 4: x, y, z (m) and heading (rad) of each ray";
+  const Numbers starts = numbers_of("starts", given, k_wanted);
   if (starts.ndim() != 2 || starts.shape(1) != 4)
     throw py::value_error(
-        fmt::format("starts has shape {}; give an array of n x 4: x, y, z (m) and heading (rad) of each ray",
-                    std::string(py::str(starts.attr("shape")))));
-  Simulation& simulation = held->use();
+        fmt::format("starts has shape {}; give {}", std::string(py::str(starts.attr("shape"))), k_wanted));
   const Model* passes = without != nullptr ? &without->use() : nullptr;
   py::array_t<double> ranges(starts.shape(0));
   py::array_t<std::int64_t> bodies(starts.shape(0));
-  for (py::ssize_t i = 0; i < starts.shape(0); ++i) {
-    const double* start = starts.data(i, 0);
-    const RayHit hit = simulation.cast({start[0], start[1], start[2], start[3]}, range_max, passes);
-    ranges.mutable_at(i) = hit.range_m;
-    bodies.mutable_at(i) = hit.met() ? std::int64_t{hit.body.value} : -1;
-  }
+  const double* start = starts.data();
+  const std::span<double> range = elements<double>(ranges);
+  const std::span<std::int64_t> body = elements<std::int64_t>(bodies);
+  held->work([&](const Simulation& simulation) {
+    for (std::size_t i = 0; i < range.size(); ++i, start += 4) {
+      if (!std::all_of(start, start + 4, [](double number) { return std::isfinite(number); }))
+        throw std::invalid_argument(fmt::format("row {} of starts is {}, {}, {}, {}: give finite numbers", i,
+                                                start[0], start[1], start[2], start[3]));
+      const RayHit hit = simulation.cast({start[0], start[1], start[2], start[3]}, range_max, passes);
+      range[i] = hit.range_m;
+      body[i] = hit.met() ? std::int64_t{hit.body.value} : -1;
+    }
+  });
   return py::make_tuple(ranges, bodies);
 }
 
@@ -407,10 +417,16 @@ void bind_rays(py::module_& module, SimulationClass& simulation) {
       .def_readonly("body", &Hit::body)
       .def_readonly("part", &Hit::part)
       .def("met", [](const Hit& hit) { return hit.body.has_value(); })
-      .def("__repr__", [](const Hit& hit) {
-        return hit.body ? fmt::format("<Hit of body {} after {:g} m>", *hit.body, hit.range_m)
-                        : std::string("<Hit of nothing>");
-      });
+      .def("__repr__",
+           [](const Hit& hit) {
+             return hit.body ? fmt::format("<Hit of body {} after {:g} m>", *hit.body, hit.range_m)
+                             : std::string("<Hit of nothing>");
+           })
+      .def(py::pickle([](const Hit& hit) { return py::make_tuple(hit.range_m, hit.body, hit.part); },
+                      [](const py::tuple& state) {
+                        return Hit{state[0].cast<double>(), state[1].cast<std::optional<std::uint32_t>>(),
+                                   state[2].cast<std::uint32_t>()};
+                      }));
   simulation
       .def("cast", &cast_one, py::arg("start"), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
@@ -420,7 +436,7 @@ void bind_rays(py::module_& module, SimulationClass& simulation) {
            "through all bodies that move with this body (one carries the other, or a\nthird body carries "
            "both). The ray meets surfaces that rangers detect, nearer than range_max. Raises ValueError if "
            "a\nnumber is not finite, or if range_max is negative or above 300 km.")
-      .def("cast_many", &cast_many, py::arg("starts").none(false), py::arg("range_max"), py::kw_only(),
+      .def("cast_many", &cast_many, py::arg("starts"), py::arg("range_max"), py::kw_only(),
            py::arg("without") = py::none(),
            "Casts n rays. starts: n x 4, x, y, z (m) and heading (rad) of each ray in the world frame; "
            "range_max and without are\nas in cast(). Returns two arrays: for each ray the distance at which "
@@ -435,16 +451,19 @@ void snapshot(const Holder& held, const fs::path& file, int width, int height, c
               const std::string& layers, const Two& center_m, const Two& angle_rad,
               const std::optional<double>& across_m, const std::string& color_by, const Two& color_range,
               const std::string& background) {
-  held->use().snapshot(file, picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
-                                             color_by, color_range, background));
+  const PictureOptions options = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
+                                                 color_by, color_range, background);
+  held->work([&](const Simulation& simulation) { simulation.snapshot(file, options); });
 }
 
 py::array_t<std::uint8_t> picture(const Holder& held, int width, int height, const std::string& camera,
                                   const std::string& layers, const Two& center_m, const Two& angle_rad,
                                   const std::optional<double>& across_m, const std::string& color_by,
                                   const Two& color_range, const std::string& background) {
-  const std::vector<std::uint8_t> bytes = held->use().picture(picture_options(
-      width, height, camera, layers, center_m, angle_rad, across_m, color_by, color_range, background));
+  const PictureOptions options = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
+                                                 color_by, color_range, background);
+  std::vector<std::uint8_t> bytes;
+  held->work([&](const Simulation& simulation) { bytes = simulation.picture(options); });
   py::array_t<std::uint8_t> rgb({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
   std::ranges::copy(bytes, rgb.mutable_data());
   return rgb;
@@ -457,19 +476,23 @@ void bind_pictures(SimulationClass& simulation) {
            py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
            py::arg("color_range") = py::none(), py::arg("background") = "paper",
            "Draws the world into a file, whose name must end in .png, .svg or .pdf; .svg and .pdf show the "
-           "world only from straight\nabove. width and height are in pixels; docs/pictures.md describes the "
-           "other options. Raises ValueError for a size below\n1 and for other numbers that cannot be drawn, "
-           "InputError for\nunknown names, and RuntimeError if the file cannot be written or a library is "
-           "missing.")
-      .def(
-          "picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
-          py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
-          py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
-          py::arg("color_range") = py::none(), py::arg("background") = "paper",
-          "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
-          "are in pixels;\ndocs/pictures.md describes the other options. Raises ValueError for a size below "
-          "1, for other numbers that\ncannot be drawn and for the background \"transparent\", InputError for "
-          "unknown names, and RuntimeError\nif the library OSMesa is missing.");
+           "world only from\n"
+           "straight above. width and height are in pixels; docs/pictures.md describes the other options. "
+           "Raises ValueError for a\n"
+           "size below 1 and for other numbers that cannot be drawn, InputError for unknown names, and "
+           "RuntimeError if the file\n"
+           "cannot be written or a library is missing.")
+      .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
+           py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
+           py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
+           py::arg("color_range") = py::none(), py::arg("background") = "paper",
+           "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
+           "are in pixels;\n"
+           "docs/pictures.md describes the other options. Raises ValueError for a size below 1, for other "
+           "numbers that cannot be\n"
+           "drawn and for the background \"transparent\", InputError for unknown names, and RuntimeError if "
+           "the library OSMesa is\n"
+           "missing.");
 }
 
 // ---- poses and speeds

@@ -52,14 +52,15 @@ py::dict read_study(const std::filesystem::path& file, const std::optional<std::
 }  // namespace
 
 void bind_study(py::module_& module) {
-  module.def(
-      "_read_study", &read_study, py::arg("file"), py::arg("text") = py::none(),
-      py::arg("world") = py::none(),
-      "Reads a study of `troupe sweep` and returns it as a dict. text: the text of the study, if it is "
-      "no file.\nworld: the text of its world, if that is no file. The item \"runs\" is a list "
-      "with one pair per\nrun: the values of the parameters, as JSON texts, and the seed. Its item "
-      "\"check_columns\" is a function of the\nnames of the measures, which raises InputError if two "
-      "columns of the results would have the same name.");
+  module.def("_read_study", &read_study, py::arg("file"), py::arg("text") = py::none(),
+             py::arg("world") = py::none(),
+             "Reads a study of `troupe sweep` and returns it as a dict. text: the text of the study, if it "
+             "is no file. world: the\n"
+             "text of its world, if that is no file. The item \"runs\" is a list with one pair per run: the "
+             "values of the parameters,\n"
+             "as JSON texts, and the seed. Its item \"check_columns\" is a function of the names of the "
+             "measures, which raises\n"
+             "InputError if two columns of the results would have the same name.");
   module.def(
       "_runs_text", [](const std::vector<std::size_t>& runs) { return worldio::runs_text(runs); },
       py::arg("runs"));

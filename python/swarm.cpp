@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -52,11 +53,13 @@ void go_to(HeldSwarm& held, const py::object& x, const py::object& y, const py::
   swarm.go_to(goals, mask_of(where, n));
 }
 
-void set_poses(HeldSwarm& held, const Numbers& poses, const Where& where) {
+void set_poses(HeldSwarm& held, const py::object& given, const Where& where) {
+  constexpr std::string_view k_wanted = "x, y, z (m) and heading (rad) per robot";
   Swarm& swarm = held.use();
   const std::size_t n = swarm.size();
+  const Numbers poses = numbers_of("poses", given, k_wanted);
   if (poses.ndim() != 2 || static_cast<std::size_t>(poses.shape(0)) != n || poses.shape(1) != 4)
-    refuse("poses", poses, n, "x, y, z (m) and heading (rad) per robot");
+    refuse("poses", poses, n, k_wanted);
   swarm.set_poses({reinterpret_cast<const Pose*>(poses.data()), n}, mask_of(where, n));
 }
 
@@ -192,19 +195,17 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "Makes all sensors of the robots of this group run, also sensors that the world file makes "
           "inactive (see\nSimulation.subscribe()). Call it before the first step: later calls raise "
           "RuntimeError.")
-      .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward").none(false),
-           py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
-           py::arg("where") = py::none(),
+      .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward"), py::arg("turn"), py::kw_only(),
+           py::arg("left") = 0.0, py::arg("where") = py::none(),
            "Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the "
            "steering angle, rad).\nThey apply from the next tick on, until another command replaces them.")
-      .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward").none(false),
-           py::arg("turn").none(false), py::kw_only(), py::arg("left").none(false) = 0.0,
-           py::arg("where") = py::none(),
+      .def("accelerate", &command<&Swarm::accelerate>, py::arg("forward"), py::arg("turn"), py::kw_only(),
+           py::arg("left") = 0.0, py::arg("where") = py::none(),
            "Commands accelerations in the body frame: forward and left in m/s^2, turn in rad/s^2 (for a car "
            "drive: the steering\nangle, rad). They apply from the next tick on, until another command "
            "replaces them.")
-      .def("go_to", &go_to, py::arg("x").none(false), py::arg("y").none(false),
-           py::arg("heading").none(false), py::kw_only(), py::arg("where") = py::none(),
+      .def("go_to", &go_to, py::arg("x"), py::arg("y"), py::arg("heading"), py::kw_only(),
+           py::arg("where") = py::none(),
            "Commands goal poses in the frame of estimates(), m and rad: the robots drive there and stay "
            "until another command\nreplaces this one.")
       .def("readings", &readings_of, py::arg("field"), py::arg("device") = "",
@@ -220,12 +221,14 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            "RuntimeError for a swarm without robots.")
       .def("command", &command_device, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
            "Sets fields of the commands of a device by name: swarm.command(\"lamp\", shows=1, "
-           "red=brightness). A value is one number\nfor all robots or one per robot. For a field of several "
-           "columns it is one row for all robots, one row per robot, or,\nfor a field of bytes, a bytes, "
-           "bytearray or memoryview object or a list of one such object per robot, padded with zeros. Other "
-           "fields keep\ntheir "
-           "values. The commands apply from the next step on. Raises LookupError for an unknown device or "
-           "field,\nValueError for values that do not fit and for NaN, and TypeError for texts.")
+           "red=brightness). A value is one number\n"
+           "for all robots or one per robot. For a field of several columns it is one row for all robots, "
+           "one row per robot, or,\n"
+           "for a field of bytes, a bytes, bytearray or memoryview object or a list of one such object per "
+           "robot, padded with\n"
+           "zeros. Other fields keep their values. The commands apply from the next step on. Raises "
+           "LookupError for an unknown\n"
+           "device or field, ValueError for values that do not fit and for NaN, and TypeError for texts.")
       .def("say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
            py::arg("where") = py::none(),
            "Sets the messages that the radios named `device` send in each tick from the next one on, until "
@@ -238,8 +241,7 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            "most_heard): the messages\nas elements of the NumPy type `dtype`, and bools, True where there is "
            "a message of exactly the size of `dtype`.\nmost_heard is a parameter of the radio. readings() "
            "returns the senders, ranges and bearings of the messages in the same\norder.")
-      .def("set_poses", &set_poses, py::arg("poses").none(false), py::kw_only(),
-           py::arg("where") = py::none(),
+      .def("set_poses", &set_poses, py::arg("poses"), py::kw_only(), py::arg("where") = py::none(),
            "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If the pose of "
            "a selected robot is not\nfinite or outside the bounds of the world, or if another body carries "
            "the robot, the function raises ValueError and\nmoves no robot.");
@@ -259,7 +261,8 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       },
       py::arg("of"),
       "Returns the group of one robot, also if a type or a population has its name. of: a Model. Raises "
-      "LookupError if the model\nis not a robot, and RuntimeError for a model of another simulation.");
+      "LookupError if the\n"
+      "model is not a robot, and RuntimeError for a model of another simulation.");
 }
 
 }  // namespace troupe::python

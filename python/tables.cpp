@@ -25,8 +25,18 @@ using engine::StateTable;
 struct Table {
   Holder held;
   const StateTable* table;
-  std::string type;  ///< name of the type of its bodies; empty if they are of several types
 
+  /// Returns the name of the type of the bodies; empty if they are of several types. Reads all rows.
+  std::string type() const {
+    const engine::World& world = held->use().world();
+    std::string type;
+    for (const BodyId body : table->ids()) {
+      const std::string& own = world.type(world.row(body)).name;
+      if (type.empty()) type = own;
+      if (type != own) return {};
+    }
+    return type;
+  }
   py::array field(const std::string& name) const {
     held->use().world().require_whole();
     const std::span<const StateField> fields = table->fields();
@@ -68,21 +78,11 @@ struct Table {
   }
 };
 
-std::string type_of(const engine::World& world, const StateTable& table) {
-  std::string type;
-  for (const BodyId body : table.ids()) {
-    const std::string& own = world.type(world.row(body)).name;
-    if (type.empty()) type = own;
-    if (type != own) return {};
-  }
-  return type;
-}
-
 std::vector<Table> tables_of(const Holder& held) {
   const engine::World& world = held->use().world();
   std::vector<Table> tables;
   for (const StateTable& table : world.tables())
-    if (table.rows() > 0) tables.push_back({held, &table, type_of(world, table)});
+    if (table.rows() > 0) tables.push_back({held, &table});
   return tables;
 }
 
@@ -99,18 +99,20 @@ void require_type(const engine::World& world, const std::string& name) {
 /// state.
 Table table_of(const Holder& held, const std::string& component, const std::string& type) {
   std::vector<Table> found;
-  std::vector<std::string> names;
-  std::vector<Table> all = tables_of(held);
+  const std::vector<Table> all = tables_of(held);
   if (!type.empty()) require_type(held->use().world(), type);
   const bool is_whole =
       std::ranges::any_of(all, [&](const Table& table) { return table.table->component() == component; });
-  for (Table& table : all) {
-    if (!type.empty() && table.type != type) continue;
-    names.push_back(table.given());
-    if ((is_whole ? table.table->component() : names.back()) == component) found.push_back(std::move(table));
-  }
+  const auto has_type = [&type](const Table& table) { return type.empty() || table.type() == type; };
+  for (const Table& table : all)
+    if ((is_whole ? table.table->component() : table.given()) == component && has_type(table))
+      found.push_back(table);
   if (found.size() == 1) return found.front();
   if (found.empty()) {
+    std::vector<std::string> names;
+    for (const Table& table : all)
+      if (has_type(table) && std::ranges::find(names, table.given()) == names.end())
+        names.push_back(table.given());
     std::vector<std::string_view> known(names.begin(), names.end());
     const std::string what = type.empty() ? "component" : fmt::format("component of type {}", type);
     throw std::out_of_range(unknown_name(what, component, std::move(known)));
@@ -123,8 +125,9 @@ Table table_of(const Holder& held, const std::string& component, const std::stri
     throw std::invalid_argument(fmt::format(
         "the name {1} stands for {0} components; use the name that belongs to only one of them: {2}",
         components.size(), component, comma_list(components)));
-  std::vector<std::string_view> types;
-  for (const Table& table : found) types.push_back(table.type);
+  std::vector<std::string> names;
+  for (const Table& table : found) names.push_back(table.type());
+  const std::vector<std::string_view> types(names.begin(), names.end());
   throw std::invalid_argument(
       fmt::format("robots of {1} types have the component {0}; give the parameter `type`: one of {2}",
                   component, types.size(), comma_list(types)));
@@ -170,7 +173,7 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
           "false in JSON, no `alwayson 1` in a .world\nfile), and subscribe() was not called for the robot. "
           "True for all other tables.")
       .def_property_readonly(
-          "type", [](const Table& t) { return t.type; },
+          "type", [](const Table& t) { return t.type(); },
           "Name of the type of the bodies; empty if they are of several types.")
       .def_property_readonly("fields",
                              [](const Table& t) {
@@ -197,10 +200,12 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
            "type of robot.")
       .def("table", &table_of, py::arg("component"), py::arg("type") = "",
            "The table of one component: component is its name in the state, such as \"pose\" or "
-           "\"ranger/ir\", or the name that the\nworld gives it, such as \"ir\" for a device of this name. "
-           "If several types of robots have this component, `type` must name\none of them. Raises "
-           "LookupError, whose text lists the known names, for an unknown component or type, and ValueError "
-           "if several\ntables fit.");
+           "\"ranger/ir\", or the name that the\n"
+           "world gives it, such as \"ir\" for a device of this name. If several types of robots have this "
+           "component, `type` must\n"
+           "name one of them. Raises LookupError, whose text lists the known names, for an unknown component "
+           "or type, and\n"
+           "ValueError if several tables fit.");
 }
 
 }  // namespace troupe::python

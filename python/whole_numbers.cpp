@@ -11,7 +11,7 @@ std::uint64_t whole_number(std::string_view name, const py::object& value, std::
   const auto index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
   if (!index) {
     PyErr_Clear();
-    throw py::type_error(fmt::format("{}: found {}: give {}", name, std::string(py::repr(value)), allowed));
+    throw py::type_error(fmt::format("{}: found {}: give {}", name, short_repr(value), allowed));
   }
   const std::uint64_t number = PyLong_AsUnsignedLongLong(index.ptr());
   if (PyErr_Occurred() != nullptr) {  // negative or too large

@@ -124,6 +124,11 @@ const std::string& Model::name() const { return place_->name; }
 
 BodyId Model::id() const { return place_->body; }
 
+bool Model::operator==(const Model& other) const {
+  return place_->world == other.place_->world && place_->body == other.place_->body &&
+         place_->part == other.place_->part;
+}
+
 Random Model::random(std::string_view name) const {
   const engine::World& world = *place_->world;
   return {world.spec().seed, stream_id("program", name), place_->body.value,

@@ -238,6 +238,9 @@ class Model {
   /// that identify bodies (fiducial finders, bumpers, radios) report this id, and Simulation::model() takes
   /// it.
   BodyId id() const;
+  /// Whether two handles refer to the same body, or to the same part of a body, of one simulation. Their
+  /// names may differ, because a name may be an alias.
+  bool operator==(const Model& other) const;
   /// Pose in the world frame, m and rad. The pose of a part on a joint includes the motion of the joint. A
   /// body that was removed keeps its last pose; the pose of a body that is not yet born is NaN.
   Pose pose() const;

@@ -11,7 +11,12 @@ import numpy as np
 
 #: What an argument must be, for the types in the signatures that pybind11 writes.
 _WORDS = {"int": "a whole number", "float": "a number", "str": "a text", "bool": "True or False", "os.PathLike": "a path",
-          "dict": "a dict", "list": "a list", "List[str]": "a list of texts", "tuple": "a tuple", "function": "a function"}
+          "dict": "a dict", "list": "a list", "List[str]": "a list of texts", "tuple": "a tuple", "function": "a function",
+          "object": "a value", "troupe._core.Pose": "a troupe.Pose or a tuple (x, y, heading)"}
+
+#: Types as pybind11 2.12 and newer write them (regular expressions), and as older versions write them.
+_SPELLINGS = ((r"Annotated\[list\[(\w+)\], FixedSize\((\d+)\)\]", r"List[\1[\2]]"), (r"\blist\[", "List["),
+              (r"\btuple\[", "Tuple["), (r"\bCallable\b", "function"))
 
 
 class _Parameter(NamedTuple):
@@ -41,6 +46,8 @@ def _split(text: str) -> List[str]:
 
 def _signature(text: str) -> _Signature:
     """Reads a signature such as "(file: os.PathLike, width: int = 1280, *, camera: str = 'top') -> None"."""
+    for newer, older in _SPELLINGS:
+        text = re.sub(newer, older, text)
     read = _Signature([], [], ("*args" in text, "**kwargs" in text))
     into = read.positional
     for part in _split(text[text.index("(") + 1:text.rindex(")")]):
@@ -70,8 +77,38 @@ def _words(kind: str) -> str:
         return "an array of numbers"
     if kind.startswith("List[Tuple["):
         return f"a list of tuples ({', '.join(map(_words, _inside(_inside(kind)[0])))})"
+    if kind.startswith("List[Union["):
+        return f"a list whose elements are each {_words(_inside(kind)[0])}"
     other = "a list" if kind.startswith("List[") else kind.replace("troupe._core.", "a troupe.")
     return _WORDS.get(kind, other)
+
+
+def is_number(value: Any) -> bool:
+    """Whether pybind11 converts a value to a floating-point number."""
+    try:
+        return not isinstance(value, (str, bytes, bytearray)) and float(value) is not None
+    except (TypeError, ValueError, OverflowError):
+        return False
+
+
+def _is_whole(value: Any) -> bool:
+    try:
+        return operator.index(value) is not None
+    except TypeError:
+        return False
+
+
+def _is_text(value: Any) -> bool:
+    """Whether a value is a text that UTF-8 can represent, or bytes."""
+    return isinstance(value, bytes) or isinstance(value, str) and not re.search("[\ud800-\udfff]", value)
+
+
+def is_path(value: Any) -> bool:
+    """Whether a value is a path that the file system can represent."""
+    try:
+        return b"\0" not in os.fsencode(value)
+    except (TypeError, ValueError):  # such as half of a surrogate pair, which os.fsdecode() does not return
+        return False
 
 
 def _fits(kind: str, value: Any) -> Optional[bool]:
@@ -100,10 +137,9 @@ def _fits(kind: str, value: Any) -> Optional[bool]:
         except (TypeError, ValueError):
             return False
     simple: Dict[str, bool] = {
-        "object": True, "int": hasattr(value, "__index__"), "float": hasattr(value, "__float__") or hasattr(value, "__index__"),
-        "str": isinstance(value, (str, bytes)), "bool": isinstance(value, bool), "dict": isinstance(value, dict),
-        "os.PathLike": isinstance(value, (str, bytes, os.PathLike)), "list": isinstance(value, list),
-        "tuple": isinstance(value, tuple), "function": callable(value)}
+        "object": True, "int": _is_whole(value), "float": is_number(value), "str": _is_text(value),
+        "bool": value is None or hasattr(value, "__bool__"), "dict": isinstance(value, dict), "os.PathLike": is_path(value),
+        "list": isinstance(value, list), "tuple": isinstance(value, tuple), "function": callable(value)}
     if kind == "troupe._core.Pose" and isinstance(value, tuple):  # pybind11 converts it
         return len(value) == 3 and all(_fits("float", each) for each in value)
     if kind.startswith("troupe._core."):
@@ -151,7 +187,7 @@ def message(text: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
     given  the arguments without a name, the object of a method first
     named  the keyword arguments
     """
-    found = re.match(r"(\w+)\(\): incompatible (constructor|function) arguments[^\n]*((?:\n    \d+\. [^\n]*)+)", text)
+    found = re.match(r"(\w*)\(\): incompatible (constructor|function) arguments[^\n]*((?:\n    \d+\. [^\n]*)+)", text)
     if not found:
         return text
     name, _, all_lines = found.groups()
@@ -168,7 +204,8 @@ def message(text: str, given: Sequence[Any], named: Mapping[str, Any]) -> str:
             del signature.positional[0]
         given = given[1:]
     if len(signatures) == 1:
-        return _fault(name, signatures[0], given, named) or text
+        fault = _fault(name, signatures[0], given, named) or text
+        return fault if name else fault.removeprefix("arg0: ")  # the setter of a property has no name
     forms = [", ".join(f"{each.name}: {_words(each.kind)}" for each in signature.positional) for signature in signatures]
     values = [*map(reprlib.repr, given), *(f"{each}={reprlib.repr(named[each])}" for each in named)]
     return f"{name}() takes ({') or ('.join(forms)}); found ({', '.join(values)})"

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import re
 from typing import Any, Optional, Tuple
 
@@ -11,8 +12,10 @@ import numpy as np
 def _plain(value: Any) -> Any:
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
     raise TypeError(f"a value of the type {type(value).__name__} has no counterpart in JSON: give a dict, a list, a text, a "
-                    f"number, a bool, None or a NumPy array; found {value!r}")
+                    f"number, a bool, None, a path or a NumPy array; found {value!r}")
 
 
 def _not_finite(value: Any, pointer: str) -> Optional[Tuple[str, float]]:
@@ -31,9 +34,10 @@ def _not_finite(value: Any, pointer: str) -> Optional[Tuple[str, float]]:
 
 
 def text_of(value: Any, at: str = "", **options: Any) -> str:
-    """Returns the JSON text of a value, which may contain NumPy numbers and arrays. at: the JSON pointer of the value in
-    the document that it belongs to. options: those of json.dumps(). Raises TypeError if the value has no counterpart in
-    JSON, and ValueError for a number that is not finite, whose text names the JSON pointer of the number."""
+    """Returns the JSON text of a value, which may contain NumPy numbers and arrays, and paths. at: the JSON pointer of
+    the value in the document that it belongs to. options: those of json.dumps(). Raises TypeError if the value has no
+    counterpart in JSON, and ValueError for a number that is not finite, whose text names the JSON pointer of the
+    number."""
     try:
         return json.dumps(value, allow_nan=False, default=_plain, **options)
     except ValueError as error:

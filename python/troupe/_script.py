@@ -94,7 +94,10 @@ def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", na
                          "the unit in the name of the measure")
 
     def declare(function: Callable[..., Any]) -> Callable[..., Any]:
-        setattr(function, "_troupe_measure", {"unit": unit, "name": name or function.__name__})
+        own = name or getattr(function, "__name__", None)
+        if own is None:  # such as a functools.partial
+            raise TypeError(f"the function {function!r} has no name: give it one with troupe.measure(function, name=...)")
+        setattr(function, "_troupe_measure", {"unit": unit, "name": own})
         return function
 
     return declare if function is None else declare(function)
@@ -136,10 +139,11 @@ def _fail(file: str, line: int, text: str) -> NoReturn:
 
 def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int, int]], Any, bytes]:
     """Returns the fields of the memory of a controller class as tuples (name, type, columns, offset), the NumPy type of
-    the memory of one robot, and the initial bytes of this memory."""
+    the memory of one robot, and the initial bytes of this memory. The engine stores a bool as an unsigned byte."""
     if not isinstance(cls.memory, dict):
         _fail(file, line, f"{cls.__name__}.memory is {cls.memory!r}: expected a dict of names and NumPy values or types")
     fields: List[Tuple[str, Any, int, int]] = []
+    formats: List[Any] = []
     starts: List[Tuple[int, bytes]] = []
     offset = 0
     for name, given in cls.memory.items():
@@ -160,14 +164,15 @@ def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int,
                               "one-dimensional array of such numbers")
         offset += -offset % kind.itemsize
         fields.append((name, kind, start.size, offset))
-        starts.append((offset, start.astype(kind).tobytes()))
+        formats.append(start.dtype if start.size == 1 else (start.dtype, (start.size,)))
+        starts.append((offset, start.tobytes()))
         offset += kind.itemsize * start.size
     size = offset + -offset % max([1, *(kind.itemsize for _, kind, _, _ in fields)])
     bytes_ = bytearray(size)
     for at, value in starts:
         bytes_[at:at + len(value)] = value
     row: Any = np.dtype({"names": [f[0] for f in fields], "offsets": [f[3] for f in fields], "itemsize": size,
-                    "formats": [f[1] if f[2] == 1 else (f[1], (f[2],)) for f in fields]}) if fields else np.dtype("V0")
+                         "formats": formats}) if fields else np.dtype("V0")
     return fields, row, bytes(bytes_)
 
 
@@ -198,20 +203,20 @@ def _params(cls: Any, file: str, line: int) -> List[Tuple[str, Any]]:
 
 def _require_fit(name: str, field: "np.dtype[Any]", given: Any) -> None:
     """Raises TypeError if values have a type that a field of a memory cannot store without loss, such as floats in a
-    field of integers, and ValueError if the field has integers and a value is out of their range."""
+    field of integers, and ValueError if the field has integers or bools and an integer is out of their range."""
     values = np.asarray(given)
     if np.can_cast(values.dtype, field, "safe"):
         return
-    are_whole = field.kind in "iu" and values.dtype.kind in "iu"
+    are_whole = field.kind in "biu" and values.dtype.kind in "iu"
     if not are_whole and not np.can_cast(values.dtype, field, "same_kind"):
         raise TypeError(f"memory[{name!r}] has the type {field}, which cannot store values of the type {values.dtype} "
                         f"without loss: convert them, as in x.astype({field.name!r})")
     if are_whole and values.size:
-        bounds = np.iinfo(field)
+        least, most = (0, 1) if field.kind == "b" else (np.iinfo(field).min, np.iinfo(field).max)
         for value in (int(values.min()), int(values.max())):
-            if not bounds.min <= value <= bounds.max:
+            if not least <= value <= most:
                 raise ValueError(f"memory[{name!r}] has the type {field}, which cannot store {value}: give whole numbers "
-                                 f"from {bounds.min} to {bounds.max}")
+                                 f"from {least} to {most}")
 
 
 class Memory(np.ndarray):  # type: ignore[type-arg]
@@ -257,18 +262,26 @@ class _Field(np.ndarray):  # type: ignore[type-arg]
         super().__setitem__(key, value)  # type: ignore[no-untyped-call]
 
 
+def _line_of(thing: Any) -> int:
+    """Returns the line at which a class or a function begins; 0 if its source is not known, as that of exec()."""
+    try:
+        return inspect.getsourcelines(thing)[1]
+    except (OSError, TypeError):
+        return 0
+
+
 def _check_decide(cls: Any, instance: Any, file: str, line: int) -> None:
     if cls.decide is Controller.decide:
         _fail(file, line, f"{cls.__name__} has no function decide(self, robots): define it, to command the robots")
     is_async = inspect.iscoroutinefunction(cls.decide) or inspect.isasyncgenfunction(cls.decide)
     if is_async or inspect.isgeneratorfunction(cls.decide):
-        _fail(file, inspect.getsourcelines(cls.decide)[1],
+        _fail(file, _line_of(cls.decide),
               f"{cls.__name__}.decide: a call would execute none of its statements: write it without "
               f"`{'async' if is_async else 'yield'}`")
     try:
         inspect.signature(instance.decide).bind(None)
     except TypeError:
-        _fail(file, inspect.getsourcelines(cls.decide)[1],
+        _fail(file, _line_of(cls.decide),
               f"{cls.__name__}.decide{inspect.signature(cls.decide)}: expected decide(self, robots)")
 
 
@@ -291,13 +304,6 @@ def number_of(function: Any, value: Any) -> float:
         error = ResultError(f"the measure {getattr(function, '__name__', function)} returned {found}, expected a number")
         error.lineno = getattr(getattr(function, "__code__", None), "co_firstlineno", 0)
         raise error from None
-
-
-def _line_of(cls: Any) -> int:
-    try:
-        return inspect.getsourcelines(cls)[1]
-    except OSError:
-        return 0
 
 
 def misspelt_members(base: type, own: Iterable[str]) -> List[Tuple[str, str]]:
@@ -326,6 +332,8 @@ def _controller(cls: Any, file: str) -> Dict[str, Any]:
     uses = cls.uses
     if uses is not None and (isinstance(uses, str) or not all(isinstance(use, str) for use in uses)):
         _fail(file, line, f"{cls.__name__}.uses is {uses!r}: expected a list of names of devices")
+    if cls.name is not None and not isinstance(cls.name, str):
+        _fail(file, line, f"{cls.__name__}.name is {cls.name!r}: expected a text, or None for the name of the class")
     fields, row, start = _row_type(cls, file, line)
     try:
         instance = cls()

@@ -3,22 +3,45 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import html
 import math
 import os
 import pathlib
 import tempfile
-from typing import Any, Sequence, Union
+from typing import Any, Iterator, Sequence, Union
 
-from ._core import Simulation, _check_output, _Film, _write_replay_page
+from ._arguments import is_number, is_path
+from ._core import InputError, Simulation, _check_output, _Film, _write_replay_page
 
 _File = Union[str, "os.PathLike[str]"]
 
 
+def _check_number(name: str, value: Any) -> None:
+    if not is_number(value):
+        raise TypeError(f"{name}: found {value!r}: give a number")
+
+
 def _check_finite(function: str, **numbers: float) -> None:
     for name, number in numbers.items():
+        _check_number(name, number)
         if not 0 < number < math.inf:
             raise ValueError(f"{function}: {name} must be a finite number above 0, found {number}")
+
+
+def _path(file: Any) -> str:
+    if not is_path(file):
+        raise TypeError(f"file: found {file!r}: give a path")
+    return os.fsdecode(file)
+
+
+@contextlib.contextmanager
+def _errors_name(page: str, recording: str) -> Iterator[None]:
+    """Replaces the name of the recording, a temporary file, by that of the page in the errors of a block."""
+    try:
+        yield
+    except (InputError, RuntimeError) as error:
+        raise type(error)(str(error).replace(recording, page)) from None
 
 
 def film(
@@ -34,10 +57,11 @@ def film(
     ValueError if `file` does not end in .mp4, or if `seconds`, `speed` or `fps` is not a finite number above 0.
     """
     _check_finite("film()", seconds=seconds, speed=speed, fps=fps)
-    if os.path.splitext(os.fspath(file))[1] != ".mp4":
-        raise ValueError(f"film(): the name of a film must end in .mp4, found {os.fspath(file)!r}")
+    name = _path(file)
+    if os.path.splitext(name)[1] != ".mp4":
+        raise ValueError(f"film(): the name of a film must end in .mp4, found {name!r}")
     begin = self.time_s
-    with _Film(self, os.fspath(file), speed, fps, width, height, **look) as frames:
+    with _Film(self, name, speed, fps, width, height, **look) as frames:
         frames.observe()
         while self.time_s - begin < seconds - self.tick_s / 2 and not self.stopped:
             self.step()
@@ -49,34 +73,38 @@ def replay(
 ) -> None:
     """Steps the simulation by `seconds` of simulated time and writes a page (.html) that plays this run in a browser.
 
-    every_s: simulated time between two frames of the page, s. fields: names of components of the state ("pose") or of
-    fields of sensors ("ranges") that the page can show, as in record(). If either is not given, the value that the
-    world file sets under "record" is used. replace: whether an existing file is replaced. If `replace` is False and the
-    file exists, raises FileExistsError before the first step. The run ends earlier if a stop condition holds. Raises
-    ValueError if `seconds` is not a finite number above 0, `every_s` is not a finite number of 0 or more or `file` does
-    not end in .html, and TypeError if `fields` is a string.
+    every_s: simulated time between two frames of the page, s. fields: names of components of the state ("stall") or of
+    fields of sensors ("ranges") that the page can show in addition to poses, as in record(). If either is not given,
+    the value that the world file sets under "record" is used. replace: whether an existing file is replaced. If
+    `replace` is False and the file exists, raises FileExistsError before the first step. The run ends earlier if a stop
+    condition holds. Raises ValueError if `seconds` is not a finite number above 0, `every_s` is not a finite number of
+    0 or more or `file` does not end in .html, and TypeError if `fields` is a string.
     """
     _check_finite("replay()", seconds=seconds)
+    _check_number("every_s", every_s)
     if not 0 <= every_s < math.inf:
         raise ValueError(f"replay(): every_s must be a finite number of 0 or more, found {every_s}")
     if isinstance(fields, str):
         raise TypeError(f"replay(): fields must be a list of names, as in [{fields!r}], found {fields!r}")
-    if not replace and os.path.exists(file):
-        raise FileExistsError(f"{os.fspath(file)}: the file exists; replace=True replaces it")
-    _check_output(self, file)
-    if os.path.splitext(file)[1] != ".html":
-        raise ValueError(f"replay(): the name of the page must end in .html, found {os.fspath(file)}")
+    names = list(fields)
+    if names and "pose" not in names:
+        names.append("pose")
+    page = _path(file)
+    if not replace and os.path.exists(page):
+        raise FileExistsError(f"{page}: the file exists; replace=True replaces it")
+    _check_output(self, page)
+    if os.path.splitext(page)[1] != ".html":
+        raise ValueError(f"replay(): the name of the page must end in .html, found {page}")
     with tempfile.TemporaryDirectory() as folder:
         recording = os.path.join(folder, "run.h5")
-        try:
-            self.record(recording, every_s=every_s, fields=list(fields))
-        except (RuntimeError, ValueError) as error:
-            raise type(error)(str(error).replace(recording, "replay()")) from None
+        with _errors_name(page, recording):
+            self.record(recording, every_s=every_s, fields=names)
         try:
             self.run_for(seconds)
         finally:
             self.stop_recording()
-        _write_replay_page(recording, os.fspath(file), replace)
+        with _errors_name(page, recording):
+            _write_replay_page(recording, page, replace)
 
 
 def _png(self: Simulation, width: int, height: int, **look: Any) -> bytes:

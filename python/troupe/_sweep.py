@@ -5,6 +5,7 @@ from __future__ import annotations
 import concurrent.futures
 import json
 import math
+import operator
 import os
 import threading
 import warnings
@@ -47,9 +48,7 @@ def _wanted(measures: Sequence[str]) -> List[Union[str, Dict[str, Any]]]:
 
 def _without_lines(error: _core.InputError, name: str, below: str = "") -> _core.InputError:
     """Returns an error whose findings name only JSON pointers, not lines of a text that is not a file."""
-    made = _core.InputError(without_lines(str(error), name, below))
-    made.findings = str(made).splitlines()
-    return made
+    return _core.InputError(without_lines(str(error), name, below))
 
 
 def _load(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any]) -> _core.Simulation:
@@ -138,8 +137,20 @@ def _check_failures(failed: Dict[int, Exception], runs: int) -> None:
         f"{_core._runs_text(sorted(failed))}. Run {first}: {failed[first]}", RuntimeWarning, stacklevel=3)
 
 
+def _thread_count(threads: Any) -> int:
+    """Returns the number of threads for the argument `threads` of sweep()."""
+    try:
+        count = 0 if threads is None else operator.index(threads)
+    except TypeError:
+        raise TypeError(f"threads: found {threads!r}: give a whole number from 0, or None") from None
+    if count < 0:
+        raise ValueError(f"threads: found {count}: give a whole number from 0, or None")
+    return count or len(os.sched_getaffinity(0))
+
+
 def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,
-          threads: Optional[int] = None, name: str = "dict.json", **options: Any) -> "pandas.DataFrame":
+          threads: Optional[int] = None, name: Union[str, "os.PathLike[str]"] = "dict.json",
+          **options: Any) -> "pandas.DataFrame":
     """Makes all runs of a study and returns a pandas data frame. Each run uses one thread; several runs are made in
     parallel.
 
@@ -147,7 +158,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
              a file name or a dict
     series   True: the result has the measures over time, one row per sample, instead of one row per run. None: the
              value of "series" in the study
-    threads  number of parallel runs; None: one per processor that the process may use
+    threads  number of parallel runs; None or 0: one per processor that the process may use
     name     if `study` is a dict: the file name that error messages show, with a JSON pointer. Relative paths in
              the dict are resolved from the folder in this name
     options  keyword arguments of Simulation() for all runs, such as search_path and plugin_path; not threads, seed, set
@@ -170,9 +181,11 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
         import pandas
     except ImportError as missing:
         raise ImportError("troupe.sweep() needs pandas (Debian, Ubuntu: apt install python3-pandas; pip install pandas)") from missing
+    runs_at_once = _thread_count(threads)
     world: Any = None
     if isinstance(study, Mapping):
         document = dict(study)
+        name = os.fspath(name)
         if isinstance(document.get("world"), Mapping):
             world = document["world"]
             document["world"] = name
@@ -181,9 +194,11 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
             read = _core._read_study(name, text_of(document), world_text)
         except _core.InputError as error:
             raise _without_lines(error, name) from None
-    else:
-        name = os.fspath(study)
+    elif isinstance(study, (str, bytes, os.PathLike)):
+        name = os.fsdecode(study)
         read = _core._read_study(name)
+    else:
+        raise TypeError(f"study: found {study!r}: give a dict or a path")
     if series is not None:
         read["series"] = series
     if world is None:
@@ -199,7 +214,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     rows: List[Dict[str, Any]] = []
     looks: List[Dict[str, Any]] = []
     failed: Dict[int, Exception] = {}
-    with concurrent.futures.ThreadPoolExecutor(threads or len(os.sched_getaffinity(0))) as pool:
+    with concurrent.futures.ThreadPoolExecutor(runs_at_once) as pool:
         has_ended = threading.Event()
         futures: List["concurrent.futures.Future[Rows]"] = []
         try:

@@ -102,6 +102,8 @@ class _Table:
     """The table of a sweep, and its rows by the number of the run."""
 
     def __init__(self, folder: _File):
+        if not isinstance(folder, (str, os.PathLike)):
+            raise TypeError(f"folder: found a {type(folder).__name__}: give the name of the folder of a completed sweep")
         if not os.path.exists(folder):
             raise PlotError(f"{folder}: error: there is no such folder: give the folder of a completed sweep")
         if not os.path.isdir(folder):

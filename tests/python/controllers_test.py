@@ -1,5 +1,6 @@
 """Tests of controllers and measures in Python: run, check, sweep, checkpoints, and errors."""
 
+import functools
 import json
 import os
 import pathlib
@@ -243,6 +244,8 @@ class Controllers(InAFolder):
             troupe.measure("m")
         self.assertEqual(str(raised.exception),
                          "measure() found 'm' in place of a function: write @troupe.measure(unit=\"m\") to give a unit")
+        with self.assertRaisesRegex(TypeError, r"^the function functools.partial\(.*\) has no name: give it one with "):
+            troupe.measure(functools.partial(len))
 
     def test_the_error_for_a_measure_of_a_missing_script_names_the_option(self):
         made = self.troupe("run", "w.json", "--measures", "m.csv", "--measure", "my:reach", code=2)
@@ -561,6 +564,60 @@ class Controllers(InAFolder):
         self.assertEqual(table["cut"][by_id][:4, 0].tolist(), [0, -5, 7, 0])
         self.assertEqual(table["real"][by_id][4], 2)
 
+    def test_a_field_of_bools_selects_robots(self):
+        seen = []
+
+        class waiter(troupe.Controller):
+            robots = "r"
+            memory = {"is_near": np.bool_(True), "marks": np.zeros(2, bool)}
+
+            def decide(self, robots):
+                memory = robots.memory
+                seen.append((memory["is_near"].dtype, memory["marks"].dtype, robots.ids[~memory["is_near"]].tolist()))
+                memory["is_near"] = robots.ids % 2 == 0
+                memory["marks"][:, 1] = 1
+                robots.set_speeds(0.1, 0, where=memory["is_near"])
+
+        world = troupe.Simulation("w.json", controllers=waiter)
+        world.step(2)
+        odd = [robot for robot in world.swarm("r").ids.tolist() if robot % 2]
+        self.assertEqual(seen, [(np.dtype(bool), np.dtype(bool), []), (np.dtype(bool), np.dtype(bool), odd)])
+        table = next(each for each in world.tables() if each.component.endswith("waiter/0"))
+        self.assertEqual(table["is_near"].dtype, np.uint8)
+        self.assertEqual(table["is_near"].tolist(), (table.ids % 2 == 0).tolist())
+        self.assertEqual(table["marks"].tolist(), [[0, 1]] * 30)
+
+        class wrong(waiter):
+            def decide(self, robots):
+                robots.memory["is_near"] = 2
+
+        with self.assertRaisesRegex(troupe.StepError, "has the type bool, which cannot store 2: give whole numbers from 0 to 1"):
+            troupe.Simulation("w.json", controllers=wrong).step()
+
+    def test_the_source_of_a_class_need_not_be_known(self):
+        for names in ({}, {"__name__": "__main__"}):  # as in an interactive interpreter
+            exec("import troupe\nclass own(troupe.Controller):\n  def decide(self, robots): robots.set_speeds(0.1, 0)\n"
+                 "class wrong(own):\n  def decide(self): pass\n"
+                 "class late(own):\n  async def decide(self, robots): pass\n", names)
+            troupe.Simulation("w.json", controllers=names["own"]).step()
+            for name, text in (("wrong", r"wrong.decide\(self\): expected decide\(self, robots\)"),
+                               ("late", "late.decide: a call would execute none of its statements: write it without `async`")):
+                with self.assertRaisesRegex(troupe.InputError, f"error: {text}"):
+                    troupe.Simulation("w.json", controllers=names[name])
+
+    def test_a_class_may_be_defined_again_many_times(self):
+        for turn in np.linspace(0, 1, 70):  # as in a notebook
+            class turner(troupe.Controller):
+                robots = "r"
+                params = {"turn": float(turn)}
+
+                def decide(self, robots):
+                    robots.set_speeds(0, robots.params["turn"])
+
+            world = troupe.Simulation("w.json", robots=1, threads=1, controllers=turner)
+            world.step(2)
+            self.assertEqual(world.swarm("r").speeds()[0, 2] > 0, turn > 0)
+
     def test_a_decide_whose_statements_would_not_run_is_an_error(self):
         for change, word in (("            yield\n", "yield"), ("", "async")):
             text = ROAM.replace("class roam", "class my").replace("        memory = robots.memory\n", "        memory = robots.memory\n" + change)
@@ -584,6 +641,17 @@ class Controllers(InAFolder):
         cause = raised.exception.__cause__
         self.assertIsInstance(cause, KeyError)
         self.assertEqual(traceback.extract_tb(cause.__traceback__)[-1].name, "decide")
+
+    def test_decide_cannot_use_the_simulation(self):
+        class peeper(troupe.Controller):
+            robots = "r"
+
+            def decide(self, robots):
+                world.find("r0")
+
+        world = troupe.Simulation("w.json", controllers=peeper)
+        with self.assertRaisesRegex(troupe.StepError, "or by the step that calls this code: .* decide.. of a controller may use only"):
+            world.step()
 
     def test_a_program_can_exit_in_decide(self):
         class last(troupe.Controller):
@@ -669,6 +737,8 @@ except KeyboardInterrupt:
             (("import troupe\n", "import troupe\nraise KeyboardInterrupt\n"), 2, "my.py:3: KeyboardInterrupt\n"),
             (('robots = "r"', 'robots = "s"'), 2,
              f'my.py:{class_line}: error: controller roam: unknown type, population or robot "s"; known: bot, r'),
+            (('robots = "r"', "name = 3"), 2,
+             f"my.py:{class_line}: error: roam.name is 3: expected a text, or None for the name of the class"),
             (('"u4"', '"u8x"'), 2, f"my.py:{class_line}: error: roam.memory['steps'] is 'u8x': expected a NumPy"),
             (('"u4"', '"c16"'), 2, "has the type complex128 and the shape (): expected a number of one of the types"),
             (('np.zeros(5, "f4")', "np.zeros((5, 2))"), 2, "has the type float64 and the shape (5, 2)"),

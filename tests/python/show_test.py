@@ -77,6 +77,14 @@ class Film(InAFolder):
                 simulation.film(*arguments)
         with self.assertRaises(ValueError):
             simulation.film("f.mp4", 1, camera="sideways")
+        for arguments, error in {
+            ("f.mp4", "1"): "seconds: found '1': give a number",
+            (None, 1): "file: found None: give a path",
+        }.items():
+            with self.assertRaisesRegex(TypeError, f"^{error}$"):
+                simulation.film(*arguments)
+        with self.assertRaisesRegex(ValueError, "found 'f.webm'"):
+            simulation.film(b"f.webm", 1)
         with self.assertRaisesRegex(RuntimeError, "none/f.mp4: error: cannot be written"):
             simulation.film("none/f.mp4", 1)
         path = os.environ["PATH"]
@@ -147,13 +155,25 @@ class Replay(InAFolder):
             simulation.replay("a.html", 1, fields="pose")
         with self.assertRaisesRegex(ValueError, "the name of the page must end in .html, found a.json"):
             simulation.replay("a.json", 1, replace=True)
-        with self.assertRaisesRegex(troupe.InputError, '^replay\\(\\): error: unknown field "nonsense"; known: '):
+        with self.assertRaisesRegex(ValueError, '^a.html: error: unknown field "nonsense"'):
             simulation.replay("a.html", 1, fields=["nonsense"])
+        for arguments, error in ((("a.html", "1"), "seconds: found '1': give a number"),
+                                 (("a.html", 1, "1"), "every_s: found '1': give a number"),
+                                 ((None, 1), "file: found None: give a path")):
+            with self.assertRaisesRegex(TypeError, f"^{error}$"):
+                simulation.replay(*arguments[:2], **{"every_s": every_s for every_s in arguments[2:]})
         self.assertEqual((simulation.tick, os.listdir()), (0, []))
         simulation.record("run.h5")
-        with self.assertRaisesRegex(RuntimeError, r"^replay\(\): this run is already being recorded; call stop_recording"):
+        with self.assertRaisesRegex(RuntimeError, "^a.html: this run is already being recorded; call stop_recording"):
             simulation.replay("a.html", 1)
         self.assertEqual((simulation.tick, os.listdir()), (0, ["run.h5"]))
+        simulation.stop_recording()
+
+    def test_fields_are_shown_in_addition_to_poses(self):
+        simulation, other = moving(), moving()
+        simulation.replay("a.html", 1, fields=["stall"])
+        other.replay("b.html", 1, fields=["stall", "pose"])
+        self.assertEqual(pathlib.Path("a.html").read_text(), pathlib.Path("b.html").read_text())
 
 
 class Notebook(InAFolder):

@@ -57,6 +57,7 @@ class Loading(InAFolder):
         self.assertEqual(numpy.state_hash(), plain.state_hash())
         near = troupe.Measures(numpy, [{"kind": "neighbours", "radius_m": np.float32(9)}])
         self.assertEqual(near.values(), troupe.Measures(plain, [{"kind": "neighbours", "radius_m": 9}]).values())
+        self.assertEqual(troupe.Simulation({**ROOM, "title": pathlib.Path("maps/room")}).title, "maps/room")
         for wrong in (1j, {1}, object(), np.array([1j])):
             with self.assertRaisesRegex(TypeError, "^a value of the type [a-z]+ has no counterpart in JSON: give a dict, "):
                 troupe.Simulation({**ROOM, "seed": wrong})
@@ -106,6 +107,10 @@ class Loading(InAFolder):
         self.assertRegex(findings[0], r'^made\.json: error: /types/bot/drive/kind: unknown drive "hover"; known: ')
         self.assertIn("/types/cart/size_m", findings[1])
         self.assertEqual(str(caught.exception), "\n".join(findings))
+        self.assertEqual(pickle.loads(pickle.dumps(caught.exception)).findings, findings)
+        with self.assertRaises(troupe.InputError) as caught:
+            troupe.Simulation(ROOM, controllers="none.py")
+        self.assertEqual(caught.exception.findings, ["none.py: error: there is no such file"])
         first = ROOM["populations"][0]
         with self.assertRaisesRegex(troupe.InputError, '^dict.json: error: /populations/1: unknown key "sed"'):
             troupe.Simulation({**ROOM, "populations": [first, {**first, "name": "s", "sed": 1}]})
@@ -141,8 +146,10 @@ class Loading(InAFolder):
         for size in (-1, math.nan, math.inf):
             with self.assertRaisesRegex(ValueError, f"tile_size_m is {size:g}: give a number from 0"):
                 troupe.Simulation(ROOM, tile_size_m=size)
-        for robots in ({"r": -1}, {"r": 1.5}, {3: 1}):
-            with self.assertRaisesRegex(TypeError, "robots: found .*; give the name of a population and a whole number from 0"):
+        for robots, error, text in (({"r": -1}, ValueError, "robots['r']: found -1: give a whole number from 0"),
+                                    ({"r": 1.5}, TypeError, "robots['r']: found 1.5: give a whole number from 0"),
+                                    ({3: 1}, TypeError, "robots: found the key 3: give the name of a population")):
+            with self.assertRaisesRegex(error, f"^{re.escape(text)}$"):
                 troupe.Simulation(ROOM, robots=robots)
         with self.assertRaisesRegex(TypeError, "set: the key 1 is not a JSON pointer: give a text"):
             troupe.Simulation(ROOM, set={1: 2})
@@ -167,16 +174,36 @@ class Loading(InAFolder):
              f'snapshot() has no keyword argument "camra"; known: {known} (did you mean "camera"?)'),
             (lambda: world.picture(1.5), "width: found 1.5: give a whole number"),
             (lambda: world.find(3), "name: found 3: give a text"),
+            (lambda: world.record("a.h5", replace=np.bool_(True), fields=3), "fields: found 3: give a list of texts"),
+            (lambda: world.record("a.h5", replace="no"), "replace: found 'no': give True or False"),
             (lambda: world.run_for(), 'run_for() needs the argument "seconds": give a number'),
             (lambda: world.swarm().set_speeds(1), 'set_speeds() needs the argument "turn"'),
             (lambda: world.state_hash(3), "state_hash() takes at most 0 arguments without a name, found 1"),
-            (lambda: troupe.Measures(world, 3), "wanted: found 3: give a list"),
-            (lambda: world.spawn("r", (1, 2)), "pose: found (1, 2): give a troupe.Pose"),
+            (lambda: world.find("\ud800"), r"name: found '\ud800': give a text"),
+            (lambda: world.save("a\0.h5"), r"checkpoint: found 'a\x00.h5': give a path"),
+            (lambda: troupe.Simulation("\ud800"), r"world: found '\ud800': give a dict or a path"),
+            (lambda: world.find("r0").set_speed(np.ones(2), 0), "forward: found array([1., 1.]): give a number"),
+            (lambda: world.model(np.arange(2)), "id: found array([0, 1]): give a whole number"),
+            (lambda: world.swarm().set_speeds(None, 0), "forward: found None: give one number, or one per robot"),
+            (lambda: world.on_tick(), 'on_tick() needs the argument "callback": give a value'),
+            (lambda: troupe.Measures(world, 3),
+             "wanted: found 3: give a list whose elements are each a text or a dict or a function"),
+            (lambda: world.spawn("r", (1, 2)), "pose: found (1, 2): give a troupe.Pose or a tuple (x, y, heading)"),
+            (lambda: world.find("r0").set_pose([1, 2, 3]),
+             "pose: found [1, 2, 3]: give a troupe.Pose or a tuple (x, y, heading)"),
             (lambda: troupe.Simulation.from_text(3), "text: found 3: give a text"),
             (lambda: world.cast((0, 0, 0), "far"), "range_max: found 'far': give a number"),
-            (lambda: world.swarm().set_poses(None), "poses: found None: give an array of numbers"),
+            (lambda: world.swarm().set_poses(None), "poses: found None: give x, y, z (m) and heading (rad) per robot"),
+            (lambda: world.swarm().set_poses(np.full((9, 4), 1j)),
+             "poses: found [[1j, 1j, 1j, 1j], [1j, 1j, 1j, 1j], [1j, 1j, 1j, 1j], [1j, 1j, 1j, 1j], [1j, 1j, 1j, 1j], "
+             "[1j, 1j, 1j, 1j], ...]: give numbers"),
+            (lambda: world.cast_many([["0"] * 4], 1), "starts: found [['0', '0', '0', '0']]: give numbers"),
+            (lambda: world.cast_many("east", 1), "starts: found 'east': give numbers"),
+            (lambda: world.cast_many([[1], [1, 2]], 1),
+             "starts: found [[1], [1, 2]]: give an array of n x 4: x, y, z (m) and heading (rad) of each ray"),
             (lambda: world.set_poses([(world.find("cart"), "here")]),
-             "poses: found [(<Model cart>, 'here')]: give a list of tuples (a troupe.Model, a troupe.Pose)"),
+             "poses: found [(<Model cart>, 'here')]: give a list of tuples (a troupe.Model, a troupe.Pose or a tuple (x, y, heading))"),
+            (lambda: setattr(troupe.Pose(), "heading", "north"), "found 'north': give a number"),
             (lambda: troupe.Pose(("a", 1, 2)), "x_y_heading: found ('a', 1, 2): give three numbers"),
             (lambda: troupe.Measures(world, [functools.partial(len)]),
              "wanted: the function functools.partial(<built-in function len>) has no name: give it one with "
@@ -196,6 +223,19 @@ class Loading(InAFolder):
         with self.assertRaisesRegex(TypeError, r"^Simulation\(\) takes at most 1 argument without a name, found 2: give robots, "):
             troupe.Simulation(ROOM, 500)
 
+    def test_types_as_newer_versions_of_pybind11_write_them_are_read(self):
+        signature = ("poses: list[tuple[troupe._core.Model, troupe._core.Pose]] = [], names: list[str] = [], "
+                     "center_m: Optional[Annotated[list[float], FixedSize(2)]] = None, done: Optional[Callable] = None")
+        text = ("act(): incompatible function arguments. The following argument types are supported:\n"
+                f"    1. (self: object, {signature}) -> None\n\nInvoked with: 1")
+        for arguments, error in (
+            ({"poses": 3}, "poses: found 3: give a list of tuples (a troupe.Model, a troupe.Pose or a tuple (x, y, heading))"),
+            ({"names": "r0"}, "names: found 'r0': give a list of texts"),
+            ({"center_m": (1, 2, 3), "done": None}, "center_m: found (1, 2, 3): give a list of 2 numbers or None"),
+            ({"center_m": None, "done": 3}, "done: found 3: give a function or None"),
+        ):
+            self.assertEqual(troupe._arguments.message(text, (None,), arguments), error)
+
     def test_a_type_error_of_the_program_keeps_its_text(self):
         def callback(_):
             raise TypeError("mine(): incompatible with yours")
@@ -206,6 +246,18 @@ class Loading(InAFolder):
             except TypeError as error:
                 self.assertIn("callback", [each.name for each in traceback.extract_tb(error.__traceback__)])
                 raise
+
+    def test_docstrings_are_at_most_120_columns_wide(self):
+        members = [(name, member) for name, member in vars(troupe._core).items() if not name.startswith("__")]
+        for name, kind in members[:]:
+            if isinstance(kind, type):
+                members += [(f"{name}.{each}", member) for each, member in vars(kind).items() if not each.startswith("__")]
+        texts = {name: (member.__doc__ or "").splitlines() for name, member in members}
+        self.assertGreater(len(texts), 200)
+        self.assertEqual([(name, line) for name, lines in texts.items() for line in lines if len(line) > 120 and "->" not in line],
+                         [])
+        for name in troupe.math.__all__:
+            self.assertRegex(getattr(troupe.math, name).__doc__, r"(?m)^Returns ")
 
     def test_warnings_are_told(self):
         world = troupe.Simulation.from_text('position( name "a" colour "red" )', "a.world")
@@ -317,7 +369,7 @@ class Running(InAFolder):
         stepper.join()
         self.assertGreater(turns, 5)
         self.assertGreater(len(refused), turns)
-        self.assertIn("is being stepped by another thread", refused[0])
+        self.assertIn("is being used by another thread", refused[0])
         self.assertEqual(world.tick, 300)
 
     def test_control_c_ends_it_between_two_ticks(self):
@@ -653,6 +705,9 @@ class Rays(InAFolder):
             one = world.cast(troupe.Pose(z=0.1, heading=start[3]), 6)
             self.assertEqual((far, body), (one.range_m, -1 if one.body is None else one.body))
         self.assertGreater((bodies >= 0).sum(), 5)
+        starts[7, 1] = np.nan
+        with self.assertRaisesRegex(ValueError, "^row 7 of starts is 0, nan, 0.1, .*: give finite numbers$"):
+            world.cast_many(starts, 6)
         with self.assertRaisesRegex(ValueError, "starts has shape .30, 3."):
             world.cast_many(starts[:, :3], 6)
 
@@ -743,6 +798,11 @@ class Models(InAFolder):
         with self.assertRaisesRegex(ValueError, "give .x, y, heading"):
             troupe.Pose((1, 2))
         self.assertEqual(cart.sensors(), ["eye"])
+        self.assertEqual(cart, world.model(cart.id))
+        self.assertEqual({cart: 1}[world.find("cart")], 1)
+        self.assertNotEqual(cart, world.find("r0"))
+        self.assertNotEqual(cart, troupe.Simulation(ROOM).find("cart"))
+        self.assertNotEqual(cart, "cart")
         self.assertIsNone(cart.energy())
         self.assertEqual(cart.flag_count(), 0)
         with self.assertRaisesRegex(LookupError, 'no model "card" in .*did you mean "cart"'):
@@ -928,7 +988,7 @@ class Models(InAFolder):
         view = world.view(rate=0.001, out=self.folder)  # the second tick would wait for 200 s
         stepping = threading.Thread(target=lambda: world.step(3), daemon=True)
         stepping.start()
-        with self.assertRaisesRegex(RuntimeError, "is being stepped by another thread"):
+        with self.assertRaisesRegex(RuntimeError, "is being used by another thread"):
             while stepping.is_alive():
                 world.state_hash()
         del view
@@ -1035,7 +1095,7 @@ class Tables(InAFolder):
         self.assertEqual((ranges.dtype, ranges.shape), (np.float32, (8, 3)))
         bots = world.swarm("bot")
         np.testing.assert_array_equal(ranges[np.argsort(eyes.ids)], bots.ranges())
-        with self.assertRaisesRegex(LookupError, 'unknown component "ranger/ear"; known: '):
+        with self.assertRaisesRegex(LookupError, 'unknown component "ranger/ear"; known: command, eye, life, '):
             world.table("ranger/ear")
         with self.assertRaisesRegex(LookupError, 'unknown type "bott"; known: .*bot.*did you mean "bot"'):
             world.table("pose", type="bott")
@@ -1057,6 +1117,15 @@ class Tables(InAFolder):
                "models": [*ROOM.get("models", []), {"name": "lantern", "type": "lantern", "pose": {"z_m": 5}}]}
         with self.assertRaisesRegex(ValueError, "the name eye stands for 2 components; use the name that belongs to only one of them: .*ranger/eye"):
             troupe.Simulation(two).table("eye")
+
+    def test_are_found_without_a_look_at_all_robots(self):
+        many = {"troupe": 1, "types": {"bot": ROOM["types"]["bot"]},
+                "populations": [{"name": "r", "type": "bot", "count": 100000,
+                                 "place": {"rule": "grid", "pitch_m": 1, "region_m": [[-160, -160], [160, 160]]}}]}
+        world = troupe.Simulation(many, threads=1)
+        for _ in range(10000):  # minutes if each call looked at the types of all robots
+            heading = world.table("pose")["heading"]
+        self.assertEqual((len(heading), world.table("pose").type), (100000, "bot"))
 
     def test_have_no_readings_of_sensors_that_do_not_run(self):
         bot = {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
@@ -1171,6 +1240,9 @@ class Swarms(InAFolder):
         none = troupe.Simulation({**ROOM, "populations": [empty]}).swarm("r")
         self.assertEqual(len(none), 0)
         self.assertEqual(none.poses().shape, (0, 4))
+        none.set_speeds([], [], where=[])
+        with self.assertRaisesRegex(ValueError, "^where, an array of bool, has shape .1,.; for a swarm of 0 robots"):
+            none.set_speeds(0, 0, where=[True])
 
 
 class Looking(InAFolder):
@@ -1192,7 +1264,7 @@ class Looking(InAFolder):
             with self.assertRaisesRegex(TypeError, f"^the measure <lambda> returned {found}, expected a number$"):
                 troupe.Measures(world, [wrong]).values()
 
-    def test_poses_speeds_and_events_can_be_pickled(self):
+    def test_poses_speeds_hits_and_events_can_be_pickled(self):
         world = troupe.Simulation(ROOM)
         robot, events = world.find("r0"), troupe.Events(world)
         robot.set_pose((4.7, 0, 0))
@@ -1202,7 +1274,7 @@ class Looking(InAFolder):
             world.step()
             seen += events.see()
         self.assertEqual(repr(seen), "[<Event stall_begins of r0>]")
-        for value in (troupe.Pose(1, 2, 3, 4), robot.pose(), robot.speed(), *seen):
+        for value in (troupe.Pose(1, 2, 3, 4), robot.pose(), robot.speed(), world.cast((0, 4, 0), 9), world.cast((0, 0, 0), 0), *seen):
             other = pickle.loads(pickle.dumps(value))
             self.assertEqual((type(other), repr(other)), (type(value), repr(value)))
         self.assertEqual(pickle.loads(pickle.dumps(seen[0])).id, seen[0].id)
@@ -1226,6 +1298,9 @@ class Looking(InAFolder):
             with troupe.Recording("run.h5", world, every_s=0.2) as recording:
                 world.run_for(1, lambda _: recording.observe())
         self.assertGreater(os.path.getsize("run.h5"), 1000)
+        with self.assertRaisesRegex(RuntimeError, r"^observe\(\): the recording is closed: make another one$"):
+            recording.observe()
+        recording.close()
         with troupe.Recording("two.h5", world) as recording:
             world.reset(seed=99)
             with self.assertRaisesRegex(RuntimeError, "^two.h5: error: the simulation was reset after tick 5"):
@@ -1322,6 +1397,24 @@ class Looking(InAFolder):
         for across_m in (-1, 0, 1e-308, math.nan, math.inf):
             with self.assertRaisesRegex(ValueError, "^across_m is .*: give a finite number, at least 1e-06$"):
                 world.picture(16, 16, across_m=across_m)
+
+    def test_other_threads_run_while_a_picture_is_drawn_or_rays_are_cast(self):
+        world = troupe.Simulation(ROOM, threads=1)
+        with skipped_where_lacking():
+            world.picture(16, 16)
+        for use in (lambda: world.picture(800, 600), lambda: world.snapshot("room.png", 800, 600),
+                    lambda: world.cast_many(np.full((50000, 4), 0.1), 4)):
+            refused = []
+            user = threading.Thread(target=lambda: [use() for _ in range(10)])
+            user.start()
+            while user.is_alive():
+                try:
+                    world.tick
+                except RuntimeError as error:
+                    refused.append(str(error))
+                time.sleep(0.001)
+            user.join()
+            self.assertRegex(" ".join(refused), "is being used by another thread")
 
     def test_statistics(self):
         world = troupe.Simulation(ROOM)

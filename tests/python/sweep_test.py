@@ -149,6 +149,29 @@ class Sweep(unittest.TestCase):
         with self.assertRaisesRegex(troupe.InputError, '^dict.json: error: /measures/0: unknown measure "finer"'):
             troupe.sweep({**study, "measures": ["finer"]})
 
+    def test_a_wrong_study_or_number_of_threads_is_named(self):
+        for wrong, error, text in (
+            ((None, {}), TypeError, "study: found None: give a dict or a path"),
+            (([STUDY], {}), TypeError, "study: found .* give a dict or a path"),
+            ((STUDY, {"threads": -1}), ValueError, "threads: found -1: give a whole number from 0, or None"),
+            ((STUDY, {"threads": "2"}), TypeError, "threads: found '2': give a whole number from 0, or None"),
+            ((STUDY, {"threads": 1.5}), TypeError, "threads: found 1.5: give a whole number from 0, or None"),
+        ):
+            with self.assertRaisesRegex(error, f"^{text}$"):
+                troupe.sweep(wrong[0], **wrong[1])
+        self.assertEqual(len(troupe.sweep(STUDY, threads=np.int64(2))), 6)
+
+    def test_the_files_of_a_study_may_be_paths(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "world.json"
+            file.write_text(json.dumps(WORLD))
+            expected = list(troupe.sweep(STUDY)["state_hash"])
+            self.assertEqual(list(troupe.sweep({**STUDY, "world": file})["state_hash"]), expected)
+            named = troupe.sweep({**STUDY, "world": pathlib.Path("world.json")}, name=pathlib.Path(folder) / "study.json")
+            self.assertEqual(list(named["state_hash"]), expected)
+            with self.assertRaisesRegex(troupe.InputError, "^my/study.json: error: /world: unknown key"):
+                troupe.sweep({**STUDY, "world": {**WORLD, "sed": 1}}, name=pathlib.Path("my/study.json"))
+
     def test_an_unknown_keyword_argument_is_named(self):
         for wrong in ({"thread": 1}, {"seed": 1}, {"set": {}}):
             with self.assertRaises(TypeError) as raised:
@@ -372,6 +395,12 @@ class Plot(unittest.TestCase):
         limit = troupe.plot.csv.field_size_limit()
         self.assertEqual(len(troupe.plot.series_by(self.folder)[2]), 2)
         self.assertEqual(troupe.plot.csv.field_size_limit(), limit)
+
+    def test_the_results_are_those_in_a_folder(self):
+        frame = pandas.DataFrame({"run": [0]})
+        for read in (lambda: troupe.plot.draw(frame), lambda: troupe.plot.final_by(frame, "run"), lambda: troupe.plot.series_by(frame)):
+            with self.assertRaisesRegex(TypeError, "^folder: found a DataFrame: give the name of the folder of a completed sweep$"):
+                read()
 
     def test_what_is_wrong_is_one_message(self):
         def message(*arguments, **named):

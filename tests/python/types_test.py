@@ -37,6 +37,11 @@ def look(simulation: troupe.Simulation) -> None:
 
 
 far: bool = world.run_until(lambda simulation: simulation.tick > 3, 1)
+far = world.run_until(lambda simulation: (swarm.poses()[:, 0] > 1).all(), np.float32(1))
+world.step(np.int64(2))
+world = troupe.Simulation("worlds/hospital.json", robots=np.int64(5), seed=np.uint64(1), threads=np.int8(1))
+world.picture(np.int64(64), center_m=swarm.poses()[0, :2], across_m=np.float64(3))
+troupe.Measures(world, [lambda robots: np.float64(len(robots))])
 world.on_tick(None)
 color = world.find("r0").readings("ranges", "ir").sum()
 hash: int = world.hashes()["pose"]

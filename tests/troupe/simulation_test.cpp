@@ -316,6 +316,17 @@ TEST_F(SimulationTest, GeneratedNamesStayValidBesideGivenOnes) {
   EXPECT_DOUBLE_EQ(simulation.find("beacon").pose().y, 3);  // a name from the root
 }
 
+TEST_F(SimulationTest, HandlesOfOneModelAreEqual) {
+  Simulation simulation = stage();
+  const Model robot = simulation.find("r0");
+  EXPECT_TRUE(simulation.find("position:0") == robot);
+  EXPECT_TRUE(simulation.model(robot.id()) == robot);
+  EXPECT_FALSE(simulation.find("loner") == robot);
+  EXPECT_FALSE(simulation.find("r0.eye") == robot);
+  EXPECT_TRUE(simulation.find("r0.eye") == simulation.find("r0.ranger:2"));
+  EXPECT_FALSE(stage().find("r0") == robot);
+}
+
 TEST_F(SimulationTest, AnUnknownNameIsAnsweredWithANearOne) {
   Simulation simulation = stage();
   const std::string file = (folder_ / "room.world").string();
