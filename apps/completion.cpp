@@ -37,8 +37,9 @@ ValueHint hint_of(const CommandOption& option) {
     const std::string word = option.value.substr(at, end - at);
     const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-    if (!word.empty() && is_letter(word.front()) &&
-        std::ranges::all_of(word, [&](char c) { return is_letter(c) || is_digit(c) || c == '-'; }))
+    if (!word.empty() && is_letter(word.front()) && std::ranges::all_of(word, [&](char c) {
+          return is_letter(c) || is_digit(c) || c == '-' || c == '_';
+        }))
       hint.words.push_back(word);
     at = end + 1;
   }
