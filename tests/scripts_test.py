@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Tests that the scripts of scripts/ and perf/ print their help, reject wrong arguments, and stop at errors."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SCRIPTS = sorted(file for file in (ROOT / "scripts").iterdir() if file.is_file() and os.access(file, os.X_OK))
+IN_BASH = [script for script in SCRIPTS if script.read_text(encoding="utf-8").startswith("#!/usr/bin/env bash\n")]
+# Without the packages of the system, such as NumPy.
+BARE_PYTHON = ("/usr/bin/env", "python3", "-E", "-S")
+
+
+def call(*command, **options):
+    return subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=120, stdin=subprocess.DEVNULL, **options)
+
+
+class Help(unittest.TestCase):
+    def test_of_scripts(self):
+        for script in SCRIPTS:
+            with self.subTest(script=script.name):
+                done = call(script, "--help", cwd="/")
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                self.assertRegex(done.stdout, rf"(?m)^ +scripts/{script.name}\b")
+
+    def test_of_scripts_in_bash_is_the_comment_at_their_beginning(self):
+        self.assertGreater(len(IN_BASH), 10)
+        for script in IN_BASH:
+            with self.subTest(script=script.name):
+                comment = re.match(r"#!.*\n((?:#.*\n)+)", script.read_text(encoding="utf-8"))[1]
+                self.assertEqual(call(script, "release", "-h").stdout, re.sub(r"(?m)^# ?", "", comment))
+
+    def test_of_scripts_in_perf_needs_no_packages(self):
+        scripts = sorted((ROOT / "perf").glob("*.py"))
+        self.assertGreater(len(scripts), 3)
+        for script in scripts:
+            with self.subTest(script=script.name):
+                done = call(*BARE_PYTHON, script, "--help")
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                self.assertIn(f"usage: {script.name} ", done.stdout)
+
+
+class Errors(unittest.TestCase):
+    def folder(self):
+        made = tempfile.TemporaryDirectory(prefix="troupe scripts ")
+        self.addCleanup(made.cleanup)
+        return pathlib.Path(made.name)
+
+    def test_wrong_arguments(self):
+        wrong = {"build": [(), ("--fast",)], "check-package": [("all",)], "format": [("--all",)], "fuzz": [(), ("0",), ("9", "xml")],
+                 "reference": [("--all",)], "replay-page": [("all",)], "setup": [("--all",)], "sysroot": [("arm64",)],
+                 "wheel": [("--all",)]}
+        for script, calls in wrong.items():
+            for arguments in calls:
+                with self.subTest(script=script, arguments=arguments):
+                    done = call(ROOT / "scripts" / script, *arguments)
+                    self.assertEqual((done.returncode, done.stdout), (2, ""))
+                    self.assertRegex(done.stderr, rf"^(usage: scripts/{script}|scripts/{script}: error: .*allowed are )")
+                    self.assertEqual(done.stderr.count("\n"), 1)
+
+    def test_missing_packages_of_scripts_in_perf(self):
+        for script, arguments in {"learning.py": ("8",), "learning_vmas.py": (), "plot_paper.py": ("paper.json",)}.items():
+            with self.subTest(script=script):
+                done = call(*BARE_PYTHON, ROOT / "perf" / script, *arguments)
+                self.assertEqual((done.returncode, done.stdout), (1, ""))
+                self.assertRegex(done.stderr, rf"^{script}: error: No module named '\w+'; scripts/.*\n$")
+
+    def test_wrong_arguments_of_scripts_in_perf(self):
+        for script, arguments, message in (("learning.py", ("8", "0"), "expected a number of copies of at least 1, found 0"),
+                                           ("live_view.py", ("none",), "there is no program .*none; scripts/build release builds ")):
+            with self.subTest(script=script):
+                done = call(*BARE_PYTHON, ROOT / "perf" / script, *arguments)
+                self.assertEqual((done.returncode, done.stdout), (2, ""))
+                self.assertRegex(done.stderr, message)
+
+    def stub(self, file, text):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(f"#!/bin/sh\n{text}\n")
+        file.chmod(0o755)
+
+    def test_format_says_why_clang_format_fails(self):
+        folder = self.folder()
+        for name in ("format", "help.sh"):
+            (folder / "scripts").mkdir(exist_ok=True)
+            shutil.copy(ROOT / "scripts" / name, folder / "scripts")
+        environment = {**os.environ, "PATH": f"{folder}/bin:{os.environ['PATH']}"}
+        self.stub(folder / "bin/git", r"printf 'a b.cpp\0'")
+
+        def check(version, how):
+            self.stub(folder / "bin/clang-format-14", f'if [ "$1" = --version ]; then echo "clang-format version {version}"; exit; fi; {how}')
+            return call(folder / "scripts/format", "--check", env=environment)
+
+        done = check("14.0.6", 'echo "a b.cpp:1:1: warning: code should be clang-formatted" >&2')
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertRegex(done.stderr, r"with the number of places\):\n +1 a b\.cpp\n$")
+        done = check("14.0.6", 'echo "error: unknown key Indentation" >&2; exit 1')
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertEqual(done.stderr, "error: unknown key Indentation\nscripts/format: error: clang-format failed\n")
+        done = check("19.1.0", "exit 0")
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertEqual(done.stderr, "scripts/format: error: clang-format 14 is needed, because other versions format differently; "
+                                      "found: clang-format version 19.1.0\n")
+        self.assertEqual(check("14.0.6", "exit 0").stdout, "format: clean\n")
+
+    def test_bench_draws_only_what_it_has_measured(self):
+        folder = self.folder()
+        (folder / "scripts").mkdir()
+        for name in ("bench", "help.sh"):
+            shutil.copy(ROOT / "scripts" / name, folder / "scripts")
+        for name in ("setup", "build"):
+            self.stub(folder / "scripts" / name, "exit 0")
+        (folder / "perf").mkdir()
+        (folder / "perf/plot_paper.py").write_text('import sys\nprint("draws", open(sys.argv[1]).read())\n')
+        (folder / "build/perf").mkdir(parents=True)
+        measured = folder / "build/perf/paper.json"
+        measured.write_text("old")
+        for how, code, drawn, kept in (("exit 2", 2, "", "old"),  # a wrong option
+                                       ("exit 0", 0, "", "old"),  # --list
+                                       ('printf new >"$2"; exit 1', 1, "draws new\n", "new"),  # a wrong hash
+                                       ('printf newer >"$2"', 0, "draws newer\n", "newer")):
+            with self.subTest(how=how):
+                self.stub(folder / "build/release/bin/perf_paper", how)
+                done = call(folder / "scripts/bench")
+                self.assertEqual((done.returncode, done.stdout, done.stderr), (code, drawn, ""))
+                self.assertEqual(measured.read_text(), kept)
+                self.assertEqual([file.name for file in measured.parent.iterdir()], [measured.name])
+
+
+if __name__ == "__main__":
+    unittest.main()
