@@ -83,6 +83,25 @@ class Errors(unittest.TestCase):
         file.write_text(f"#!/bin/sh\n{text}\n")
         file.chmod(0o755)
 
+    def test_a_program_that_does_not_exist(self):
+        for script in ("check-convert", "count-ranks", "gallery", "scenes"):
+            with self.subTest(script=script):
+                done = call(ROOT / "scripts" / script, "--program", "none")
+                self.assertEqual((done.returncode, done.stdout), (2, ""))
+                self.assertRegex(done.stderr, "error: there is no program none; build it with scripts/build release, or name another one "
+                                              "with --program\n$")
+
+    def test_a_program_that_fails_ends_the_drawing(self):
+        for script, only in (("gallery", "cave"), ("scenes", "chain")):  # the curves of the scene need 30 runs
+            with self.subTest(script=script):
+                folder = self.folder()
+                self.stub(folder / "troupe", f'echo . >>"{folder}/runs"; sleep 0.1; exit 4')
+                done = call(ROOT / "scripts" / script, "--program", folder / "troupe", "--into", folder / "into", "--only", only)
+                self.assertEqual(done.returncode, 2)
+                self.assertRegex(done.stderr, rf"^scripts/{script}: error: exit code 4 of '.*troupe' (run|render) .*\n$")
+                self.assertLess(len((folder / "runs").read_text()), 2 * (3 + 2 * len(os.sched_getaffinity(0))))
+                self.assertEqual(list((folder / "into").iterdir()), [])
+
     def test_format_says_why_clang_format_fails(self):
         folder = self.folder()
         for name in ("format", "help.sh"):
