@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Tests that the scripts of scripts/ and perf/ print their help, reject wrong arguments, and stop at errors."""
 
+import json
 import os
 import pathlib
 import re
@@ -126,6 +127,25 @@ class Errors(unittest.TestCase):
                                       "found: clang-format version 19.1.0\n")
         self.assertEqual(check("14.0.6", "exit 0").stdout, "format: clean\n")
 
+    def test_without_apt_no_package_is_installed(self):
+        folder = self.folder()
+        (folder / "scripts").mkdir()
+        (folder / "bin").mkdir()
+        for tool in ("bash", "dirname"):
+            (folder / "bin" / tool).symlink_to(shutil.which(tool))
+        self.stub(folder / "scripts/setup", 'echo "setup $*"')
+        self.stub(folder / "scripts/build", "echo build; exit 7")
+        shutil.copy(ROOT / "scripts/help.sh", folder / "scripts")
+        for installed in ("", "setup"):
+            for script in ("test", "quickstart", "bench"):
+                with self.subTest(script=script, installed=installed):
+                    shutil.copy(ROOT / "scripts" / script, folder / "scripts")
+                    done = call(folder / "scripts" / script, env={"PATH": str(folder / "bin")})
+                    self.assertEqual((done.returncode, done.stderr), (7, ""))
+                    words = [line.split()[0] for line in done.stdout.splitlines() if not line.startswith("==")]
+                    self.assertEqual(words, [*filter(None, [installed]), "build"])
+            self.stub(folder / "bin/apt-get", "exit 0")
+
     def test_bench_draws_only_what_it_has_measured(self):
         folder = self.folder()
         (folder / "scripts").mkdir()
@@ -148,6 +168,16 @@ class Errors(unittest.TestCase):
                 self.assertEqual((done.returncode, done.stdout, done.stderr), (code, drawn, ""))
                 self.assertEqual(measured.read_text(), kept)
                 self.assertEqual([file.name for file in measured.parent.iterdir()], [measured.name])
+
+
+class Configuration(unittest.TestCase):
+    def test_options_and_presets_are_documented(self):
+        page = (ROOT / "docs/install.md").read_text(encoding="utf-8")
+        options = re.findall(r"(?m)^option\((\w+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"))
+        presets = json.loads((ROOT / "CMakePresets.json").read_text(encoding="utf-8"))["configurePresets"]
+        names = options + [preset["name"] for preset in presets if not preset.get("hidden")]
+        self.assertGreater(len(names), 20)
+        self.assertEqual([name for name in names if f"`{name}`" not in page], [])
 
 
 if __name__ == "__main__":
