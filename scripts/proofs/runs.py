@@ -84,6 +84,9 @@ class Variant:
         done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder, env={**os.environ, **self.environment})
         if done.returncode != 0:
             raise Fault(f"{self.label}: {' '.join(command)}\nexit code {done.returncode}: {done.stderr.strip()}")
+        # The dynamic linker then runs the program without the library. The paths in LD_PRELOAD must not contain spaces.
+        if missed := [line for line in done.stderr.splitlines() if "cannot be preloaded" in line]:
+            raise Fault(f"{self.label}: {missed[0]}")
 
 
 def read_log(log):
