@@ -146,6 +146,17 @@ class Errors(unittest.TestCase):
                     self.assertEqual(words, [*filter(None, [installed]), "build"])
             self.stub(folder / "bin/apt-get", "exit 0")
 
+    def test_checks_need_the_tools_of_cpack(self):
+        folder = self.folder()
+        self.stub(folder / "bin/dpkg-query", "exit 1")  # nothing is installed
+        self.stub(folder / "bin/sudo", 'exec "$@"')
+        self.stub(folder / "bin/apt-get", 'echo "apt-get $*"')
+        done = call(ROOT / "scripts/setup", "--checks", env={**os.environ, "PATH": f"{folder}/bin:{os.environ['PATH']}"})
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        installed = done.stdout.splitlines()[-1].split()
+        self.assertEqual(installed[:2], ["apt-get", "install"])
+        self.assertLessEqual({"cmake", "dpkg-dev", "file", "mpich", "slurmd"}, set(installed))
+
     def test_bench_draws_only_what_it_has_measured(self):
         folder = self.folder()
         (folder / "scripts").mkdir()
