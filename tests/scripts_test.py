@@ -36,6 +36,15 @@ class Help(unittest.TestCase):
                 comment = re.match(r"#!.*\n((?:#.*\n)+)", script.read_text(encoding="utf-8"))[1]
                 self.assertEqual(call(script, "release", "-h").stdout, re.sub(r"(?m)^# ?", "", comment))
 
+    def test_does_not_depend_on_where_cd_searches(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "scripts").mkdir()
+            for script in IN_BASH:
+                with self.subTest(script=script.name):
+                    done = call(f"scripts/{script.name}", "--help", cwd=ROOT, env={**os.environ, "CDPATH": folder})
+                    self.assertEqual((done.returncode, done.stderr), (0, ""))
+                    self.assertNotIn(folder, done.stdout)
+
     def test_of_scripts_in_perf_needs_no_packages(self):
         scripts = sorted((ROOT / "perf").glob("*.py"))
         self.assertGreater(len(scripts), 3)
@@ -63,6 +72,10 @@ class Errors(unittest.TestCase):
                     self.assertEqual((done.returncode, done.stdout), (2, ""))
                     self.assertRegex(done.stderr, rf"^(usage: scripts/{script}|scripts/{script}: error: .*allowed are )")
                     self.assertEqual(done.stderr.count("\n"), 1)
+
+    def test_lint_finds_no_such_file(self):
+        done = call(ROOT / "scripts/lint", "CMakeLists.txt", "world.cpp", cwd=ROOT / "engine")
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (2, "", "scripts/lint: error: there is no file world.cpp\n"))
 
     def test_missing_packages_of_scripts_in_perf(self):
         for script, arguments in {"learning.py": ("8",), "learning_vmas.py": (), "plot_paper.py": ("paper.json",)}.items():
