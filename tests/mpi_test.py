@@ -705,12 +705,13 @@ class OneProcess(unittest.TestCase):
 
 
 def run_all():
-    """Runs all tests, those of each MPI in a process. Returns the exit code."""
-    parts = [subprocess.Popen([sys.executable, __file__, PROGRAM, part]) for part in ("OpenMpi", "Mpich", "OneProcess")]
-    codes = [part.wait() for part in parts]
-    if not set(codes) <= {0, 77}:
+    """Runs all tests, each class in a process. Returns the exit code."""
+    names = [name for name, one in globals().items() if isinstance(one, type) and issubclass(one, unittest.TestCase)]
+    running = {name: subprocess.Popen([sys.executable, __file__, PROGRAM, name]) for name in names}
+    codes = {name: process.wait() for name, process in running.items()}
+    if not set(codes.values()) <= {0, 77}:
         return 1
-    return 77 if codes[:2] == [77, 77] else 0
+    return 77 if codes["OpenMpi"] == codes["Mpich"] == 77 else 0
 
 
 if __name__ == "__main__":
