@@ -170,6 +170,23 @@ class Errors(unittest.TestCase):
         self.assertEqual(installed[:2], ["apt-get", "install"])
         self.assertLessEqual({"cmake", "dpkg-dev", "file", "mpich", "slurmd"}, set(installed))
 
+    def test_quickstart_builds_the_python_package_if_it_can(self):
+        for targets, built, said in (("troupe troupe_python", ["bin/troupe", "troupe_python"], ""),
+                                     ("troupe", ["bin/troupe"], "The Python package is not built, because pybind11 ")):
+            with self.subTest(targets=targets):
+                folder = self.folder()
+                (folder / "scripts").mkdir()
+                for name in ("quickstart", "help.sh"):
+                    shutil.copy(ROOT / "scripts" / name, folder / "scripts")
+                self.stub(folder / "scripts/setup", "exit 0")
+                self.stub(folder / "scripts/build", f'echo "build $2"; echo "{targets}" >build/release/build.ninja')
+                self.stub(folder / "build/release/bin/troupe", 'echo "troupe $*"')
+                done = call(folder / "scripts/quickstart", "--threads", "1")
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                self.assertEqual(re.findall(r"(?m)^build (.*)", done.stdout), built)
+                self.assertIn(said, done.stdout)
+                self.assertIn("troupe run worlds/hospital.json --for 60 --snapshot out/hospital.png --threads 1\n", done.stdout)
+
     def test_bench_draws_only_what_it_has_measured(self):
         folder = self.folder()
         (folder / "scripts").mkdir()
