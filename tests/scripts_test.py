@@ -187,6 +187,32 @@ class Errors(unittest.TestCase):
                 self.assertIn(said, done.stdout)
                 self.assertIn("troupe run worlds/hospital.json --for 60 --snapshot out/hospital.png --threads 1\n", done.stdout)
 
+    @unittest.skipUnless(shutil.which("doxygen"), "no Doxygen (scripts/setup --checks installs it)")
+    def test_check_of_the_reference_writes_nothing_into_the_clone(self):
+        folder = self.folder()
+        for name in ("scripts/reference", "scripts/help.sh", "docs/Doxyfile", "docs/reference.md"):
+            (folder / name).parent.mkdir(exist_ok=True)
+            shutil.copy(ROOT / name, folder / name)
+        for name in ("base", "cmake", "engine", "live", "models", "partition", "render", "sensors", "troupe", "worldio"):
+            (folder / name).mkdir()
+        (folder / "cmake/internal_headers.txt").write_text("base\n!base/number.hpp\n")
+        (folder / "base/inner.hpp").write_text("int inner();\n")
+        (folder / "base/number.hpp").write_text("/// @file\nint number();  ///< a number\n")
+        (folder / "temporary").mkdir()
+
+        def check():
+            before = sorted(folder.rglob("*"))
+            done = call(folder / "scripts/reference", "--check", env={**os.environ, "TMPDIR": str(folder / "temporary")})
+            self.assertEqual(sorted(folder.rglob("*")), before)
+            return done
+
+        done = check()
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+        (folder / "base/number.hpp").write_text("/// @file\nint number();\n")
+        done = check()
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("base/number.hpp:2: error: number has no docstring", done.stderr)
+
     def test_bench_draws_only_what_it_has_measured(self):
         folder = self.folder()
         (folder / "scripts").mkdir()
