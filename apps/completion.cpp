@@ -36,8 +36,9 @@ ValueHint hint_of(const CommandOption& option) {
   for (const std::string_view word : split(option.value, '|')) {
     const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-    if (!word.empty() && is_letter(word.front()) &&
-        std::ranges::all_of(word, [&](char c) { return is_letter(c) || is_digit(c) || c == '-'; }))
+    if (!word.empty() && is_letter(word.front()) && std::ranges::all_of(word, [&](char c) {
+          return is_letter(c) || is_digit(c) || c == '-' || c == '_';
+        }))
       hint.words.emplace_back(word);
   }
   return hint;

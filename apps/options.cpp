@@ -244,7 +244,7 @@ void check_end(const WorldOptions& options, const Simulation& simulation, double
 }
 
 void add_simd_option(CLI::App& app) {
-  add_value(app, "--simd", "scalar|ssse3|sse4|avx2|avx512|neon|sve",
+  add_value(app, "--simd", "scalar|ssse3|sse4|avx2|avx512|neon|sve|sve2|sve_256|sve2_128",
             "Instruction set for range finding (default: environment variable TROUPE_SIMD, else the best)",
             [](const std::string& text) {
               try {

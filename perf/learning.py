@@ -12,12 +12,33 @@ it. Each figure is the median of five repetitions. The repetitions of the world 
 load on the machine affects all of them equally.
 """
 
+import argparse
+import pathlib
 import statistics
 import sys
 import time
 
-import numpy as np
-import troupe
+
+def copies_of(default=()):
+    """Returns the numbers of copies in the arguments of the script, or `default` if there are none."""
+    def number(text):
+        if not text.isdecimal() or int(text) < 1:
+            raise argparse.ArgumentTypeError(f"expected a number of copies of at least 1, found {text}")
+        return int(text)
+
+    script = sys.modules["__main__"]  # this one or learning_vmas.py
+    parser = argparse.ArgumentParser(description=script.__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("copies", nargs="*", type=number, metavar="COPIES")
+    return parser.parse_args().copies or default
+
+
+try:
+    import numpy as np
+    import troupe
+except ImportError as error:
+    copies_of()  # --help and wrong arguments need no libraries
+    sys.exit(f"{pathlib.Path(sys.argv[0]).name}: error: {error}; scripts/build release troupe_python builds the package troupe, and "
+             "PYTHONPATH=build/release/lib/python3/dist-packages lets Debian's /usr/bin/python3 find it")
 
 BEAMS, ROBOTS = 12, 8
 EPISODE_S = 60
@@ -158,4 +179,4 @@ def main(*sizes):
 
 
 if __name__ == "__main__":
-    main(*(map(int, sys.argv[1:]) if sys.argv[1:] else (1, 4, 16, 64, 256, 1024, 4096)))
+    main(*copies_of((1, 4, 16, 64, 256, 1024, 4096)))

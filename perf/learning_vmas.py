@@ -17,8 +17,7 @@ import math
 import statistics
 import sys
 
-import troupe
-from learning import ACTIONS_KEPT, BEAMS, EPISODE_S, ROBOTS, Batched, random_actions, rate, world
+from learning import ACTIONS_KEPT, BEAMS, EPISODE_S, ROBOTS, Batched, copies_of, random_actions, rate, troupe, world
 
 try:
     import torch
@@ -29,6 +28,7 @@ try:
     from vmas.simulator.sensors import Lidar
     from vmas.simulator.utils import ScenarioUtils
 except ImportError as error:
+    copies_of()  # --help and wrong arguments need no libraries
     sys.exit(f'learning_vmas.py: error: {error}; install VMAS and torch with: pip install "vmas==1.5.2" "numpy<2"')
 
 TICK_S = 0.1  # the tick length of a Troupe world without the key tick_s
@@ -128,4 +128,4 @@ def main(*sizes):
 
 
 if __name__ == "__main__":
-    main(*(map(int, sys.argv[1:]) if sys.argv[1:] else (32, 128, 512, 1024, 2048, 4096)))
+    main(*copies_of((32, 128, 512, 1024, 2048, 4096)))

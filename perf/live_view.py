@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures how much a viewer slows a running world (docs/live.md). The program runs on one processor, the viewer on another.
 
-    live_view.py TROUPE
+    perf/live_view.py TROUPE
 
 TROUPE is the path of the program. The script prints
 
@@ -13,6 +13,7 @@ TROUPE is the path of the program. The script prints
   page draws in a second. Chromium draws without a GPU.
 """
 
+import argparse
 import os
 import subprocess
 import sys
@@ -34,6 +35,8 @@ def on(processor):
 
 
 class View:
+    """A running `troupe view`, which the end of a `with` statement kills."""
+
     def __init__(self, troupe, folder, robots, *arguments):
         command = [troupe, "view", WORLD, "--robots", str(robots), "--threads", "1", "--out", folder, *map(str, arguments)]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, preexec_fn=on(PROCESSORS[0]))
@@ -47,6 +50,13 @@ class View:
                 self.address = line.split()[1]
         self.port, self.token = int(self.address.split(":")[2].split("/")[0]), self.address.split("#")[1]
 
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
     def open(self):
         viewer = Socket(self.port, timeout=600)
         viewer.send(self.token)
@@ -58,41 +68,33 @@ class View:
         pages = int(Path(f"/proc/{self.process.pid}/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
 
-    def end(self):
-        self.process.kill()
-        self.process.wait()
-
 
 def pictures_per_second(troupe, folder, seconds=10):
-    view = View(troupe, folder, 2000, "--rate", 0)
-    viewer = view.open()
-    count, size, begin = 0, 0, time.monotonic()
-    while time.monotonic() < begin + seconds:
-        message = viewer.receive()
-        if isinstance(message, bytes):
-            viewer.send('{"do": "drawn"}')
-            count += 1
-            size += len(message)
-    view.end()
+    with View(troupe, folder, 2000, "--rate", 0) as view:
+        viewer = view.open()
+        count, size, begin = 0, 0, time.monotonic()
+        while time.monotonic() < begin + seconds:
+            message = viewer.receive()
+            if isinstance(message, bytes):
+                viewer.send('{"do": "drawn"}')
+                count += 1
+                size += len(message)
     return count / seconds, size / count
 
 
 def growth(troupe, folder, seconds=60):
     """Returns by how much the memory grows while a viewer does not read, bytes."""
-    view = View(troupe, folder, 2000, "--rate", 0)
-    with view.open():
+    with View(troupe, folder, 2000, "--rate", 0) as view, view.open():
         time.sleep(5)  # until all memory that every run needs is allocated
         before = view.memory()
         time.sleep(seconds)
         after = view.memory()
-    view.end()
     return after - before
 
 
 def in_browser(troupe, folder, seconds=20):
     """Returns how long the scripts of the page run per picture, s, and how many pictures the page draws per second."""
-    view = View(troupe, folder, 10000)
-    with Page(find()) as page:
+    with View(troupe, folder, 10000) as view, Page(find()) as page:
         # The page confirms each picture that it has drawn.
         page.call("Page.addScriptToEvaluateOnNewDocument", source="""
             window.drawn = 0;
@@ -112,17 +114,16 @@ def in_browser(troupe, folder, seconds=20):
         before = metrics()
         time.sleep(seconds)
         passed, scripts, drawn = (after - start for after, start in zip(metrics(), before))
-    view.end()
     return scripts / drawn, drawn / passed
 
 
 def speed(troupe, folder, world_s, watch):
     """Returns the ticks per second, from the arrival of the viewer to the end of the run, and the result of watch(viewer)."""
-    view = View(troupe, folder, 100000, "--rate", 0, "--for", world_s)
-    viewer = view.open()
-    begin = time.monotonic()
-    pictures = watch(viewer)
-    view.process.wait()
+    with View(troupe, folder, 100000, "--rate", 0, "--for", world_s) as view:
+        viewer = view.open()
+        begin = time.monotonic()
+        pictures = watch(viewer)
+        view.process.wait()
     return 10 * world_s / (time.monotonic() - begin), pictures
 
 
@@ -139,7 +140,11 @@ def watched(viewer):
 
 
 def main():
-    troupe = Path(sys.argv[1]).resolve()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("troupe", type=Path, metavar="TROUPE")
+    troupe = parser.parse_args().troupe.resolve()
+    if not troupe.is_file():
+        parser.error(f"there is no program {troupe}; scripts/build release builds build/release/bin/troupe")
     os.sched_setaffinity(0, {PROCESSORS[-1]})
     with tempfile.TemporaryDirectory() as folder:
         rate, size = pictures_per_second(troupe, folder)

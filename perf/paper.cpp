@@ -186,6 +186,13 @@ void write_file(const fs::path& file, const std::string& text) {
   if (!stream) throw std::runtime_error(fmt::format("{}: error: cannot be written", file.string()));
 }
 
+/// Returns an error text if the folder of a file does not exist, otherwise an empty text. Without this check
+/// of the options, the error would end the program after an hour, when it writes the file.
+std::string find_folder(const std::string& file) {
+  const fs::path folder = fs::absolute(file).parent_path();
+  return fs::is_directory(folder) ? "" : fmt::format("{}: there is no folder {}", file, folder.string());
+}
+
 /// Makes the kernels (vectorised loops) use the instruction set `name`. Returns the error text if this is not
 /// possible, otherwise an empty text. (CLI11 expects such a function as the check of an option.)
 std::string select_simd(const std::string& name) {
@@ -291,12 +298,14 @@ int paper_main(int argc, char** argv) {
          "rows only the first (default: all that this processor has, the best first)")
       ->delimiter(',')
       ->check(select_simd, "");
-  app.add_option("--out", options.out, "Write all measurements to this file, as JSON");
+  app.add_option("--out", options.out, "Write all measurements to this file, as JSON")
+      ->check(find_folder, "");
   app.add_option(
-      "--markdown", options.markdown,
-      "Write the tables to this file, as Markdown. They replace the text between its lines "
-      "`<!-- perf_paper: begin -->` and `<!-- perf_paper: end -->`, or the whole file if it has no such "
-      "lines");
+         "--markdown", options.markdown,
+         "Write the tables to this file, as Markdown. They replace the text between its lines "
+         "`<!-- perf_paper: begin -->` and `<!-- perf_paper: end -->`, or the whole file if it has no such "
+         "lines")
+      ->check(find_folder, "");
   app.add_flag("--write-hashes", options.write_hashes,
                "Record the hashes in the file of --hashes instead of checking them; each scene runs once");
   app.add_option("--hashes", options.hashes, "File with the expected hashes of the rows")

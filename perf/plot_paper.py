@@ -11,13 +11,27 @@ Needs matplotlib: scripts/setup --plots.
 import argparse
 import json
 import os
-
-import matplotlib
-
-matplotlib.use("svg")
-import matplotlib.pyplot as plt  # noqa: E402
+import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("measured", help="output of perf_paper --out")
+    parser.add_argument("--images", default=os.path.join(os.path.dirname(HERE), "docs", "images"),
+                        help="folder for the pictures")
+    return parser.parse_args()
+
+
+try:
+    import matplotlib
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+except ImportError as error:
+    arguments()  # --help and wrong arguments need no libraries
+    sys.exit(f"plot_paper.py: error: {error}; scripts/setup --plots installs matplotlib for Debian's /usr/bin/python3")
+
 COLORS = {"blue": "#1f6fb2", "orange": "#d9730d", "green": "#2f8f4e", "purple": "#7b4ba8", "gray": "#777777"}
 # Scenes of a figure: name without the population, label, colour.
 CAVE = (("cave-simple", "simple bodies, 16 sonars", "blue"), ("cave-complex", "complex bodies, 16 sonars", "green"),
@@ -111,11 +125,7 @@ def draw_threads(data, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("measured", help="output of perf_paper --out")
-    parser.add_argument("--images", default=os.path.join(os.path.dirname(HERE), "docs", "images"),
-                        help="folder for the pictures")
-    options = parser.parse_args()
+    options = arguments()
     with open(options.measured, encoding="utf-8") as file:
         data = json.load(file)
     with open(os.path.join(HERE, "paper_reference.json"), encoding="utf-8") as file:

@@ -93,7 +93,7 @@ class Mirror(Apt):
                       self.error())
 
     def test_arguments(self):
-        for arguments in ([], ["--help"], ["bookworm", "main"]):
+        for arguments in ([], ["--all"], ["bookworm", "main"]):
             done = self.call("debian-mirror", *arguments)
             self.assertEqual((done.returncode, done.stdout, done.stderr), (2, "", "usage: scripts/debian-mirror SUITE\n"))
 

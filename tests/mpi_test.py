@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """One world on several processes, with the real launchers of Open MPI and MPICH (docs/cluster.md).
 
-    mpi_test.py PROGRAM    PROGRAM: the program `troupe`, in the folder of its modules for MPI
+    mpi_test.py PROGRAM [TEST...]    PROGRAM: the program `troupe`, in the folder of its modules for MPI
 
-Exits with 77 if neither MPI can be tested here.
+Without TEST, the tests of both MPIs run at the same time, because they mostly wait for launchers. Exits with 77 if neither
+MPI can be tested here.
 """
 
 import contextlib
@@ -734,11 +735,23 @@ class OneProcess(unittest.TestCase):
         self.assertNotRegex(libraries, r"(?i)mpi|\bpmi|libucp|open-rte|open-pal")
 
 
+def run_all():
+    """Runs all tests, each class in a process. Returns the exit code."""
+    names = [name for name, one in globals().items() if isinstance(one, type) and issubclass(one, unittest.TestCase)]
+    running = {name: subprocess.Popen([sys.executable, __file__, PROGRAM, name]) for name in names}
+    codes = {name: process.wait() for name, process in running.items()}
+    if not set(codes.values()) <= {0, 77}:
+        return 1
+    return 77 if codes["OpenMpi"] == codes["Mpich"] == 77 else 0
+
+
 if __name__ == "__main__":
     PROGRAM = os.path.abspath(sys.argv.pop(1))
+    if len(sys.argv) == 1:
+        sys.exit(run_all())
     result = unittest.main(exit=False).result
     for _, reason in result.skipped:
         print(reason, file=sys.stderr)
     if not result.wasSuccessful():
         sys.exit(1)
-    sys.exit(77 if result.testsRun <= 1 else 0)
+    sys.exit(77 if result.testsRun == 0 else 0)

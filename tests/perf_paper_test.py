@@ -102,6 +102,12 @@ class Paper(unittest.TestCase):
         self.assertEqual(run.returncode, 2)
         self.assertIn('"avx9" is not an instruction set that this program is compiled for', run.stderr)
 
+    def test_files_in_no_folder_are_found_before_the_measurement(self):
+        for option in ("--out", "--markdown"):
+            run = self.run_row(option, self.folder / "none" / "file")
+            self.assertEqual((run.returncode, run.stdout), (2, ""))
+            self.assertIn(f"{option}: {self.folder}/none/file: there is no folder {self.folder}/none\n", run.stderr)
+
     def test_tables_land_between_their_marks(self):
         page = self.folder / "page.md"
         page.write_text("before\n<!-- perf_paper: begin -->\nold\n<!-- perf_paper: end -->\nafter\n", encoding="utf-8")

@@ -129,6 +129,19 @@ class Proofs(unittest.TestCase):
                         with self.assertRaisesRegex(runs.Fault, fault):
                             variant.lines(WORLD, 50, folder)
 
+    def test_a_library_that_cannot_be_preloaded_is_a_fault(self):
+        with tempfile.TemporaryDirectory(prefix="troupe ") as name:
+            folder = pathlib.Path(name)
+            log = "\n".join(LOG)
+            program = folder / "program"
+            program.write_text(f"#!/bin/sh\nprintf '%s\\n' '{log}' > '{folder}/run.log'\n")
+            program.chmod(0o755)
+            self.assertEqual(runs.Variant("x", program).lines(WORLD, 50, folder), LOG)
+            (folder / "hostile.so").touch()
+            variant = runs.Variant("x", program, environment={"LD_PRELOAD": str(folder / "hostile.so")})
+            with self.assertRaisesRegex(runs.Fault, "^x: .*cannot be preloaded"):
+                variant.lines(WORLD, 50, folder)
+
 
 class Ranks(unittest.TestCase):
     def test_every_shipped_world_is_run(self):

@@ -2,7 +2,9 @@
 
 import os
 import pathlib
+import shlex
 import subprocess
+import sys
 from dataclasses import dataclass, field
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -82,6 +84,9 @@ class Variant:
         done = subprocess.run(command, capture_output=True, text=True, cwd=self.folder, env={**os.environ, **self.environment})
         if done.returncode != 0:
             raise Fault(f"{self.label}: {' '.join(command)}\nexit code {done.returncode}: {done.stderr.strip()}")
+        # The dynamic linker then runs the program without the library. The paths in LD_PRELOAD must not contain spaces.
+        if missed := [line for line in done.stderr.splitlines() if "cannot be preloaded" in line]:
+            raise Fault(f"{self.label}: {missed[0]}")
 
 
 def read_log(log):
@@ -124,6 +129,33 @@ def read_golden():
 
 def program_of(preset):
     return ROOT / "build" / preset / "bin" / "troupe"
+
+
+def add_program_option(parser):
+    parser.add_argument("--program", type=pathlib.Path, default=program_of("release"), metavar="FILE")
+
+
+def checked_program(parser, options):
+    """Returns the absolute path of the program that --program gives. Without such a file, the script ends with an error."""
+    if not options.program.is_file():
+        parser.error(f"there is no program {options.program}; build it with scripts/build release, or name another one with --program")
+    return options.program.resolve()
+
+
+def end_with(main):
+    """Ends the script with the exit code that main() returns. A Fault, a command that fails, and Ctrl-C end it with other exit
+    codes and without a traceback."""
+    name = f"scripts/{pathlib.Path(sys.argv[0]).name}"
+    try:
+        sys.exit(main())
+    except Fault as fault:
+        print(f"{name}: error: {fault}", file=sys.stderr)
+        sys.exit(2)
+    except subprocess.CalledProcessError as failed:
+        print(f"{name}: error: exit code {failed.returncode} of {shlex.join(map(str, failed.cmd))}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.exit(130)
 
 
 def build(preset, *targets):

@@ -44,6 +44,8 @@ TEST_F(Shell, BashCompletesCommandsOptionsAndChoices) {
   EXPECT_THAT(offered({"troupe", "run", "--ra"}), ::testing::IsSupersetOf({"--raytracer", "--rate"}));
   EXPECT_THAT(offered({"troupe", "run", "--raytracer", "g"}), ElementsAre("grid"));
   EXPECT_THAT(offered({"troupe", "run", "--simd", "avx"}), UnorderedElementsAre("avx2", "avx512"));
+  EXPECT_THAT(offered({"troupe", "run", "--simd", "sve"}),
+              UnorderedElementsAre("sve", "sve2", "sve_256", "sve2_128"));
   EXPECT_THAT(offered({"troupe", "describe", "blob"}), ::testing::Contains("blobfinder"));
   EXPECT_THAT(offered({"troupe", "describe", "popu"}), ::testing::Contains("populations"));
   EXPECT_THAT(offered({"troupe", "describe", "gripp"}), ElementsAre("gripper", "gripper_return"))

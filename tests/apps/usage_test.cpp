@@ -58,7 +58,7 @@ TEST_F(Usage, HelpNamesEveryOptionAndExitCode) {
                            "Exit codes",
                            "Examples",
                            "Advanced:",
-                           "--simd scalar|ssse3|sse4|avx2|avx512|neon|sve"})
+                           "--simd scalar|ssse3|sse4|avx2|avx512|neon|sve|sve2|sve_256|sve2_128"})
     EXPECT_THAT(outcome.out, HasSubstr(word));
   for (const std::string& line : lines_of(outcome.out)) EXPECT_LE(line.size(), 120u) << line;
 }

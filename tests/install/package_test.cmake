@@ -1,5 +1,6 @@
 # Makes the Debian packages, unpacks them and runs the program that is in them.
-#   cmake -DBUILD=... -DSCRATCH=... -P package_test.cmake
+#   cmake -DBUILD=... -DSCRATCH=... -DLIBRARIES=... -P package_test.cmake
+# LIBRARIES: packages that the program needs, with commas between them.
 
 function(run)
   execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${BUILD} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -54,9 +55,12 @@ elseif(package)
 endif()
 file(GLOB package ${SCRATCH}/troupe_*.deb)
 run(dpkg-deb -f ${package} Depends)
-if(NOT output MATCHES "libosmesa6.*libc6.*libhdf5" AND NOT output MATCHES "libtbb12")
-  message(FATAL_ERROR "the program's package does not say what it needs: ${output}")
-endif()
+string(REPLACE "," ";" libraries "${LIBRARIES}")
+foreach(library ${libraries})
+  if(NOT output MATCHES "${library}")
+    message(FATAL_ERROR "the program's package does not say that it needs ${library}: ${output}")
+  endif()
+endforeach()
 foreach(file share/man/man1/troupe.1 share/bash-completion/completions/troupe share/zsh/site-functions/_troupe
              share/fish/vendor_completions.d/troupe.fish share/troupe/world.schema.json include/troupe/troupe/troupe.hpp
              lib/cmake/troupe/troupeConfig.cmake share/doc/troupe/README.md share/doc/troupe/LICENSE

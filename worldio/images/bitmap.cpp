@@ -173,10 +173,10 @@ struct PnmHeader {
 };
 
 PnmHeader pnm_header(std::string_view bytes) {
-  constexpr std::string_view k_blanks = " \t\n\v\f\r";
+  constexpr std::string_view k_white_space = " \t\n\v\f\r";
   std::size_t at = 2;
   const auto next_number = [&]() -> double {
-    while (at < bytes.size() && (k_blanks.find(bytes[at]) != k_blanks.npos || bytes[at] == '#'))
+    while (at < bytes.size() && (k_white_space.find(bytes[at]) != k_white_space.npos || bytes[at] == '#'))
       if (bytes[at] == '#')
         at = std::min(bytes.size(), bytes.find_first_of("\r\n", at));
       else
