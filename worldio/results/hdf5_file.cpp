@@ -75,7 +75,8 @@ Hdf5Id reference_type() { return {H5Tcreate(H5T_OPAQUE, k_heap_reference_bytes),
 
 /// Starts the library and disables its flush at the exit of the program. A file that was abandoned on a full
 /// disk is still open at the exit, and the library would try to flush it for ever. Other files do not need
-/// this flush, because their owners close them.
+/// this flush, because their owners close them. Must be called before any other use of the library. Macros
+/// such as H5F_ACC_RDONLY use it, too: they contain a call that starts it.
 void start_library() {
   static const bool started = [] {
     H5dont_atexit();
@@ -895,7 +896,6 @@ Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block
 void bound_read_attempts(hid_t access) { H5Pset_metadata_read_attempts(access, 30); }
 
 Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
-  start_library();
   const LibraryCall call;
   if (const Result<> readable = check_readable(file); !readable) fail_with(file, readable.error().text);
   const Hdf5Id access = (flags & H5F_ACC_RDWR) != 0 ? writing_access_properties() : access_properties();
@@ -915,13 +915,20 @@ Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
   return {std::move(found), file};
 }
 
-Hdf5File Hdf5File::open(const fs::path& file) { return opened(file, H5F_ACC_RDONLY); }
+Hdf5File Hdf5File::open(const fs::path& file) {
+  start_library();
+  return opened(file, H5F_ACC_RDONLY);
+}
 
 Hdf5File Hdf5File::open_swmr(const fs::path& file) {
+  start_library();
   return opened(file, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ);
 }
 
-Hdf5File Hdf5File::open_to_write(const fs::path& file) { return opened(file, H5F_ACC_RDWR); }
+Hdf5File Hdf5File::open_to_write(const fs::path& file) {
+  start_library();
+  return opened(file, H5F_ACC_RDWR);
+}
 
 void Hdf5File::start_swmr() {
   const LibraryCall call;
