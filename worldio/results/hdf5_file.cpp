@@ -679,18 +679,19 @@ Hdf5Object Hdf5Group::object(const std::string& name) const {
 constexpr auto k_most_steps = 16;
 
 std::vector<std::uint64_t> Hdf5Group::header_addresses() const {
-  std::vector<std::uint64_t> addresses;
+  std::set<std::uint64_t> addresses;
   add_header_addresses(0, addresses);
-  return addresses;
+  return {addresses.begin(), addresses.end()};
 }
 
-void Hdf5Group::add_header_addresses(std::size_t depth, std::vector<std::uint64_t>& addresses) const {
+void Hdf5Group::add_header_addresses(std::size_t depth, std::set<std::uint64_t>& addresses) const {
   if (depth > k_most_steps) return;
   for (const std::string& name : names()) {
     const LibraryCall call;
     H5L_info_t link{};
-    if (H5Lget_info(id_.get(), name.c_str(), &link, H5P_DEFAULT) >= 0 && link.type == H5L_TYPE_HARD)
-      addresses.push_back(link.u.address);
+    if (H5Lget_info(id_.get(), name.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD ||
+        !addresses.insert(link.u.address).second)
+      continue;
     if (has_group(name)) group(name).add_header_addresses(depth + 1, addresses);
   }
 }
