@@ -10,6 +10,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -203,6 +204,18 @@ TEST_F(Record, AnExistingFileStaysWithoutForce) {
   EXPECT_EQ(read("run.h5"), "precious");
   record("run.h5", {"--force"});
   EXPECT_EQ(recording("run.h5").frames(), 21u);
+}
+
+/// Two runs that write one file would destroy each other's frames.
+TEST_F(Record, AFileThatAnotherProcessWritesStaysEvenWithForce) {
+  record("run.h5");
+  const std::string bytes = read("run.h5");
+  const std::ofstream other(path("run.h5"), std::ios::app);
+  EXPECT_THAT(
+      error_of({"run", "room.world", "--for", "1", "--quiet", "--record", "run.h5", "--force"}),
+      MatchesRegex("run.h5: error: process [0-9]+ is still writing the file: choose another file, or wait "
+                   "until the process has ended\n"));
+  EXPECT_EQ(read("run.h5"), bytes);
 }
 
 TEST_F(Record, WrongInputIsRefusedBeforeAnythingIsWritten) {

@@ -32,27 +32,6 @@ bool opened_to_write(const fs::path& process, const fs::path& descriptor) {
   return false;
 }
 
-/// Returns the id of a process on this machine that has the file open for writing. Empty if none is found;
-/// processes that this user may not inspect are never found.
-std::optional<std::string> writer_of(const fs::path& file) {
-  struct stat wanted {};
-  if (stat(file.c_str(), &wanted) != 0) return std::nullopt;
-  std::error_code ignored;
-  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
-    const std::string id = process.path().filename().string();
-    if (id.find_first_not_of("0123456789") != id.npos) continue;
-    std::error_code hidden;
-    for (fs::directory_iterator descriptor(process.path() / "fd", hidden), end; !hidden && descriptor != end;
-         descriptor.increment(hidden)) {
-      struct stat open {};
-      if (stat(descriptor->path().c_str(), &open) == 0 && open.st_dev == wanted.st_dev &&
-          open.st_ino == wanted.st_ino && opened_to_write(process.path(), descriptor->path()))
-        return id;
-    }
-  }
-  return std::nullopt;
-}
-
 // The groups whose arrays have one row per frame.
 constexpr std::array<const char*, 3> k_framed = {"frames", "state", "sensors"};
 
@@ -125,6 +104,25 @@ std::uint64_t repair_copy(const fs::path& copy) {
 }
 
 }  // namespace
+
+std::optional<std::string> writer_of(const fs::path& file) {
+  struct stat wanted {};
+  if (stat(file.c_str(), &wanted) != 0) return std::nullopt;
+  std::error_code ignored;
+  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
+    const std::string id = process.path().filename().string();
+    if (id.find_first_not_of("0123456789") != id.npos) continue;
+    std::error_code hidden;
+    for (fs::directory_iterator descriptor(process.path() / "fd", hidden), end; !hidden && descriptor != end;
+         descriptor.increment(hidden)) {
+      struct stat open {};
+      if (stat(descriptor->path().c_str(), &open) == 0 && open.st_dev == wanted.st_dev &&
+          open.st_ino == wanted.st_ino && opened_to_write(process.path(), descriptor->path()))
+        return id;
+    }
+  }
+  return std::nullopt;
+}
 
 bool has_much_unused_space(const Hdf5File& recording) {
   constexpr std::uint64_t k_least_bytes = std::uint64_t{1} << 20;
