@@ -6,14 +6,18 @@
 #include "worldio/results/recording_repair.hpp"
 #include "worldio/results/recording_writer.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace troupe::worldio {
@@ -128,6 +132,31 @@ TEST_F(Reader, TheHeadSaysWhetherAWriterHasTheFile) {
   EXPECT_FALSE(read_superblock(folder_ / "none"));
   EXPECT_THROW(close_superblock(folder_ / "text"), std::runtime_error);
   EXPECT_EQ(content(folder_ / "text"), "no HDF5");
+}
+
+/// Each flush of a recording overwrites the head. Without a second attempt, some of these reads see a half of
+/// it.
+TEST_F(Reader, TheHeadIsReadWhileItIsOverwritten) {
+  const fs::path other = folder_ / "other.h5";
+  {
+    Hdf5File file = Hdf5File::create(file_);
+    file.flush();
+    fs::copy_file(file_, other);
+  }
+  const std::string closed = content(file_);
+  const std::string open = content(other);
+  ASSERT_NE(closed.substr(0, 48), open.substr(0, 48));
+  std::atomic<bool> done = false;
+  std::jthread writer([&] {
+    const int descriptor = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
+    while (!done)
+      for (const std::string& head : {closed, open}) EXPECT_EQ(pwrite(descriptor, head.data(), 48, 0), 48);
+    close(descriptor);
+  });
+  int missing = 0;
+  for (int i = 0; i < 100000; ++i) missing += !read_superblock(file_);
+  done = true;
+  EXPECT_EQ(missing, 0);
 }
 
 TEST_F(Reader, RepairKeepsTheFileWhereItCannotHelp) {

@@ -66,7 +66,11 @@ std::optional<SuperblockBytes> read_head(int fd) {
 
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file) {
   if (!check_readable(file)) return std::nullopt;
-  const std::optional<SuperblockBytes> head = read_head(Descriptor(file, O_RDONLY).get());
+  // A process that writes the file may be overwriting the superblock at this moment.
+  constexpr int k_attempts = 100;
+  const Descriptor descriptor(file, O_RDONLY);
+  std::optional<SuperblockBytes> head;
+  for (int i = 0; i < k_attempts && !head; ++i) head = read_head(descriptor.get());
   if (!head) return std::nullopt;
   return Hdf5Superblock{(*head)[k_flags], little_endian(std::span(*head).subspan(k_end_at, 8))};
 }
