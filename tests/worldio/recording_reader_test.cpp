@@ -185,6 +185,11 @@ TEST_F(Reader, ErrorsOfRepairNameTheRecording) {
   EXPECT_THAT([&] { repair_recording(folder_ / "cut.h5"); },
               ::testing::ThrowsMessage<Hdf5Error>((folder_ / "cut.h5").string() +
                                                   ": error: cannot be marked as finished: File too large"));
+  const rlimit half{shorter / 2, old.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &half);
+  EXPECT_THAT([&] { repair_recording(folder_ / "cut.h5"); },
+              ::testing::ThrowsMessage<Hdf5Error>((folder_ / "cut.h5").string() +
+                                                  ": error: cannot be repaired: File too large"));
   setrlimit(RLIMIT_FSIZE, &old);
   std::signal(SIGXFSZ, old_handler);
 }

@@ -1,6 +1,7 @@
 #include "worldio/results/hdf5_superblock.hpp"
 
 #include "worldio/files.hpp"
+#include "worldio/results/descriptor.hpp"
 #include "worldio/results/hdf5_checksum.hpp"
 #include "worldio/results/little_endian.hpp"
 
@@ -39,20 +40,6 @@ bool is_whole(const SuperblockBytes& head) {
          little_endian(std::span(head).subspan(k_checksum)) ==
              metadata_checksum(std::span(head).first(k_checksum));
 }
-
-class Descriptor {
- public:
-  Descriptor(const std::filesystem::path& file, int flags) : fd_(open(file.c_str(), flags | O_CLOEXEC)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 std::optional<SuperblockBytes> read_head(int fd) {
   SuperblockBytes head{};

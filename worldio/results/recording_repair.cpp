@@ -2,6 +2,7 @@
 
 #include "worldio/files.hpp"
 #include "worldio/partial_file.hpp"
+#include "worldio/results/descriptor.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/results/hdf5_torn.hpp"
 #include "worldio/results/recording_reader.hpp"
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <fstream>
 #include <optional>
 #include <stdexcept>
@@ -78,6 +80,27 @@ bool replace_by_content(const fs::path& file, const fs::path& packed) {
     fs::remove(packed, ignored);
     return false;
   }
+}
+
+/// Copies a file with its permission bits. Replaces an existing file `to`. Throws std::system_error.
+/// std::filesystem::copy_file() would report a full disk as an "input/output error".
+void copy_bytes(const fs::path& from, const fs::path& to) {
+  constexpr std::size_t k_piece_bytes = std::size_t{1} << 20;
+  const auto check = [](ssize_t result) {
+    if (result < 0) throw std::system_error(errno, std::generic_category());
+    return static_cast<std::size_t>(result);
+  };
+  const Descriptor in(from, O_RDONLY);
+  check(in.get());
+  struct stat status {};
+  check(fstat(in.get(), &status));
+  const Descriptor out(to, O_WRONLY | O_CREAT | O_TRUNC, S_IRUSR | S_IWUSR);
+  check(out.get());
+  std::vector<char> piece(k_piece_bytes);
+  while (const std::size_t bytes = check(read(in.get(), piece.data(), piece.size())))
+    for (std::size_t done = 0; done < bytes;)
+      done += check(write(out.get(), piece.data() + done, bytes - done));
+  check(fchmod(out.get(), status.st_mode & ~static_cast<mode_t>(S_IFMT)));
 }
 
 /// Repairs a file in place. Returns the number of its complete frames.
@@ -175,7 +198,7 @@ Repair repair_recording(const fs::path& file) {
     const PartialFile turn(file);
     copy = fs::path(turn.path()).concat(".copy");
     fs::remove(packed_copy(copy), ignored);
-    fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
+    copy_bytes(file, copy);
     const std::uint64_t frames = repair_copy(copy);
     fs::rename(copy, turn.target());
     return {true, frames};
