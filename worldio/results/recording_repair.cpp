@@ -97,9 +97,9 @@ void copy_bytes(const fs::path& from, const fs::path& to) {
   const Descriptor out(to, O_WRONLY | O_CREAT | O_TRUNC, S_IRUSR | S_IWUSR);
   check(out.get());
   std::vector<char> piece(k_piece_bytes);
-  while (const std::size_t bytes = check(read(in.get(), piece.data(), piece.size())))
+  while (const std::size_t bytes = check(::read(in.get(), piece.data(), piece.size())))
     for (std::size_t done = 0; done < bytes;)
-      done += check(write(out.get(), piece.data() + done, bytes - done));
+      done += check(::write(out.get(), piece.data() + done, bytes - done));
   check(fchmod(out.get(), status.st_mode & ~static_cast<mode_t>(S_IFMT)));
 }
 
