@@ -6,8 +6,10 @@
 #include "engine/world/world.hpp"
 #include "troupe/effective_options.hpp"
 #include "troupe/input_files.hpp"
+#include "worldio/file_lock.hpp"
 #include "worldio/files.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -259,14 +261,22 @@ HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(fil
   written_ = simulation.tick();
 }
 
+HashLog::~HashLog() {
+  if (lock_ >= 0) close(lock_);
+}
+
 void HashLog::open() {
-  stream_.open(file_, written_ ? std::ios::app : std::ios::trunc);  // before the file is cut
+  stream_.open(file_, std::ios::app);  // the file is locked before it is cut
   if (!stream_) refuse_output(file_, std::strerror(errno));
-  stream_ << header_;
-  if (!written_) return;
   std::error_code error;
-  fs::resize_file(file_, whole_bytes_, error);
-  if (error) refuse_output(file_, error.message());
+  if (fs::is_regular_file(file_, error)) {
+    lock_ = ::open(file_.c_str(), O_RDONLY | O_CLOEXEC);
+    if (lock_ >= 0 && worldio::lock_file(lock_) == worldio::FileLock::held)
+      refuse_output(file_, "another process is writing the file: choose another file, or wait until it ends");
+    fs::resize_file(file_, whole_bytes_, error);
+    if (error) refuse_output(file_, error.message());
+  }
+  stream_ << header_;
 }
 
 void HashLog::observe(const Simulation& simulation) {

@@ -85,9 +85,12 @@ class HashLog : public Observer {
   ///
   /// Throws InputError if the file to continue is not a hash log or is damaged.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
+  HashLog(const HashLog&) = delete;
+  HashLog& operator=(const HashLog&) = delete;
+  ~HashLog() override;
   /// Opens the file and writes the header. If the run continues a log, keeps its lines up to the tick of the
   /// checkpoint instead, and removes the later lines. Call it once, before observe(). Throws OutputError if
-  /// the file cannot be written.
+  /// the file cannot be written, or if another process is writing it as a hash log.
   void open();
 
   /// Writes the line of the current tick. Does nothing if the log was continued and already ends with this
@@ -99,7 +102,8 @@ class HashLog : public Observer {
  private:
   std::filesystem::path file_;
   std::ofstream stream_;
-  std::string header_;                    // of a new log, until it is in the file
+  int lock_ = -1;       // descriptor that holds the lock of the file; -1: not open, or not a regular file
+  std::string header_;  // of a new log, until it is in the file
   std::optional<std::uint64_t> written_;  // the last tick of a continued log
   std::uintmax_t whole_bytes_ = 0;  // length of the lines in the file, or of those that a continued log keeps
 };

@@ -4,9 +4,10 @@
     checkpoint_kill_test.py PROGRAM [N] [--seed S]
 
 Each run resumes from the previous checkpoint, writes checkpoints and a recording, and does not end by itself. The first run and
-every other one are killed only after they have written a checkpoint, however slow the machine is. Each run must leave a checkpoint that `troupe resume` accepts, not older than the previous one, with the state of an uninterrupted run at that tick.
-The recording, which every run continues, must equal that of the uninterrupted run. Prints one line with the last tick and the
-number of kills during a write.
+every other one are killed only after they have written a checkpoint, however slow the machine is. Every fourth run is killed as
+soon as it begins to write one, and at least one kill must hit a write. Each run must leave a checkpoint that `troupe resume`
+accepts, not older than the previous one, with the state of an uninterrupted run at that tick. The recording, which every run
+continues, must equal that of the uninterrupted run. Prints one line with the last tick and the number of kills during a write.
 """
 
 import argparse
@@ -35,6 +36,7 @@ class Runs:
     def __init__(self, program, folder):
         self.program = program
         self.folder = folder
+        self.partial = folder / "c.h5.partial"  # exists while a checkpoint is written
         (folder / "room.world").write_text(WORLD)
 
     def troupe(self, *arguments):
@@ -47,8 +49,10 @@ class Runs:
         except FileNotFoundError:
             return 0
 
-    def kill_one(self, after_a_checkpoint, wait_s):
-        """Starts or resumes the run and kills it after wait_s seconds, or at that time after its first checkpoint."""
+    def kill_one(self, after_a_checkpoint, in_a_write, wait_s):
+        """Starts or resumes the run and kills it after wait_s seconds, or at that time after its first checkpoint, and then, if
+        in_a_write is true, at the beginning of the next write of a checkpoint. Returns whether a checkpoint was being written."""
+        self.partial.unlink(missing_ok=True)
         before = self.saved()
         go_on = before > 0
         command = ["resume", "c.h5"] if go_on else ["run", "room.world", "--force"]
@@ -59,12 +63,15 @@ class Runs:
         while after_a_checkpoint and self.saved() == before and process.poll() is None and time.monotonic() < until:
             time.sleep(0.005)
         time.sleep(wait_s)
+        while in_a_write and not self.partial.exists() and process.poll() is None and time.monotonic() < until:
+            pass  # a sleep could miss the write
         process.send_signal(signal.SIGKILL)
         _, errors = process.communicate()
         if process.returncode != -signal.SIGKILL:
             raise SystemExit(f"the run ended by itself, with {process.returncode}: {errors}")
         if after_a_checkpoint and self.saved() == before:
             raise SystemExit(f"the run wrote no checkpoint within {WAIT_S} s")
+        return self.partial.exists()
 
     def first_line(self):
         """Resumes the checkpoint and returns the first line of the hash log: its tick and state. Fails if it cannot be resumed."""
@@ -88,10 +95,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         runs = Runs(options.program.resolve(), Path(name))
         while len(lines) < options.kills:
-            partial = Path(name) / "c.h5.partial"
-            partial.unlink(missing_ok=True)
-            runs.kill_one(len(lines) % 2 == 0, moments.uniform(0.02, 0.25))
-            in_a_write += partial.exists()
+            in_a_write += runs.kill_one(len(lines) % 2 == 0, len(lines) % 4 == 3, moments.uniform(0.02, 0.25))
             line = runs.first_line()
             if lines and int(line.split()[0]) < int(lines[-1].split()[0]):
                 raise SystemExit(f"the checkpoint is older than the previous one: {line} after {lines[-1]}")
@@ -110,6 +114,8 @@ def main():
         same = subprocess.run([runs.program, "diff", "straight.h5", "r.h5"], cwd=name, capture_output=True, text=True)
         if same.returncode != 0:
             raise SystemExit(f"the recording differs from that of the uninterrupted run: {same.stdout}{same.stderr}")
+    if options.kills > 3 and in_a_write == 0:
+        raise SystemExit(f"none of {options.kills} kills hit a write of a checkpoint, with seed {options.seed}: give more kills")
     print(f"{options.kills} kills, {in_a_write} of them during a write of a checkpoint: each left a valid checkpoint, the last at "
           f"tick {last}; their states and the recording equal those of an uninterrupted run")
 

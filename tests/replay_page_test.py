@@ -6,6 +6,7 @@
 Also checks, without a browser, that apps/replay_page/replay.html was built from the sources in its folder.
 """
 
+import base64
 import hashlib
 import json
 import math
@@ -17,6 +18,7 @@ import sys
 import tempfile
 import time
 import unittest
+import zlib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -93,6 +95,51 @@ class TheBundle(unittest.TestCase):
             bundle = (folder / name).read_text()
             self.assertIn(f"Sources: apps/replay_page, sha256 {digest.hexdigest()}\n", bundle,
                           "the sources have changed: scripts/replay-page makes the bundles")
+
+
+class Unpacking(unittest.TestCase):
+    """Tests src/recording.js without the rest of the page. Its clock is replaced by one on which each step takes 1 ms."""
+
+    BLOCKS = 20
+    FRAMES = 10  # per block
+    ROBOTS = 4000
+
+    def script(self):
+        """Returns the address of a module with the class Recording."""
+        folder = ROOT / "apps" / "replay_page" / "src"
+
+        def address(text):
+            return "data:text/javascript;base64," + base64.b64encode(text.encode()).decode()
+
+        return address(re.sub(r'"\./(\w+\.js)"', lambda name: f'"{address((folder / name[1]).read_text())}"',
+                              (folder / "recording.js").read_text()))
+
+    def test_blocks_that_the_user_passes_over_are_not_waited_for(self):
+        series = base64.b64encode(zlib.compress(b"\1" * (3 * self.ROBOTS * self.FRAMES))).decode()
+        header = {"times_s": list(range(self.BLOCKS * self.FRAMES)), "block_frames": self.FRAMES, "fields": [],
+                  "robots": {"id": list(range(self.ROBOTS)), "color": ["#000000"] * self.ROBOTS, "types": [[0, self.ROBOTS]]},
+                  "types": [{"mobile": True}], "pose": {"step_m": 1, "turn": 2000, "has_z": False, "z_m": [0] * self.ROBOTS}}
+        with tempfile.TemporaryDirectory() as name, Page(PROGRAM) as page:
+            (Path(name) / "empty.html").write_text("<!doctype html><title>Unpacking</title>")
+            page.open(Path(name) / "empty.html")
+            pictures = page.run(f"""(async () => {{
+              const {{ Recording }} = await import("{self.script()}");
+              const stream = Uint8Array.from(atob("{series}"), (letter) => letter.charCodeAt(0));
+              const recording = new Recording({{ header: {json.dumps(header)}, blocks: Array({self.BLOCKS}).fill([stream]) }});
+              let now = 0;
+              performance.now = () => now++;
+              for (let block = 0; block < {self.BLOCKS}; block++) {{
+                recording.poses(block * {self.FRAMES});
+                recording.pump(0);
+              }}
+              while (recording.work.length < {self.BLOCKS}) await new Promise((done) => setTimeout(done, 1));
+              let pictures = 1;
+              for (; !recording.poses(recording.frames - 1); pictures++) recording.pump(2);
+              return pictures;
+            }})()""")
+            self.assertEqual(page.problems, [])
+        self.assertGreater(pictures, 1)
+        self.assertLess(pictures, self.BLOCKS, "pictures until the frame is shown, with one step for each picture")
 
 
 class Used(unittest.TestCase):

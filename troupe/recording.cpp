@@ -86,6 +86,12 @@ std::vector<worldio::RecordedComponent> checked_components(const std::filesystem
                     file.string()));
   if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
     throw InputError(fmt::format("{}: error: cannot be written: it is not a regular file", file.string()));
+  if (std::filesystem::exists(file, ignored))
+    if (const auto writer = worldio::writer_of(file))
+      throw InputError(fmt::format(
+          "{}: error: process {} is still writing the file: choose another file, or wait until the "
+          "process has ended",
+          file.string(), *writer));
   return components_of(file, simulation, fields_of(simulation, options), options);
 }
 

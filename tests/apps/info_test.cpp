@@ -143,6 +143,11 @@ TEST_F(Info, OfARecording) {
   EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
   write("copy", read("r").substr(0, 8) + std::string(4000, 'x'));
   EXPECT_THAT(error_of("copy"), StartsWith("copy: error: "));
+  // HDF5 cannot close a file with a damaged object header at the exit of the program, and must not try to.
+  std::string damaged = read("r");
+  damaged[damaged.rfind("OHDR") + 20] ^= 1;
+  write("copy", damaged);
+  EXPECT_THAT(lines_of(error_of("copy")), ElementsAre(HasSubstr("incorrect metadata checksum")));
 }
 
 TEST_F(Info, OfACheckpoint) {

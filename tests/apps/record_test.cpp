@@ -11,6 +11,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -225,6 +226,18 @@ TEST_F(Record, AnExistingFileStaysWithoutForce) {
   EXPECT_EQ(recording("run.h5").frames(), 21u);
 }
 
+/// Two runs that write one file would destroy each other's frames.
+TEST_F(Record, AFileThatAnotherProcessWritesStaysEvenWithForce) {
+  record("run.h5");
+  const std::string bytes = read("run.h5");
+  const std::ofstream other(path("run.h5"), std::ios::app);
+  EXPECT_THAT(
+      error_of({"run", "room.world", "--for", "1", "--quiet", "--record", "run.h5", "--force"}),
+      MatchesRegex("run.h5: error: process [0-9]+ is still writing the file: choose another file, or wait "
+                   "until the process has ended\n"));
+  EXPECT_EQ(read("run.h5"), bytes);
+}
+
 TEST_F(Record, WrongInputIsRefusedBeforeAnythingIsWritten) {
   const std::vector<std::string> run = {"run", "room.world", "--for", "1", "--record"};
   const auto with = [&](std::vector<std::string> more) {
@@ -321,7 +334,7 @@ TEST_F(Record, AFullDiskEndsTheRunWithAReadableFile) {
   const Outcome outcome = troupe_with_file_limit(
       {"run", "room.world", "--for", "100000", "--quiet", "--record", "run.h5"}, std::size_t{1} << 20);
   EXPECT_EQ(outcome.code, k_failed);
-  EXPECT_THAT(outcome.err, MatchesRegex("run.h5: error: /[a-z/_]+ cannot be written: File too large\n"));
+  EXPECT_THAT(outcome.err, MatchesRegex("run.h5: error: (/[a-z/_]+ )?cannot be written: File too large\n"));
   const RecordingReader run = recording("run.h5");
   EXPECT_FALSE(run.unfinished());
   EXPECT_GT(run.frames(), 100u);
@@ -330,6 +343,19 @@ TEST_F(Record, AFullDiskEndsTheRunWithAReadableFile) {
   const Outcome repaired = troupe({"repair", "run.h5"});
   EXPECT_EQ(repaired.code, 0) << repaired.err;
   EXPECT_EQ(recording("run.h5").frames(), run.frames());
+}
+
+/// Here the program uses HDF5 first to read the checkpoint. HDF5 must not write the recording at the exit of
+/// the program, after the recording was given up.
+TEST_F(Record, AFullDiskEndsAResumedRunInTheSameWay) {
+  record("run.h5", {"--checkpoint", "c.h5"});
+  const Outcome outcome = troupe_with_file_limit(
+      {"resume", "c.h5", "--for", "100000", "--quiet", "--record", "run.h5"}, std::size_t{1} << 20);
+  EXPECT_EQ(outcome.code, k_failed);
+  EXPECT_THAT(outcome.err, MatchesRegex("run.h5: error: (/[a-z/_]+ )?cannot be written: File too large\n"));
+  const RecordingReader run = recording("run.h5");
+  EXPECT_FALSE(run.unfinished());
+  EXPECT_GT(run.frames(), 100u);
 }
 
 TEST_F(Record, DiffNamesTheFirstValueThatDiffers) {

@@ -2,8 +2,11 @@
 
 #include "apps/numbers.hpp"
 #include "partition/simd_target.hpp"
+#include "worldio/file_lock.hpp"
 
+#include <fcntl.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -609,6 +612,24 @@ TEST_F(Run, OutputsThatBecomeOneFileAreRefusedBeforeTheRun) {
                     "fr/00001.png"})
                 .code,
             0);
+}
+
+TEST_F(Run, AHashLogThatAnotherRunWritesStays) {
+  const std::vector<std::string> run = {"run",     "room.world", "--for",  "1",
+                                        "--quiet", "--hash-log", "run.log"};
+  ASSERT_EQ(troupe(run).code, 0);
+  const std::string whole = read("run.log");
+  const int other = open(path("run.log").c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_EQ(worldio::lock_file(other), worldio::FileLock::taken);
+  const Outcome refused = troupe(run);
+  close(other);
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_EQ(
+      refused.err,
+      "run.log: error: cannot be written: another process is writing the file: choose another file, or wait "
+      "until it ends\n");
+  EXPECT_EQ(read("run.log"), whole);
+  EXPECT_EQ(troupe(run).code, 0);
 }
 
 TEST_F(Run, AFullDiskIsAFailureAndNotASuccess) {

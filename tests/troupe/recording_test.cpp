@@ -421,6 +421,43 @@ TEST_F(RecordingTest, RowsOfTypesWithShorterFieldsEndInZeros) {
   }
 }
 
+/// 8,600 arrays. HDF5 1.10 could not create the index of some of them when its cache was limited to 2 MiB.
+/// The time for a batch was proportional to the square of the number of arrays: minutes for this world.
+TEST_F(RecordingTest, ThousandsOfArraysAreWrittenAndContinued) {
+  constexpr int k_types = 200;
+  std::string types;
+  std::string models;
+  for (int t = 0; t < k_types; ++t) {
+    const std::string comma = t == 0 ? "" : ",";
+    types += fmt::format(
+        R"({}"t{}": {{"size_m": [0.2, 0.2, 0.2], "drive": {{"kind": "diff"}},
+          "sensors": [{{"kind": "compass"}}, {{"kind": "fiducial"}}, {{"kind": "blobfinder"}}],
+          "devices": [{{"kind": "gripper"}}, {{"kind": "led"}}, {{"kind": "power_pack"}}, {{"kind": "flags"}},
+                      {{"kind": "blinkenlight"}}]}})",
+        comma, t);
+    models += fmt::format(R"({0}{{"name": "r{1}", "type": "t{1}", "pose": {{"x_m": {2}, "y_m": {3}}}}})",
+                          comma, t, t % 20, t / 20);
+  }
+  const std::filesystem::path world =
+      write("types.json", fmt::format(R"({{"troupe": 1, "types": {{{}}}, "models": [{}]}})", types, models));
+  Simulation simulation(world);
+  {
+    Recording first(folder_ / "run.h5", simulation, options_);
+    step(simulation, first, 2);
+    first.close();
+  }
+  {
+    Recording second = Recording::resume(folder_ / "run.h5", simulation);
+    step(simulation, second, 4);
+    second.close();
+  }
+  const RecordingReader recording(folder_ / "run.h5");
+  EXPECT_THAT(recording.ticks(), ::testing::ElementsAre(0, 2, 4));
+  EXPECT_GT(recording.arrays().size(), std::size_t{40} * k_types);
+  for (const RecordingReader::Array& array : recording.arrays())
+    ASSERT_EQ(array.dataset.rows(), 3) << array.component;
+}
+
 TEST_F(RecordingTest, SeveralAtOnce) {
   Simulation simulation(world_);
   {

@@ -86,6 +86,18 @@ TEST_F(ForeignHdf5, ObjectsHaveOnePath) {
   }
 }
 
+/// A visit of each path would take years: there are 10^16 of them.
+TEST_F(ForeignHdf5, HeadersOfAGroupThatContainsItselfAreListedOnce) {
+  const std::filesystem::path looped = folder_ / "looped.h5";
+  const hid_t file = H5Fcreate(looped.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t group = H5Gcreate2(file, "group", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  for (int i = 0; i < 10; ++i)
+    H5Lcreate_hard(file, "/group", group, std::to_string(i).c_str(), H5P_DEFAULT, H5P_DEFAULT);
+  H5Gclose(group);
+  H5Fclose(file);
+  EXPECT_EQ(Hdf5File::open(looped).header_addresses().size(), 1u);
+}
+
 TEST_F(ForeignHdf5, ValuesOfVariableLengthAreNotCopied) {
   const std::filesystem::path texts = folder_ / "texts.h5";
   const hid_t file = H5Fcreate(texts.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::worldio {
@@ -21,9 +22,10 @@ struct RecordingByHand {
   std::vector<std::string> types = {"bot", "cart", "bot"};
   std::vector<std::string> names = {"a", "b", "c"};
   std::vector<std::uint64_t> ticks = {0, 2, 4};
-  std::size_t times = 3;
+  std::vector<double> times_s = {0.5, 0.5, 1};
   std::size_t x_frames = 3;
   std::vector<std::size_t> x_row = {3, 1};
+  std::vector<std::size_t> alive;  // shape of /state/alive, which older recordings do not have; empty: none
   std::size_t sensor_rows = 2;
   bool with_frames = true;
 
@@ -41,6 +43,12 @@ struct RecordingByHand {
     dataset.append(std::span<const T>(values));
   }
 
+  template <class T>
+  static void column(Hdf5Group& group, const std::string& name, const std::vector<T>& values) {
+    group.create_extendible(name, engine::element_of<T>(), {}, {.extent = {4}})
+        .append(std::span<const T>(values));
+  }
+
   void write(const std::filesystem::path& name) const {
     Hdf5File file = Hdf5File::create(name);
     Hdf5Group meta = file.create_group("meta");
@@ -53,14 +61,17 @@ struct RecordingByHand {
     bodies.write("id", std::span<const std::uint32_t>(ids));
     bodies.write_texts("type", types);
     bodies.write_texts("name", names);
-    array<double>(file.create_group("state").create_group("pose"), "x", x_frames, x_row);
+    Hdf5Group state = file.create_group("state");
+    array<double>(state.create_group("pose"), "x", x_frames, x_row);
+    if (!alive.empty())
+      array<std::uint8_t>(std::move(state), "alive", alive[0], {alive.begin() + 1, alive.end()});
     array<float>(file.create_group("sensors").create_group("bot").create_group("eye"), "ranges", 3,
                  {sensor_rows, 2});
     if (!with_frames) return;
     Hdf5Group frames = file.create_group("frames");
-    frames.write("tick", std::span<const std::uint64_t>(ticks));
-    frames.write("time_s", std::span<const double>(std::vector<double>(times, 0.5)));
-    frames.write("hash", std::span<const std::uint64_t>(std::vector<std::uint64_t>(ticks.size(), 9)));
+    column(frames, "tick", ticks);
+    column(frames, "time_s", times_s);
+    column(frames, "hash", std::vector<std::uint64_t>(ticks.size(), 9));
   }
 };
 

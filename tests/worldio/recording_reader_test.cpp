@@ -6,13 +6,18 @@
 #include "worldio/results/recording_repair.hpp"
 #include "worldio/results/recording_writer.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <atomic>
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace troupe::worldio {
@@ -62,8 +67,9 @@ TEST_F(Reader, ReadsWhatStandsInTheLayout) {
 }
 
 TEST_F(Reader, CountsWholeFramesOnly) {
-  for (const RecordingByHand& recording : {RecordingByHand{.ticks = {0, 2, k_no_tick}},
-                                           RecordingByHand{.times = 2}, RecordingByHand{.x_frames = 2}}) {
+  for (const RecordingByHand& recording :
+       {RecordingByHand{.ticks = {0, 2, k_no_tick}}, RecordingByHand{.times_s = {0, 1}},
+        RecordingByHand{.x_frames = 2}, RecordingByHand{.alive = {2, 3}}}) {
     recording.write(file_);
     EXPECT_EQ(RecordingReader(file_).frames(), 2u);
   }
@@ -84,6 +90,16 @@ TEST_F(Reader, RefusesWhatDoesNotFitTogether) {
   EXPECT_THAT(error_of({.names = {}}), HasSubstr(" and 0 names, but needs the same number of each"));
   EXPECT_THAT(error_of({.ticks = {0, 4, 2}}),
               HasSubstr("/frames has tick 2 after tick 4, but ticks must increase"));
+  EXPECT_THAT(error_of({.ids = {1, 3, 3}}), HasSubstr("/bodies has id 3 after id 3, but ids must increase"));
+  EXPECT_THAT(error_of({.times_s = {0, std::nan(""), 1}}),
+              HasSubstr("/frames has the time nan s at tick 2, after 0 s, "));
+  EXPECT_THAT(
+      error_of({.times_s = {0, 1, 0.5}}),
+      HasSubstr("has the time 0.5 s at tick 4, after 1 s, but times must be finite and must not decrease"));
+  EXPECT_THAT(
+      error_of({.alive = {3, 2}}),
+      HasSubstr("/state/alive has the shape [3 x 2] and values of type uint8, but must have the shape "
+                "[frames x 3] and values of type uint8"));
   EXPECT_THAT(error_of({.x_row = {2, 1}}), HasSubstr(" x 2 x 1], but must have the shape [frames x 3 x "
                                                      "values]"));
   EXPECT_THAT(error_of({.x_row = {3}}), HasSubstr(" x 3], but must have the shape [frames x 3 x values]"));
@@ -118,6 +134,31 @@ TEST_F(Reader, TheHeadSaysWhetherAWriterHasTheFile) {
   EXPECT_EQ(content(folder_ / "text"), "no HDF5");
 }
 
+/// Each flush of a recording overwrites the head. Without a second attempt, some of these reads see a half of
+/// it.
+TEST_F(Reader, TheHeadIsReadWhileItIsOverwritten) {
+  const fs::path other = folder_ / "other.h5";
+  {
+    Hdf5File file = Hdf5File::create(file_);
+    file.flush();
+    fs::copy_file(file_, other);
+  }
+  const std::string closed = content(file_);
+  const std::string open = content(other);
+  ASSERT_NE(closed.substr(0, 48), open.substr(0, 48));
+  std::atomic<bool> done = false;
+  std::jthread writer([&] {
+    const int descriptor = ::open(file_.c_str(), O_WRONLY | O_CLOEXEC);
+    while (!done)
+      for (const std::string& head : {closed, open}) EXPECT_EQ(pwrite(descriptor, head.data(), 48, 0), 48);
+    close(descriptor);
+  });
+  int missing = 0;
+  for (int i = 0; i < 100000; ++i) missing += !read_superblock(file_);
+  done = true;
+  EXPECT_EQ(missing, 0);
+}
+
 TEST_F(Reader, RepairKeepsTheFileWhereItCannotHelp) {
   RecordingByHand{.kind = "another"}.write(file_);
   const std::string before = content(file_);
@@ -144,8 +185,20 @@ TEST_F(Reader, ErrorsOfRepairNameTheRecording) {
   EXPECT_THAT([&] { repair_recording(folder_ / "cut.h5"); },
               ::testing::ThrowsMessage<Hdf5Error>((folder_ / "cut.h5").string() +
                                                   ": error: cannot be marked as finished: File too large"));
+  const rlimit half{shorter / 2, old.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &half);
+  EXPECT_THAT([&] { repair_recording(folder_ / "cut.h5"); },
+              ::testing::ThrowsMessage<Hdf5Error>((folder_ / "cut.h5").string() +
+                                                  ": error: cannot be repaired: File too large"));
   setrlimit(RLIMIT_FSIZE, &old);
   std::signal(SIGXFSZ, old_handler);
+}
+
+/// Added rows of /state/alive would be 0: all bodies would be absent.
+TEST_F(Reader, RepairCutsToTheFramesOfWhichItIsKnownWhoIsThere) {
+  RecordingByHand{.alive = {2, 3}}.write(file_);
+  EXPECT_EQ(repair_recording(file_).frames, 2u);
+  EXPECT_EQ(Hdf5File::open(file_).group("state").dataset("alive").rows(), 2u);
 }
 
 TEST_F(Reader, RepairRemovesUnusedSpace) {

@@ -363,6 +363,7 @@ struct ByHand {
   std::string world =
       R"({"title": "t", "words": ["", "a"], "types": [{"name": "bot", "parts": [{"solids": []}], "sensors": []}]})";
   std::uint32_t type = 0;
+  float color = 1;
   std::vector<double> x = {0.5, 1.5, 2.5};
   std::vector<std::uint8_t> alive = {1, 1, 1};
 
@@ -396,7 +397,7 @@ struct ByHand {
       scene.create_dataset("pose", engine::Element::f64, {2, 4})
           .write(std::span<const double>(std::vector<double>(8, 0.0)));
       scene.create_dataset("color", engine::Element::f32, {2, 4})
-          .write(std::span<const float>(std::vector<float>(8, 1.0f)));
+          .write(std::span<const float>(std::vector<float>(8, color)));
     }
     Hdf5Group state = file.create_group("state");
     array(state, "alive", {1}, alive);
@@ -459,9 +460,12 @@ TEST_F(Replay, RefusesADamagedScene) {
     EXPECT_THAT(error_of(file), HasSubstr("/world or /scene has values that are not allowed in a world"))
         << type;
   }
-  ByHand{.type = 1}.write(file);
-  EXPECT_THAT(error_of(file), HasSubstr("hand.h5: error: /world or /scene has values that are not allowed in "
-                                        "a world"));
+  for (const ByHand& recording : {ByHand{.type = 1}, ByHand{.color = std::nanf("")}}) {
+    recording.write(file);
+    EXPECT_THAT(error_of(file),
+                HasSubstr("hand.h5: error: /world or /scene has values that are not allowed in "
+                          "a world"));
+  }
 }
 
 }  // namespace

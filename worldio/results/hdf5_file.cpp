@@ -75,7 +75,8 @@ Hdf5Id reference_type() { return {H5Tcreate(H5T_OPAQUE, k_heap_reference_bytes),
 
 /// Starts the library and disables its flush at the exit of the program. A file that was abandoned on a full
 /// disk is still open at the exit, and the library would try to flush it for ever. Other files do not need
-/// this flush, because their owners close them.
+/// this flush, because their owners close them. Must be called before any other use of the library. Macros
+/// such as H5F_ACC_RDONLY use it, too: they contain a call that starts it.
 void start_library() {
   static const bool started = [] {
     H5dont_atexit();
@@ -242,18 +243,35 @@ Hdf5Id creation_properties(hid_t kind) {
   return properties;
 }
 
-/// Limits the cache for the metadata of a file to 2 MiB. By default, it grows to 32 MiB, with metadata
-/// that a long recording has written and never needs again. With the limit, the memory of a run is constant
-/// after some seconds.
-void bound_metadata_cache(hid_t access) {
-  constexpr std::size_t k_most_bytes = std::size_t{2} << 20;
+/// Limits the cache for the metadata of a file. By default, it grows to 32 MiB, with metadata that a long
+/// recording has written and never needs again. With the limit, the memory of a run is constant after some
+/// seconds.
+constexpr std::size_t k_most_metadata_bytes = std::size_t{2} << 20;
+void bound_metadata_cache(H5AC_cache_config_t& config, std::size_t most_bytes) {
+  config.set_initial_size = true;
+  config.initial_size = config.min_size = most_bytes / 2;
+  config.max_size = most_bytes;
+}
+
+H5AC_cache_config_t metadata_cache() {
   H5AC_cache_config_t config{};
   config.version = H5AC__CURR_CACHE_CONFIG_VERSION;
-  if (H5Pget_mdc_config(access, &config) < 0) return;
-  config.set_initial_size = true;
-  config.initial_size = config.min_size = k_most_bytes / 2;
-  config.max_size = k_most_bytes;
-  H5Pset_mdc_config(access, &config);
+  return config;
+}
+
+/// Raises the limit of the metadata cache of a file that is about to be written in SWMR mode, if many of its
+/// datasets are open. In this mode, the headers and indexes of open datasets, about 1 KiB each, cannot leave
+/// the cache. If they fill it, HDF5 1.10 cannot create the index of a further dataset, and may crash.
+void make_room_for_open_datasets(hid_t file) {
+  constexpr std::size_t k_dataset_bytes = 4096;
+  constexpr std::size_t k_hdf5_limit = std::size_t{128} << 20;  // H5C__MAX_MAX_CACHE_SIZE
+  const ssize_t datasets = H5Fget_obj_count(file, H5F_OBJ_DATASET);
+  H5AC_cache_config_t config = metadata_cache();
+  if (datasets < 0 || H5Fget_mdc_config(file, &config) < 0) return;
+  const std::size_t bytes = std::min(k_dataset_bytes * static_cast<std::size_t>(datasets), k_hdf5_limit);
+  if (bytes <= config.max_size) return;
+  bound_metadata_cache(config, bytes);
+  H5Fset_mdc_config(file, &config);
 }
 
 /// Returns the properties for creating or opening a file. They select the file format of HDF5 1.10, even if
@@ -262,7 +280,11 @@ Hdf5Id access_properties() {
   Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_SEMI);  // closing a file before its objects is an error
-  bound_metadata_cache(access.get());
+  H5AC_cache_config_t cache = metadata_cache();
+  if (H5Pget_mdc_config(access.get(), &cache) >= 0) {
+    bound_metadata_cache(cache, k_most_metadata_bytes);
+    H5Pset_mdc_config(access.get(), &cache);
+  }
   return access;
 }
 
@@ -657,18 +679,19 @@ Hdf5Object Hdf5Group::object(const std::string& name) const {
 constexpr auto k_most_steps = 16;
 
 std::vector<std::uint64_t> Hdf5Group::header_addresses() const {
-  std::vector<std::uint64_t> addresses;
+  std::set<std::uint64_t> addresses;
   add_header_addresses(0, addresses);
-  return addresses;
+  return {addresses.begin(), addresses.end()};
 }
 
-void Hdf5Group::add_header_addresses(std::size_t depth, std::vector<std::uint64_t>& addresses) const {
+void Hdf5Group::add_header_addresses(std::size_t depth, std::set<std::uint64_t>& addresses) const {
   if (depth > k_most_steps) return;
   for (const std::string& name : names()) {
     const LibraryCall call;
     H5L_info_t link{};
-    if (H5Lget_info(id_.get(), name.c_str(), &link, H5P_DEFAULT) >= 0 && link.type == H5L_TYPE_HARD)
-      addresses.push_back(link.u.address);
+    if (H5Lget_info(id_.get(), name.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD ||
+        !addresses.insert(link.u.address).second)
+      continue;
     if (has_group(name)) group(name).add_header_addresses(depth + 1, addresses);
   }
 }
@@ -874,7 +897,6 @@ Hdf5File Hdf5File::create_in_memory(const fs::path& file, std::size_t user_block
 void bound_read_attempts(hid_t access) { H5Pset_metadata_read_attempts(access, 30); }
 
 Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
-  start_library();
   const LibraryCall call;
   if (const Result<> readable = check_readable(file); !readable) fail_with(file, readable.error().text);
   const Hdf5Id access = (flags & H5F_ACC_RDWR) != 0 ? writing_access_properties() : access_properties();
@@ -894,16 +916,24 @@ Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
   return {std::move(found), file};
 }
 
-Hdf5File Hdf5File::open(const fs::path& file) { return opened(file, H5F_ACC_RDONLY); }
+Hdf5File Hdf5File::open(const fs::path& file) {
+  start_library();
+  return opened(file, H5F_ACC_RDONLY);
+}
 
 Hdf5File Hdf5File::open_swmr(const fs::path& file) {
+  start_library();
   return opened(file, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ);
 }
 
-Hdf5File Hdf5File::open_to_write(const fs::path& file) { return opened(file, H5F_ACC_RDWR); }
+Hdf5File Hdf5File::open_to_write(const fs::path& file) {
+  start_library();
+  return opened(file, H5F_ACC_RDWR);
+}
 
 void Hdf5File::start_swmr() {
   const LibraryCall call;
+  make_room_for_open_datasets(id_.get());
   if (H5Fstart_swmr_write(id_.get()) < 0)
     fail_with(file_, fmt::format("the SWMR mode of HDF5, in which other programs can read the file while it "
                                  "is written, cannot be started: {}",

@@ -196,9 +196,9 @@ class Hdf5Group : public Hdf5Object {
   /// Throws if groups are nested more than 16 deep, or if an object has two paths: a group of a damaged file
   /// may contain itself.
   std::vector<std::string> paths() const;
-  /// The addresses in the file of the headers of all objects in this group and in the groups inside it, also
-  /// of objects that cannot be opened because their header is damaged. Groups that are nested more than 16
-  /// deep are left out.
+  /// The addresses in the file of the headers of all objects in this group and in the groups inside it, each
+  /// once and in ascending order, also of objects that cannot be opened because their header is damaged.
+  /// Groups that are nested more than 16 deep and objects behind soft links are left out.
   std::vector<std::uint64_t> header_addresses() const;
 
   /// Creates a dataset of a fixed size. `extent` is the size along each dimension. Hdf5Dataset::write() sets
@@ -239,7 +239,7 @@ class Hdf5Group : public Hdf5Object {
   std::string path_of(const std::string& name) const;
   void add_paths(const std::string& prefix, std::set<std::uint64_t>& seen,
                  std::vector<std::string>& paths) const;
-  void add_header_addresses(std::size_t depth, std::vector<std::uint64_t>& addresses) const;
+  void add_header_addresses(std::size_t depth, std::set<std::uint64_t>& addresses) const;
   void copy_dataset(const Hdf5Group& from, const std::string& name);
 };
 

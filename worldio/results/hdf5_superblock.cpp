@@ -1,6 +1,7 @@
 #include "worldio/results/hdf5_superblock.hpp"
 
 #include "worldio/files.hpp"
+#include "worldio/results/descriptor.hpp"
 #include "worldio/results/hdf5_checksum.hpp"
 #include "worldio/results/little_endian.hpp"
 
@@ -40,20 +41,6 @@ bool is_whole(const SuperblockBytes& head) {
              metadata_checksum(std::span(head).first(k_checksum));
 }
 
-class Descriptor {
- public:
-  Descriptor(const std::filesystem::path& file, int flags) : fd_(open(file.c_str(), flags | O_CLOEXEC)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
-
 std::optional<SuperblockBytes> read_head(int fd) {
   SuperblockBytes head{};
   if (fd < 0 || pread(fd, head.data(), head.size(), 0) != static_cast<ssize_t>(head.size()) ||
@@ -66,7 +53,11 @@ std::optional<SuperblockBytes> read_head(int fd) {
 
 std::optional<Hdf5Superblock> read_superblock(const std::filesystem::path& file) {
   if (!check_readable(file)) return std::nullopt;
-  const std::optional<SuperblockBytes> head = read_head(Descriptor(file, O_RDONLY).get());
+  // A process that writes the file may be overwriting the superblock at this moment.
+  constexpr int k_attempts = 100;
+  const Descriptor descriptor(file, O_RDONLY);
+  std::optional<SuperblockBytes> head;
+  for (int i = 0; i < k_attempts && !head; ++i) head = read_head(descriptor.get());
   if (!head) return std::nullopt;
   return Hdf5Superblock{(*head)[k_flags], little_endian(std::span(*head).subspan(k_end_at, 8))};
 }

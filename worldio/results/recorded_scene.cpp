@@ -181,7 +181,8 @@ RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) 
     const double* pose = &columns.pose[4 * b];
     const float* color = &columns.color[4 * b];
     if (columns.word[b] >= words.size() || columns.type[b] >= scene.types.size() ||
-        !std::all_of(pose, pose + 4, [](double x) { return std::abs(x) <= k_reach; }))
+        !std::all_of(pose, pose + 4, [](double x) { return std::abs(x) <= k_reach; }) ||
+        !std::all_of(color, color + 4, [](float part) { return std::isfinite(part); }))
       throw Damaged();
     std::string name = words[columns.word[b]];
     if (columns.number[b] != engine::Name::k_no_number) name += std::to_string(columns.number[b]);

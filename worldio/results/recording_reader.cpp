@@ -8,7 +8,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
+#include <functional>
+#include <limits>
 #include <numeric>
 #include <string_view>
 
@@ -64,6 +67,9 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
         fmt::format("has {} ids, {} types and {} names, but needs the same number of each: the file is "
                     "damaged",
                     ids_.size(), types_.size(), names_.size()));
+  if (const auto id = std::ranges::adjacent_find(ids_, std::greater_equal()); id != ids_.end())
+    bodies.fail(
+        fmt::format("has id {} after id {}, but ids must increase: the file is damaged", id[1], id[0]));
 
   std::vector<std::uint32_t> all(ids_.size());
   std::iota(all.begin(), all.end(), 0u);
@@ -108,9 +114,14 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::filesystem:
     const std::string name = (place / path).filename();
     const std::string component = (place / path).parent_path();
     if (component.empty()) {  // /state/alive belongs to no component
-      if (name == "alive" && extent.size() == 2 && extent[1] == bodies.size() &&
-          dataset.element() == engine::Element::u8)
-        alive_ = std::move(dataset);
+      if (name != "alive") continue;
+      if (extent.size() != 2 || extent[1] != bodies.size() || dataset.element() != engine::Element::u8)
+        dataset.fail(
+            fmt::format("has the shape [{}] and values of type {}, but must have the shape [frames x {}] and "
+                        "values of type {}: the file is damaged",
+                        fmt::join(extent, " x "), engine::element_name(dataset.element()), bodies.size(),
+                        engine::element_name(engine::Element::u8)));
+      alive_ = std::move(dataset);
       continue;
     }
     if (extent.size() != 3 || extent[1] != bodies.size())
@@ -143,12 +154,20 @@ void RecordingReader::read_frames() {
       std::find(ticks_.begin(), ticks_.begin() + static_cast<std::ptrdiff_t>(whole), k_no_tick) -
       ticks_.begin());
   for (const Array& array : arrays_) whole = std::min(whole, array.dataset.rows());
+  if (alive_) whole = std::min(whole, alive_->rows());
   ticks_.resize(whole);
   times_s_.resize(whole);
   hashes_.resize(whole);
   if (const auto tick = std::ranges::adjacent_find(ticks_, std::greater_equal()); tick != ticks_.end())
     frames.fail(fmt::format("has tick {} after tick {}, but ticks must increase: the file is damaged",
                             tick[1], tick[0]));
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (std::size_t f = 0; f < whole; last_s = times_s_[f++])
+    if (!std::isfinite(times_s_[f]) || times_s_[f] < last_s)
+      frames.fail(
+          fmt::format("has the time {} s at tick {}, after {} s, but times must be finite and must not "
+                      "decrease: the file is damaged",
+                      times_s_[f], ticks_[f], last_s));
 }
 
 std::optional<RecordingReader::Scene> RecordingReader::scene() const {
@@ -188,7 +207,7 @@ std::vector<std::uint8_t> RecordingReader::has(const Array& array) const {
 
 std::vector<std::uint8_t> RecordingReader::alive(std::size_t frame) const {
   std::vector<std::uint8_t> alive(ids_.size(), 1);
-  if (alive_ && frame < alive_->rows()) alive_->read_rows(frame, std::span(alive));
+  if (alive_) alive_->read_rows(frame, std::span(alive));
   return alive;
 }
 

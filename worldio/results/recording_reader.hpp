@@ -67,7 +67,7 @@ class RecordingReader {
   std::optional<Scene> scene() const;
 
   /// The number of complete frames, and for each of them the tick, the simulated time and the state hash.
-  /// Ticks increase from frame to frame.
+  /// Ticks increase from frame to frame. Times are finite and do not decrease.
   std::size_t frames() const { return ticks_.size(); }
   std::span<const std::uint64_t> ticks() const { return ticks_; }
   std::span<const double> times_s() const { return times_s_; }
@@ -89,7 +89,7 @@ class RecordingReader {
   /// holds no recorded values: all its values are NaN, or 0 if the array has integers.
   std::vector<std::uint8_t> has(const Array& array) const;
   /// Returns, for each body in ids(), 1 if it is in the world in a frame, else 0. `frame` is the index of the
-  /// frame. If the recording has no array /state/alive, all entries are 1.
+  /// frame and must be below frames(). If the recording has no array /state/alive, all entries are 1.
   std::vector<std::uint8_t> alive(std::size_t frame) const;
   /// Reads the values of an array in one frame, in row-major order. `frame` is the index of the frame and
   /// must be below frames(). `into` must have array.row_bytes() bytes for each row of the array.

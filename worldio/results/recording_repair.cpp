@@ -2,6 +2,7 @@
 
 #include "worldio/files.hpp"
 #include "worldio/partial_file.hpp"
+#include "worldio/results/descriptor.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/results/hdf5_torn.hpp"
 #include "worldio/results/recording_reader.hpp"
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <fstream>
 #include <optional>
 #include <stdexcept>
@@ -30,27 +32,6 @@ bool opened_to_write(const fs::path& process, const fs::path& descriptor) {
   for (std::string key, value; info >> key >> value;)
     if (key == "flags:") return (std::stoul(value, nullptr, 8) & O_ACCMODE) != O_RDONLY;
   return false;
-}
-
-/// Returns the id of a process on this machine that has the file open for writing. Empty if none is found;
-/// processes that this user may not inspect are never found.
-std::optional<std::string> writer_of(const fs::path& file) {
-  struct stat wanted {};
-  if (stat(file.c_str(), &wanted) != 0) return std::nullopt;
-  std::error_code ignored;
-  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
-    const std::string id = process.path().filename().string();
-    if (id.find_first_not_of("0123456789") != id.npos) continue;
-    std::error_code hidden;
-    for (fs::directory_iterator descriptor(process.path() / "fd", hidden), end; !hidden && descriptor != end;
-         descriptor.increment(hidden)) {
-      struct stat open {};
-      if (stat(descriptor->path().c_str(), &open) == 0 && open.st_dev == wanted.st_dev &&
-          open.st_ino == wanted.st_ino && opened_to_write(process.path(), descriptor->path()))
-        return id;
-    }
-  }
-  return std::nullopt;
 }
 
 // The groups whose arrays have one row per frame.
@@ -101,6 +82,27 @@ bool replace_by_content(const fs::path& file, const fs::path& packed) {
   }
 }
 
+/// Copies a file with its permission bits. Replaces an existing file `to`. Throws std::system_error.
+/// std::filesystem::copy_file() would report a full disk as an "input/output error".
+void copy_bytes(const fs::path& from, const fs::path& to) {
+  constexpr std::size_t k_piece_bytes = std::size_t{1} << 20;
+  const auto check = [](ssize_t result) {
+    if (result < 0) throw std::system_error(errno, std::generic_category());
+    return static_cast<std::size_t>(result);
+  };
+  const Descriptor in(from, O_RDONLY);
+  check(in.get());
+  struct stat status {};
+  check(fstat(in.get(), &status));
+  const Descriptor out(to, O_WRONLY | O_CREAT | O_TRUNC, S_IRUSR | S_IWUSR);
+  check(out.get());
+  std::vector<char> piece(k_piece_bytes);
+  while (const std::size_t bytes = check(::read(in.get(), piece.data(), piece.size())))
+    for (std::size_t done = 0; done < bytes;)
+      done += check(::write(out.get(), piece.data() + done, bytes - done));
+  check(fchmod(out.get(), status.st_mode & ~static_cast<mode_t>(S_IFMT)));
+}
+
 /// Repairs a file in place. Returns the number of its complete frames.
 std::uint64_t repair_copy(const fs::path& copy) {
   const std::optional<Hdf5Superblock> head = read_superblock(copy);
@@ -125,6 +127,25 @@ std::uint64_t repair_copy(const fs::path& copy) {
 }
 
 }  // namespace
+
+std::optional<std::string> writer_of(const fs::path& file) {
+  struct stat wanted {};
+  if (stat(file.c_str(), &wanted) != 0) return std::nullopt;
+  std::error_code ignored;
+  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
+    const std::string id = process.path().filename().string();
+    if (id.find_first_not_of("0123456789") != id.npos) continue;
+    std::error_code hidden;
+    for (fs::directory_iterator descriptor(process.path() / "fd", hidden), end; !hidden && descriptor != end;
+         descriptor.increment(hidden)) {
+      struct stat open {};
+      if (stat(descriptor->path().c_str(), &open) == 0 && open.st_dev == wanted.st_dev &&
+          open.st_ino == wanted.st_ino && opened_to_write(process.path(), descriptor->path()))
+        return id;
+    }
+  }
+  return std::nullopt;
+}
 
 bool has_much_unused_space(const Hdf5File& recording) {
   constexpr std::uint64_t k_least_bytes = std::uint64_t{1} << 20;
@@ -177,7 +198,7 @@ Repair repair_recording(const fs::path& file) {
     const PartialFile turn(file);
     copy = fs::path(turn.path()).concat(".copy");
     fs::remove(packed_copy(copy), ignored);
-    fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
+    copy_bytes(file, copy);
     const std::uint64_t frames = repair_copy(copy);
     fs::rename(copy, turn.target());
     return {true, frames};

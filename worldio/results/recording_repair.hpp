@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace troupe::worldio {
 
@@ -15,6 +16,10 @@ struct Repair {
   bool needed = false;
   std::uint64_t frames = 0;  ///< number of complete frames, all of which are kept
 };
+
+/// Returns the id of a process on this machine that has the file open for writing; std::nullopt if none is
+/// found. Processes that this user may not inspect are never found.
+std::optional<std::string> writer_of(const std::filesystem::path& file);
 
 /// Whether more than an eighth of a recording, and more than 1 MiB, is unused space. HDF5 does not use the
 /// space of removed frames again. Returns false if the space is unknown, because another program added

@@ -23,6 +23,11 @@ constexpr std::size_t k_chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t k_most_batch_frames = 256;
 constexpr std::size_t k_frame_chunk = 1024;  // rows per chunk of an array in /frames
 
+/// The number of arrays of the state after which the whole file is flushed. A flush of one array goes through
+/// the changed metadata of all arrays, and a flush of the file does so more than once. Flushing each array,
+/// or the file only after all arrays, would therefore take a time proportional to the square of their number.
+constexpr std::size_t k_flushed_arrays = 1000;
+
 std::size_t bytes_of(const std::vector<RecordedComponent>& components, std::size_t rows) {
   std::size_t bytes = rows;  // bytes of /state/alive in a frame
   for (const RecordedComponent& component : components)
@@ -396,8 +401,9 @@ void RecordingWriter::write(Batch& batch) {
       output.dataset.resize(output.dataset.rows() + frames);
     else
       output.dataset.append_bytes(std::span(batch.state[o]).first(frames * output.frame_bytes));
+    if ((o + 1) % k_flushed_arrays == 0) file_.flush();
   }
-  for (Output& output : outputs_) output.dataset.flush();
+  file_.flush();
   frame_outputs_[1].append(std::span<const double>(batch.times_s));
   frame_outputs_[1].flush();
   frame_outputs_[2].append(std::span<const std::uint64_t>(batch.hashes));

@@ -19,6 +19,8 @@ export class Recording {
     this.units = new Map(); // unpacked streams of blocks, the least recently used first
     this.bytes = 0;
     this.work = []; // units being unpacked
+    this.requests = 0; // number of calls of unit() so far
+    this.requestsPumped = 0; // and of those before the end of the last pump()
     this.own = new Uint8Array(3 * this.robots); // colours of the world, three bytes each
     header.robots.color.forEach((color, r) => this.own.set(bytesOf(color), 3 * r));
     this.mobile = new Uint8Array(this.robots); // 1: the body drives
@@ -150,9 +152,13 @@ export class Recording {
     for (const field of fields) this.unit(1 + field, frame);
   }
 
-  /** Unpacks requested streams for at most this time. */
+  /** Unpacks requested streams for at most this time, those first that were requested since the last call: the picture does not
+   *  wait for streams that were requested while the user moved through the time. */
   pump(milliseconds) {
     const until = performance.now() + milliseconds;
+    const isOld = (unit) => unit.request <= this.requestsPumped;
+    this.work.sort((a, b) => isOld(a) - isOld(b) || a.request - b.request);
+    this.requestsPumped = this.requests;
     while (this.work.length > 0 && performance.now() < until) {
       const unit = this.work[0];
       if (unit.steps.next().done) {
@@ -173,6 +179,7 @@ export class Recording {
       unit = { ready: false, bytes: 0 };
       this.load(unit, stream, block);
     }
+    unit.request = ++this.requests;
     this.units.set(key, unit);
     return unit.ready ? unit : null;
   }
