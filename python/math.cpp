@@ -64,15 +64,17 @@ py::object atan2_of(const py::array_t<double, py::array::forcecast>& y,
 }  // namespace
 
 void bind_math(py::module_& module) {
-  module.def("sin", py::vectorize([](double x) { return troupe::sin(x); }), py::arg("radians"));
-  module.def("cos", py::vectorize([](double x) { return troupe::cos(x); }), py::arg("radians"));
-  module.def("sincos", &sincos_of, py::arg("radians"));
-  module.def("atan2", &atan2_of, py::arg("y"), py::arg("x"));
-  module.def("exp", py::vectorize([](double x) { return troupe::exp(x); }), py::arg("x"));
-  module.def("log", py::vectorize([](double x) { return troupe::log(x); }), py::arg("x"));
-  module.def("sqrt", py::vectorize([](double x) { return troupe::sqrt(x); }), py::arg("x"));
-  module.def("wrap_angle", py::vectorize([](double x) { return troupe::wrap_angle(x); }), py::arg("radians"));
-  module.def("ordered_sum", &ordered_sum, py::arg("values"));
+  // NumPy would convert None to NaN, hence none(false).
+  module.def("sin", py::vectorize([](double x) { return troupe::sin(x); }), py::arg("radians").none(false));
+  module.def("cos", py::vectorize([](double x) { return troupe::cos(x); }), py::arg("radians").none(false));
+  module.def("sincos", &sincos_of, py::arg("radians").none(false));
+  module.def("atan2", &atan2_of, py::arg("y").none(false), py::arg("x").none(false));
+  module.def("exp", py::vectorize([](double x) { return troupe::exp(x); }), py::arg("x").none(false));
+  module.def("log", py::vectorize([](double x) { return troupe::log(x); }), py::arg("x").none(false));
+  module.def("sqrt", py::vectorize([](double x) { return troupe::sqrt(x); }), py::arg("x").none(false));
+  module.def("wrap_angle", py::vectorize([](double x) { return troupe::wrap_angle(x); }),
+             py::arg("radians").none(false));
+  module.def("ordered_sum", &ordered_sum, py::arg("values").none(false));
 }
 
 }  // namespace troupe::python
