@@ -23,6 +23,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -75,8 +76,9 @@ fs::path temporary_folder() {
 class Redirect {
  public:
   explicit Redirect(const std::string& address) {
-    std::string name = (temporary_folder() / "troupe-view-XXXXXX").string();
-    const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);  // mode 0600
+    constexpr std::string_view k_suffix = ".html";
+    std::string name = (temporary_folder() / fmt::format("troupe-view-XXXXXX{}", k_suffix)).string();
+    const int descriptor = ::mkostemps(name.data(), k_suffix.size(), O_CLOEXEC);  // mode 0600
     if (descriptor < 0)
       throw std::runtime_error(
           fmt::format("{}: error: this temporary file, which --open needs, cannot be created: {}", name,
@@ -86,17 +88,12 @@ class Redirect {
         fmt::format("<!doctype html><meta http-equiv=\"refresh\" content=\"0; url={}\">\n", address);
     const bool is_whole = ::write(descriptor, page.data(), page.size()) == static_cast<ssize_t>(page.size());
     ::close(descriptor);
-    fs::rename(file_, file_.string() + ".html");
-    file_ += ".html";
-    if (!is_whole)
-      throw std::runtime_error(fmt::format(
-          "{}: error: this temporary file, which --open needs, cannot be written: the disk may be full",
-          file_.string()));
+    if (is_whole) return;
+    remove();
+    throw std::runtime_error(fmt::format(
+        "{}: error: this temporary file, which --open needs, cannot be written: the disk may be full", name));
   }
-  ~Redirect() {
-    std::error_code ignored;
-    fs::remove(file_, ignored);
-  }
+  ~Redirect() { remove(); }
   Redirect(const Redirect&) = delete;
   Redirect& operator=(const Redirect&) = delete;
 
@@ -124,6 +121,11 @@ class Redirect {
   }
 
  private:
+  void remove() const {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+
   fs::path file_;
 };
 
