@@ -45,6 +45,19 @@ std::optional<std::size_t> pack_of(const TypeSpec& type, std::uint32_t part) {
   }
 }
 
+Record effective_params(const TypeSpec& type, const DeviceSpec& device, const FieldTable& table) {
+  Record params = device.params;
+  if (device.kind != "power_pack") return params;
+  const auto set = [&](std::string_view name, double value) { set_field(table, params, name, value); };
+  if (get(table, params, "infinite").boolean()) set("capacity", 0);
+  set("stored", std::min(get(table, params, "stored").number(), get(table, params, "capacity").number()));
+  if (!type.drive || device.part != 0) {
+    set("mass", 0);
+    set("idle", 0);
+  }
+  return params;
+}
+
 bool StagePower::is_on(const StageModel& model) {
   const StageProperty* always = model.find(document_, "alwayson");
   return model.find(document_, "ctrl") != nullptr ||
