@@ -86,7 +86,7 @@ const engine::BodyType::Device& Model::Place::ranger(std::string_view wanted) co
   const auto* found = find([&](const engine::BodyType::Device& d) {
     return is_ranger(d) && (wanted.empty() || d.name == wanted);
   });
-  if (!found) throw_unknown("ranging sensor", wanted, is_ranger);
+  if (!found) throw_unknown("ranger", wanted, is_ranger);
   check_running(*found);
   return *found;
 }

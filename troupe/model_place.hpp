@@ -51,8 +51,8 @@ struct Model::Place {
   /// Returns the names of the devices of this model for which counted(device) is true.
   template <class Counted>
   std::vector<std::string_view> names_of(Counted&& counted) const;
-  /// Throws std::out_of_range with the text `"r0" has no sensor "eye"; it has: ...`.
-  /// what: the sort of device that was searched for; in this example "sensor"
+  /// Throws std::out_of_range with the text `"r0" has no ranger "eye"; it has: ...`.
+  /// what: the sort of device that was searched for; in this example "ranger"
   /// wanted: the name that was searched for; in this example "eye"
   /// counted: the text lists the devices of this model for which counted(device) is true
   template <class Counted>
