@@ -72,4 +72,9 @@ struct Model::Place {
   const engine::BodyType::Device& commanded(std::string_view wanted) const;
 };
 
+/// Throws std::logic_error because a sensor of the model or robot `owner` does not run.
+[[noreturn]] void refuse_stopped(const engine::BodyType::Device& sensor, std::string_view owner);
+/// Throws std::logic_error if sensors can no longer be subscribed, because the world has made a step.
+void check_subscribable(const engine::World& world);
+
 }  // namespace troupe

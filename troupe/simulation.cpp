@@ -366,9 +366,7 @@ std::vector<std::string> Simulation::robot_names() const {
 
 void Simulation::subscribe(std::string_view model) {
   Model::refuse_in_for_each(*impl_->world, "subscribe()");
-  if (tick() > 0)
-    throw std::logic_error(fmt::format(
-        "subscribe() must be called before the first step, but this simulation is at tick {}", tick()));
+  check_subscribable(*impl_->world);
   const BodyId body = find(model).place_->body;
   // Static geometry has no row in the state tables, and no sensor to run.
   if (impl_->world->location(body) != engine::RowLocation::none) impl_->world->subscribe(body);
