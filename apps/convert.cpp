@@ -44,9 +44,7 @@ Examples:
 /// Throws OutputError if OUT cannot be written, or exists and --force is not given.
 void check(const ConvertOptions& options) {
   check_outputs({{options.in, "the world"}}, {options.out});
-  std::error_code ignored;
-  if (!options.force && std::filesystem::exists(options.out, ignored))
-    throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", options.out.string()));
+  if (!options.force) refuse_existing(options.out);
 }
 
 /// Throws OutputError if OUT exists and is one of the files that IN was read from. world: the world that IN

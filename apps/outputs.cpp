@@ -184,6 +184,12 @@ void refuse_output(const fs::path& file, std::string_view reason) {
   throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
 }
 
+void refuse_existing(const fs::path& file) {
+  std::error_code ignored;
+  if (fs::exists(file, ignored))
+    throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", file.string()));
+}
+
 void throw_write_error(std::ofstream& stream, const fs::path& file, std::uintmax_t bytes,
                        std::uint64_t tick) {
   const int error = errno;

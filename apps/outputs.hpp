@@ -28,6 +28,9 @@ class OutputError : public std::runtime_error {
 /// Throws OutputError: `file: error: cannot be written: reason`.
 [[noreturn]] void refuse_output(const std::filesystem::path& file, std::string_view reason);
 
+/// Throws OutputError if the file exists: it is replaced only with the option --force.
+void refuse_existing(const std::filesystem::path& file);
+
 /// Throws std::runtime_error after a write to an output has failed: `file: error: writing failed at tick 5:
 /// reason`, with the reason that errno gives. Before, closes `stream` if it is open, and cuts the file to its
 /// first `bytes` bytes, the lines that were written completely. Does not cut a device or a pipe.

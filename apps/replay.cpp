@@ -91,9 +91,7 @@ void check(const ReplayOptions& options, const fs::path& page) {
         fmt::format("{}: error: the page would be in the format HTML: choose a name that ends in "
                     ".html, such as swarm.html",
                     page.string()));
-  std::error_code ignored;
-  if (!options.force && fs::exists(page, ignored))
-    throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", page.string()));
+  if (!options.force) refuse_existing(page);
 }
 
 }  // namespace
