@@ -285,23 +285,18 @@ void HashLog::observe(const Simulation& simulation) {
 
 namespace {
 
-class HashLogOutput : public ClonedOutput<HashLogOutput> {
+class HashLogOutput : public FileOutput<HashLogOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--hash-log", "FILE", "Write the hash of the state, one line per tick",
               [this](const std::string& text) { file_ = file_name("--hash-log", text); });
   }
-  std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }
-  std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
     if (!simulation.resumed_at_tick())
       check_replaced(file_, {.name = "a hash log (--hash-log)", .mark = k_hash_log_mark});
     return opening(std::make_unique<HashLog>(file_, simulation));
   }
-
- private:
-  fs::path file_;  // empty: the option was not given
 };
 
 }  // namespace
