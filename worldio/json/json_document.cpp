@@ -1,6 +1,7 @@
 #include "worldio/json/json_document.hpp"
 
 #include "base/number_text.hpp"
+#include "base/result.hpp"
 #include "worldio/characters.hpp"
 #include "worldio/json/json_syntax.hpp"
 
@@ -198,6 +199,49 @@ std::optional<std::size_t> list_index(const std::string& token, std::size_t size
   return number_of<std::size_t>(token);
 }
 
+/// Converts the value of `--set` to a JSON value. A value that is not JSON is a text, unless it begins like
+/// an object or a list: this is an error, and the result is empty.
+std::optional<JsonNode> node_to_set(const std::string& value, Where where, Diagnostics& diagnostics) {
+  const std::size_t first = value.find_first_not_of(" \t\n\r");
+  const bool is_structure = first != value.npos && (value[first] == '{' || value[first] == '[');
+  Diagnostics unread;  // ignored, because another value that is not JSON is taken as a text
+  std::optional<JsonNode> node = parse_json(value, where, true, is_structure ? diagnostics : unread);
+  if (!node && !is_structure) node = JsonNode{.value = value, .where = where};
+  return node;
+}
+
+/// Returns the entry or member of `node` that `token`, a token of a JSON pointer, names. If it is to be set
+/// itself, it may be a new member or the entry after the last, which is then added. Returns an error if there
+/// is none.
+///
+/// pointer: JSON pointer to `node`, for errors
+/// is_last: whether the value is to be set itself, and not a value inside it
+/// where: the place of a new member
+Result<JsonNode*> child_to_set(JsonNode& node, const std::string& pointer, const std::string& token,
+                               bool is_last, Where where) {
+  const std::string name = pointer.empty() ? "the world" : pointer;
+  const std::string path = fmt::format("{}/{}", pointer, escape_pointer_token(token));
+  if (auto* list = std::get_if<JsonNode::List>(&node.value)) {
+    const auto index = list_index(token, list->size());
+    if (!index)
+      return Error{fmt::format("{} is a list: \"{}\" is neither an index nor \"-\", which appends an entry",
+                               name, token)};
+    if (*index > list->size() || (*index == list->size() && !is_last))
+      return Error{fmt::format("{} is a list of length {}, whose entries are counted from 0: there is no {}",
+                               name, list->size(), path)};
+    return *index == list->size() ? &list->emplace_back() : &(*list)[*index];
+  }
+  auto* members = std::get_if<JsonNode::Object>(&node.value);
+  if (!members)
+    return Error{
+        fmt::format("{} is {}, not an object or a list: there is no {}", name, node.describe(), path)};
+  if (JsonNode* member = node.find(token)) return member;
+  if (is_last) return &members->emplace_back(JsonMember{token, where, {}}).node;
+  std::vector<std::string_view> known;
+  for (const JsonMember& m : *members) known.push_back(m.key);
+  return Error{fmt::format("{} has no key \"{}\"{}", name, token, did_you_mean(token, known))};
+}
+
 }  // namespace
 
 const JsonNode* JsonNode::find(std::string_view key) const {
@@ -256,61 +300,19 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
                       "contain ~ only as ~0 or ~1");
     return;
   }
-
-  JsonNode node;
-  const std::size_t first = value.find_first_not_of(" \t\n\r");
-  const bool is_structure = first != value.npos && (value[first] == '{' || value[first] == '[');
-  Diagnostics unread;  // ignored, because another value that is not JSON is taken as a text
-  if (std::optional<JsonNode> parsed = parse_json(value, where, true, is_structure ? diagnostics : unread)) {
-    node = std::move(*parsed);
-  } else if (is_structure) {
-    return;
-  } else {
-    node.value = value;
-    node.where = where;
-  }
-
+  std::optional<JsonNode> node = node_to_set(value, where, diagnostics);
+  if (!node) return;
   JsonNode* at = &document;
   std::string path;
   for (std::size_t i = 0; i < tokens->size(); ++i) {
     const std::string& token = (*tokens)[i];
-    const bool last = i + 1 == tokens->size();
-    const std::string parent = path.empty() ? "the world" : path;
+    const Result<JsonNode*> child = child_to_set(*at, path, token, i + 1 == tokens->size(), where);
+    if (!child) return diagnostics.error(where, child.error().text);
+    at = *child;
     path += '/';
     path += escape_pointer_token(token);
-    if (auto* list = std::get_if<JsonNode::List>(&at->value)) {
-      const auto index = list_index(token, list->size());
-      if (!index) {
-        diagnostics.error(
-            where, fmt::format("{} is a list: \"{}\" is neither an index nor \"-\", which appends an entry",
-                               parent, token));
-        return;
-      }
-      if (*index > list->size() || (*index == list->size() && !last)) {
-        diagnostics.error(
-            where, fmt::format("{} is a list of length {}, whose entries are counted from 0: there is no {}",
-                               parent, list->size(), path));
-        return;
-      }
-      if (*index == list->size()) list->emplace_back();
-      at = &(*list)[*index];
-    } else if (auto* members = std::get_if<JsonNode::Object>(&at->value)) {
-      JsonNode* member = at->find(token);
-      if (!member && !last) {
-        std::vector<std::string_view> known;
-        for (const JsonMember& m : *members) known.push_back(m.key);
-        diagnostics.error(where,
-                          fmt::format("{} has no key \"{}\"{}", parent, token, did_you_mean(token, known)));
-        return;
-      }
-      at = member ? member : &members->emplace_back(JsonMember{token, where, {}}).node;
-    } else {
-      diagnostics.error(where, fmt::format("{} is {}, not an object or a list: there is no {}", parent,
-                                           at->describe(), path));
-      return;
-    }
   }
-  *at = std::move(node);
+  *at = std::move(*node);
 }
 
 void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics) {
