@@ -276,10 +276,7 @@ Model::Reading Model::reading(std::string_view field, std::string_view wanted) c
   if (device->kind->is_sensor()) place_->check_running(*device);
   const engine::StateTable& table = world.percepts(*device);
   const engine::StateField& found = table.fields()[*f];
-  return {device->name,
-          &found,
-          {table.cell<std::byte>(place_->slot(), *f).data(),
-           found.columns * engine::element_size(found.element)}};
+  return {device->name, &found, {table.cell<std::byte>(place_->slot(), *f).data(), found.bytes()}};
 }
 
 std::span<const std::byte> Model::cell(std::string_view field, std::string_view wanted,

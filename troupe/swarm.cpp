@@ -180,8 +180,6 @@ struct Swarm::Cells {
   const engine::StateField* field = nullptr;
   std::size_t index = 0;                         ///< index of the field in `readings`
   const engine::StateTable* readings = nullptr;  ///< null: the field belongs to a command
-
-  std::size_t bytes() const { return field->columns * engine::element_size(field->element); }
 };
 
 namespace {
@@ -275,11 +273,11 @@ void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field,
             "of \"{}\" has {} of type {}; use a swarm of one type",
             field, world_->spec().name(ids_.front()), first.columns, engine::element_name(first.element),
             world_->spec().name(ids_[i]), its.field->columns, engine::element_name(its.field->element)));
-      if (bytes != size() * its.bytes())
+      if (bytes != size() * its.field->bytes())
         throw std::invalid_argument(fmt::format(
             "found {} bytes for \"{}\" of {} robots with {} columns each: give {}, one element of "
             "type {} per robot and column",
-            bytes, field, size(), its.field->columns, size() * its.bytes(),
+            bytes, field, size(), its.field->columns, size() * its.field->bytes(),
             engine::element_name(its.field->element)));
       runs.push_back({.cells = its});
       type = &own;
@@ -300,8 +298,8 @@ void Swarm::readings(std::span<std::byte> out, std::string_view field, std::stri
   for_cells(&Swarm::readings_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
     if (cells.device->kind->is_sensor() && !world_->senses(row, *cells.device))
       refuse_stopped(*cells.device, world_->spec().name(ids_[i]));
-    std::memcpy(out.data() + i * cells.bytes(),
-                cells.readings->cell<std::byte>(world_->slot(row), cells.index).data(), cells.bytes());
+    std::memcpy(out.data() + i * cells.field->bytes(),
+                cells.readings->cell<std::byte>(world_->slot(row), cells.index).data(), cells.field->bytes());
   });
 }
 
@@ -312,8 +310,9 @@ std::span<const engine::StateField> Swarm::command_fields(std::string_view devic
 
 void Swarm::commands(std::span<std::byte> out, std::string_view field, std::string_view device) const {
   for_cells(&Swarm::commands_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
-    std::memcpy(out.data() + i * cells.bytes(),
-                world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset, cells.bytes());
+    std::memcpy(out.data() + i * cells.field->bytes(),
+                world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset,
+                cells.field->bytes());
   });
 }
 
@@ -325,7 +324,7 @@ void Swarm::set_commands(std::span<const std::byte> values, std::string_view fie
             [&](const Cells& cells, Row row, std::size_t i) {
               if ((where.empty() || where[i] != 0) && world_->is_there(row))
                 std::memcpy(world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset,
-                            values.data() + i * cells.bytes(), cells.bytes());
+                            values.data() + i * cells.field->bytes(), cells.field->bytes());
             });
 }
 
