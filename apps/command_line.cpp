@@ -4,6 +4,7 @@
 #include "apps/commands.hpp"
 #include "apps/exit_code.hpp"
 #include "apps/options.hpp"
+#include "apps/outputs.hpp"
 #include "apps/ranks/ranks.hpp"
 #include "apps/scripts.hpp"
 #include "base/diagnostics.hpp"
@@ -177,6 +178,9 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     if (python_is_wanted()) run_in_python(argc, argv);
     return told(run_command(app, commands, limit));
   } catch (const InputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  } catch (const OutputError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return k_bad_input;
   } catch (const std::bad_alloc&) {

@@ -71,33 +71,28 @@ void add_convert_options(CLI::App& command, ConvertOptions& options) {
 }
 
 ExitCode convert(const ConvertOptions& options) {
+  check(options);
+  engine::Registry registry = make_registry();
+  const auto plugins =
+      add_plugins(registry, plugin_path(options.sources.plugin_path), options.sources.scripts);
+  worldio::LoadOptions load;
+  load.set = options.set;
+  load.search_path = with_environment({}).search_path;
+  Diagnostics diagnostics;
+  const worldio::ConvertedWorld world = worldio::convert_world(
+      options.in, options.out, registry, load, diagnostics,
+      // The conversion also reads OUT, to compare it with IN, so the files of IN are looked up before.
+      [&](const engine::WorldSpec& loaded) { check_inputs(options, loaded); });
+  diagnostics.throw_if_errors();
+  for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
+  for (const std::string& warning : plugins->warnings()) fmt::print(stderr, "{}\n", warning);
   try {
-    check(options);
-    engine::Registry registry = make_registry();
-    const auto plugins =
-        add_plugins(registry, plugin_path(options.sources.plugin_path), options.sources.scripts);
-    worldio::LoadOptions load;
-    load.set = options.set;
-    load.search_path = with_environment({}).search_path;
-    Diagnostics diagnostics;
-    const worldio::ConvertedWorld world = worldio::convert_world(
-        options.in, options.out, registry, load, diagnostics,
-        // The conversion also reads OUT, to compare it with IN, so the files of IN are looked up before.
-        [&](const engine::WorldSpec& loaded) { check_inputs(options, loaded); });
-    diagnostics.throw_if_errors();
-    for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
-    for (const std::string& warning : plugins->warnings()) fmt::print(stderr, "{}\n", warning);
-    try {
-      worldio::write_whole(options.out, {world.text});
-    } catch (const std::system_error& error) {
-      refuse_output(options.out, error.code().message());
-    }
-    fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
-               counted(world.types, "type"), options.in.string());
-  } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return k_bad_input;
+    worldio::write_whole(options.out, {world.text});
+  } catch (const std::system_error& error) {
+    refuse_output(options.out, error.code().message());
   }
+  fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
+             counted(world.types, "type"), options.in.string());
   return k_finished;
 }
 

@@ -148,37 +148,6 @@ Simulation load(const ViewOptions& options) {
   return Simulation(options.world, given);
 }
 
-ExitCode view_checked(const ViewOptions& options) {
-  if (!options.folder.empty() && !fs::is_directory(options.folder))
-    throw InputError(
-        fmt::format("{}: error: there is no such folder: create it, or name an existing folder with --out",
-                    options.folder.string()));
-  Simulation simulation = load(options);
-  if (options.for_s) check_end(options, simulation, *options.for_s);
-  for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
-  stop_on_signals();
-  const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())
-                                               : std::numeric_limits<std::uint64_t>::max();
-  const auto is_over = [&] { return stop_requested() || simulation.tick() >= end_tick; };
-  live::View view(simulation,
-                  {.port = options.port,
-                   .bind = options.bind,
-                   .hosts = options.hosts,
-                   .rate = options.rate,
-                   .folder = options.folder,
-                   .is_over = is_over,
-                   .report = [](const std::string& text) { fmt::print(stderr, "troupe view: {}\n", text); }});
-  fmt::print("{}\n  view          {}\n  read-only     {}\n  session       {}\n", simulation.title(),
-             view.address(), view.look_address(), view.session().string());
-  std::fflush(stdout);
-  std::optional<Redirect> redirect;
-  if (options.open) redirect.emplace(view.address()).open();
-  view.run();
-  fmt::print("{}\n",
-             simulation.hash_log_line());  // of the last tick; repeating the session prints the same line
-  return stop_requested() ? k_stopped : k_finished;
-}
-
 }  // namespace
 
 void add_view_options(CLI::App& view, ViewOptions& options) {
@@ -224,12 +193,34 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
 }
 
 ExitCode view_world(const ViewOptions& options) {
-  try {
-    return view_checked(options);
-  } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return k_bad_input;
-  }
+  if (!options.folder.empty() && !fs::is_directory(options.folder))
+    throw InputError(
+        fmt::format("{}: error: there is no such folder: create it, or name an existing folder with --out",
+                    options.folder.string()));
+  Simulation simulation = load(options);
+  if (options.for_s) check_end(options, simulation, *options.for_s);
+  for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+  stop_on_signals();
+  const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())
+                                               : std::numeric_limits<std::uint64_t>::max();
+  const auto is_over = [&] { return stop_requested() || simulation.tick() >= end_tick; };
+  live::View view(simulation,
+                  {.port = options.port,
+                   .bind = options.bind,
+                   .hosts = options.hosts,
+                   .rate = options.rate,
+                   .folder = options.folder,
+                   .is_over = is_over,
+                   .report = [](const std::string& text) { fmt::print(stderr, "troupe view: {}\n", text); }});
+  fmt::print("{}\n  view          {}\n  read-only     {}\n  session       {}\n", simulation.title(),
+             view.address(), view.look_address(), view.session().string());
+  std::fflush(stdout);
+  std::optional<Redirect> redirect;
+  if (options.open) redirect.emplace(view.address()).open();
+  view.run();
+  fmt::print("{}\n",
+             simulation.hash_log_line());  // of the last tick; repeating the session prints the same line
+  return stop_requested() ? k_stopped : k_finished;
 }
 
 }  // namespace troupe::apps

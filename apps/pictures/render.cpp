@@ -205,7 +205,7 @@ Simulation load(const RenderOptions& options, bool is_checkpoint) {
   return Simulation(options.world, with_environment(options.simulation));
 }
 
-void render_checked(const RenderOptions& options) {
+void render_all(const RenderOptions& options) {
   constexpr std::array<std::string_view, 7> k_of_checkpoints = {
       "--for",  "--threads",         "--plugin-path",   "--controller",
       "--simd", "--across-versions", "--across-plugins"};
@@ -286,16 +286,9 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
 }
 
 ExitCode render_pictures(const RenderOptions& options) {
-  try {
-    stop_on_signals();
-    render_checked(options);
-    return stop_requested() ? k_stopped : k_finished;
-  } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-  } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-  }
-  return k_bad_input;
+  stop_on_signals();
+  render_all(options);
+  return stop_requested() ? k_stopped : k_finished;
 }
 
 }  // namespace troupe::apps
