@@ -7,7 +7,6 @@
 #include "troupe/registry.hpp"
 #include "worldio/convert.hpp"
 #include "worldio/load.hpp"
-#include "worldio/whole_file.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -86,11 +85,7 @@ ExitCode convert(const ConvertOptions& options) {
   diagnostics.throw_if_errors();
   for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
   for (const std::string& warning : plugins->warnings()) fmt::print(stderr, "{}\n", warning);
-  try {
-    worldio::write_whole(options.out, {world.text});
-  } catch (const std::system_error& error) {
-    refuse_output(options.out, error.code().message());
-  }
+  write_output(options.out, {world.text});
   fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
              counted(world.types, "type"), options.in.string());
   return k_finished;

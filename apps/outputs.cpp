@@ -7,6 +7,7 @@
 #include "troupe/effective_options.hpp"
 #include "troupe/input_files.hpp"
 #include "worldio/files.hpp"
+#include "worldio/whole_file.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -190,6 +191,23 @@ void refuse_existing(const fs::path& file) {
     throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", file.string()));
 }
 
+void write_output(const fs::path& file, std::initializer_list<std::string_view> pieces) {
+  try {
+    worldio::write_whole(file, pieces);
+  } catch (const std::system_error& error) {
+    refuse_output(file, error.code().message());
+  }
+}
+
+void open_output(std::ofstream& stream, const fs::path& file, std::optional<std::uintmax_t> kept) {
+  stream.open(file, std::ios::binary | (kept ? std::ios::app : std::ios::trunc));  // before the file is cut
+  if (!stream) refuse_output(file, std::strerror(errno));
+  if (!kept) return;
+  std::error_code error;
+  fs::resize_file(file, *kept, error);
+  if (error) refuse_output(file, error.message());
+}
+
 void throw_write_error(std::ofstream& stream, const fs::path& file, std::uintmax_t bytes,
                        std::uint64_t tick) {
   const int error = errno;
@@ -266,13 +284,8 @@ HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(fil
 }
 
 void HashLog::open() {
-  stream_.open(file_, written_ ? std::ios::app : std::ios::trunc);  // before the file is cut
-  if (!stream_) refuse_output(file_, std::strerror(errno));
+  open_output(stream_, file_, written_ ? std::optional(whole_bytes_) : std::nullopt);
   stream_ << header_;
-  if (!written_) return;
-  std::error_code error;
-  fs::resize_file(file_, whole_bytes_, error);
-  if (error) refuse_output(file_, error.message());
 }
 
 void HashLog::observe(const Simulation& simulation) {

@@ -8,7 +8,6 @@
 #include "base/number_text.hpp"
 #include "worldio/results/replay_codec.hpp"
 #include "worldio/results/replay_data.hpp"
-#include "worldio/whole_file.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,7 +15,6 @@
 #include <cstdio>
 #include <stdexcept>
 #include <string_view>
-#include <system_error>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
@@ -149,12 +147,7 @@ std::string write_replay_page(const ReplayOptions& options) {
     throw InputError(error.what());
   }
   const std::string text = worldio::base64(data.bytes);
-  try {
-    worldio::write_whole(page,
-                         {k_replay_page.substr(0, mark), text, k_replay_page.substr(mark + k_mark.size())});
-  } catch (const std::system_error& error) {
-    refuse_output(page, error.code().message());
-  }
+  write_output(page, {k_replay_page.substr(0, mark), text, k_replay_page.substr(mark + k_mark.size())});
   const double mb = static_cast<double>(k_replay_page.size() - k_mark.size() + text.size()) / k_bytes_mb;
   return contents_of(page, mb, options.max_mb, data);
 }
