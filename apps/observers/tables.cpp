@@ -29,6 +29,9 @@ constexpr const char* k_measures_start = "table of measures";
 constexpr const char* k_events_start = "table of events";
 constexpr const char* k_measures_interval = "interval of measures";  // key of the interval, ticks
 
+/// The first line of a table of events: the names of its columns.
+constexpr std::string_view k_events_header = "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
+
 std::string header_of(const Measures& measures) {
   std::string header = "tick,time_s";
   for (const std::string& column : measures.columns()) {
