@@ -65,7 +65,7 @@ void add_convert_options(CLI::App& command, ConvertOptions& options) {
   add_argument(command, "OUT", "World file to write; its ending, .world or .json, selects the format",
                options.out);
   command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
-  add_set_option(command, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
+  add_set_option(command, options.set);
   add_kind_options(command, options.sources);
 }
 

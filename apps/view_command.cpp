@@ -154,8 +154,7 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
   view.footer(k_view_footer);
   add_world_options(view, options);
   add_across_options(view, options);
-  add_value(view, "--threads", "N", "Worker threads (default: one per available processor)",
-            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_threads_option(view, options);
   add_value(view, "--bind", "ADDRESS", "IP address to listen on (default: 127.0.0.1 and ::1; see below)",
             [&options](const std::string& text) {
               in6_addr ignored{};

@@ -269,8 +269,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_run_settings(command, options);
   add_across_options(command, options);
   command.get_option("--for")->excludes(at);
-  add_value(command, "--threads", "N", "Worker threads (default: one per available processor)",
-            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_threads_option(command, options);
   std::vector<CLI::Option*> settings = command.get_options();
   settings.erase(settings.begin(), settings.begin() + static_cast<std::ptrdiff_t>(before));
   command.final_callback([settings, &options] {
