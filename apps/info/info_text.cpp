@@ -3,7 +3,6 @@
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/info/info_kinds.hpp"
-#include "apps/numbers.hpp"
 #include "apps/observers/tables.hpp"
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
