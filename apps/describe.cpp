@@ -236,8 +236,7 @@ std::string measure_text(const engine::MeasureKind& kind) {
 std::string preset_text(const Registry& registry, const Registry::Preset& preset) {
   const engine::ControllerKind& kind = *registry.controller(preset.kind);
   FieldTable table = kind.params;
-  for (const auto& [name, value] : preset.params)
-    table.fields[static_cast<std::size_t>(table.find(name))].fallback = value;
+  for (const auto& [name, value] : preset.params) table.at(name).fallback = value;
   return fmt::format("controller {}: {}\n\n  preset of {} with these defaults\n\n{}\n", preset.name,
                      preset.text, preset.kind, fields_text(table)) +
          needs_text(registry, kind, table);
