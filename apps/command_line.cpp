@@ -4,6 +4,7 @@
 #include "apps/commands.hpp"
 #include "apps/exit_code.hpp"
 #include "apps/options.hpp"
+#include "apps/outputs.hpp"
 #include "apps/ranks/ranks.hpp"
 #include "apps/scripts.hpp"
 #include "base/diagnostics.hpp"
@@ -20,6 +21,7 @@
 #include <exception>
 #include <functional>
 #include <iostream>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -178,6 +180,14 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
   } catch (const InputError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return k_bad_input;
+  } catch (const OutputError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return k_bad_input;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr,
+               "troupe: error: not enough memory: use fewer robots, outputs or layers, or a machine with "
+               "more memory\n");
+    return k_failed;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}", error_line(exception_text(error)));
     return k_failed;

@@ -7,7 +7,6 @@
 #include "troupe/registry.hpp"
 #include "worldio/convert.hpp"
 #include "worldio/load.hpp"
-#include "worldio/whole_file.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -44,9 +43,7 @@ Examples:
 /// Throws OutputError if OUT cannot be written, or exists and --force is not given.
 void check(const ConvertOptions& options) {
   check_outputs({{options.in, "the world"}}, {options.out});
-  std::error_code ignored;
-  if (!options.force && std::filesystem::exists(options.out, ignored))
-    throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", options.out.string()));
+  if (!options.force) refuse_existing(options.out);
 }
 
 /// Throws OutputError if OUT exists and is one of the files that IN was read from. world: the world that IN
@@ -68,38 +65,29 @@ void add_convert_options(CLI::App& command, ConvertOptions& options) {
   add_argument(command, "OUT", "World file to write; its ending, .world or .json, selects the format",
                options.out);
   command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
-  add_set_option(command, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
+  add_set_option(command, options.set);
   add_kind_options(command, options.sources);
 }
 
 ExitCode convert(const ConvertOptions& options) {
-  try {
-    check(options);
-    engine::Registry registry = make_registry();
-    const auto plugins =
-        add_plugins(registry, plugin_path(options.sources.plugin_path), options.sources.scripts);
-    worldio::LoadOptions load;
-    load.set = options.set;
-    load.search_path = with_environment({}).search_path;
-    Diagnostics diagnostics;
-    const worldio::ConvertedWorld world = worldio::convert_world(
-        options.in, options.out, registry, load, diagnostics,
-        // The conversion also reads OUT, to compare it with IN, so the files of IN are looked up before.
-        [&](const engine::WorldSpec& loaded) { check_inputs(options, loaded); });
-    diagnostics.throw_if_errors();
-    for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
-    for (const std::string& warning : plugins->warnings()) fmt::print(stderr, "{}\n", warning);
-    try {
-      worldio::write_whole(options.out, {world.text});
-    } catch (const std::system_error& error) {
-      refuse_output(options.out, error.code().message());
-    }
-    fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
-               counted(world.types, "type"), options.in.string());
-  } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return k_bad_input;
-  }
+  check(options);
+  engine::Registry registry = make_registry();
+  const auto plugins =
+      add_plugins(registry, plugin_path(options.sources.plugin_path), options.sources.scripts);
+  worldio::LoadOptions load;
+  load.set = options.set;
+  load.search_path = with_environment({}).search_path;
+  Diagnostics diagnostics;
+  const worldio::ConvertedWorld world = worldio::convert_world(
+      options.in, options.out, registry, load, diagnostics,
+      // The conversion also reads OUT, to compare it with IN, so the files of IN are looked up before.
+      [&](const engine::WorldSpec& loaded) { check_inputs(options, loaded); });
+  diagnostics.throw_if_errors();
+  for (const std::string& warning : diagnostics.warnings()) fmt::print(stderr, "{}\n", warning);
+  for (const std::string& warning : plugins->warnings()) fmt::print(stderr, "{}\n", warning);
+  write_output(options.out, {world.text});
+  fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
+             counted(world.types, "type"), options.in.string());
   return k_finished;
 }
 

@@ -31,9 +31,9 @@ void add_convert_options(CLI::App& command, ConvertOptions& options);
 /// (bodies) and of their types. In a JSON world, a single entry (a population) may create many bodies. The
 /// output has a separate entry for each of these bodies.
 ///
-/// Returns k_finished if the output was written. Prints an error and returns k_bad_input if the output cannot
-/// be written, or if it exists and `force` is false. Throws InputError if the world cannot be loaded, or
-/// cannot be expressed in the format of the output.
+/// Returns k_finished. Throws OutputError if the output cannot be written, or if it exists and `force` is
+/// false. Throws InputError if the world cannot be loaded, or cannot be expressed in the format of the
+/// output.
 ExitCode convert(const ConvertOptions& options);
 
 }  // namespace troupe::apps

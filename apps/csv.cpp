@@ -43,12 +43,7 @@ CsvFile::CsvFile(const fs::path& file, std::string_view header, const std::optio
 }
 
 void CsvFile::open() {
-  stream_.open(file_, std::ios::binary | (goes_on_ ? std::ios::app : std::ios::trunc));
-  if (!stream_) refuse_output(file_, std::strerror(errno));
-  if (!goes_on_) return;
-  std::error_code error;
-  fs::resize_file(file_, written_.bytes, error);
-  if (error) refuse_output(file_, error.message());
+  open_output(stream_, file_, goes_on_ ? std::optional<std::uintmax_t>(written_.bytes) : std::nullopt);
 }
 
 void CsvFile::count(std::string_view text) {

@@ -6,6 +6,7 @@
 #include "base/diagnostics.hpp"
 #include "base/split.hpp"
 #include "engine/observing/events.hpp"
+#include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/script.hpp"
 #include "worldio/json/find_keys.hpp"
@@ -18,7 +19,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <span>
@@ -238,8 +238,7 @@ std::string measure_text(const engine::MeasureKind& kind) {
 std::string preset_text(const Registry& registry, const Registry::Preset& preset) {
   const engine::ControllerKind& kind = *registry.controller(preset.kind);
   FieldTable table = kind.params;
-  for (const auto& [name, value] : preset.params)
-    table.fields[static_cast<std::size_t>(table.find(name))].fallback = value;
+  for (const auto& [name, value] : preset.params) table.at(name).fallback = value;
   return fmt::format("controller {}: {}\n\n  preset of {} with these defaults\n\n{}\n", preset.name,
                      preset.text, preset.kind, fields_text(table)) +
          needs_text(registry, kind, table);
@@ -289,25 +288,8 @@ std::string kind_description(const Registry& registry, std::string_view name) {
   return text;
 }
 
-}  // namespace
-
-std::vector<std::string_view> kind_names(const Registry& registry) {
-  std::vector<std::string_view> names;
-  const auto add = [&names](const auto& kinds) {
-    for (const auto& kind : kinds) names.push_back(kind.name);
-  };
-  add(registry.models);
-  add(registry.devices);
-  add(registry.drives);
-  add(registry.controllers);
-  add(registry.presets);
-  add(registry.measures);
-  add(registry.faults);
-  std::ranges::sort(names);
-  names.erase(std::unique(names.begin(), names.end()), names.end());
-  return names;
-}
-
+/// Returns a list of all kinds as text: one line with name and description for each kind, under a heading for
+/// each group.
 std::string list_kinds(const Registry& registry) {
   return listed("models", registry.models) + listed("sensors", registry.sensors()) +
          listed("devices", registry.other_devices()) + listed("drives", registry.drives) +
@@ -318,6 +300,7 @@ std::string list_kinds(const Registry& registry) {
          "`troupe describe KEY` describes a key of JSON worlds, such as `populations`.\n";
 }
 
+/// Returns a list of the controllers and measures of a script as text, in the same form.
 std::string list_script(const Script& script) {
   struct Named {
     std::string name;
@@ -338,6 +321,10 @@ std::string list_script(const Script& script) {
                     script.measures, [](const engine::MeasureKind& each) -> const auto& { return each; }));
 }
 
+/// Returns a text that describes the kind or the key of JSON worlds to which `name` refers. If several kinds
+/// or keys have this name, such as a model and a sensor, the text describes all of them. A name such as
+/// "sensors.ranger" also refers to a kind. Throws InputError if there is no such kind or key, also in
+/// plug-ins; the error suggests similar names.
 std::string describe_name(const Registry& registry, Plugins& plugins, std::string_view name) {
   std::string text = kind_description(registry, name);
   if (text.empty())
@@ -361,6 +348,25 @@ std::string describe_name(const Registry& registry, Plugins& plugins, std::strin
   // The error of a plug-in is more specific. The names of plug-ins contain no separators of keys.
   if (name.find_first_of("./") == name.npos) unknown = plugins.unknown_kind(name, std::move(unknown));
   throw InputError("troupe describe: error: " + unknown);
+}
+
+}  // namespace
+
+std::vector<std::string_view> kind_names(const Registry& registry) {
+  std::vector<std::string_view> names;
+  const auto add = [&names](const auto& kinds) {
+    for (const auto& kind : kinds) names.push_back(kind.name);
+  };
+  add(registry.models);
+  add(registry.devices);
+  add(registry.drives);
+  add(registry.controllers);
+  add(registry.presets);
+  add(registry.measures);
+  add(registry.faults);
+  std::ranges::sort(names);
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
 }
 
 void add_describe_options(CLI::App& command, DescribeOptions& options) {

@@ -35,7 +35,7 @@ Examples:
 void add_lint_options(CLI::App& lint, LintOptions& options) {
   lint.footer(k_lint_footer);
   add_argument(lint, "WORLD", "World file: Stage's .world, or .json", options.world);
-  add_set_option(lint, "Change a value of the world: a JSON pointer and a value; repeatable", options.set);
+  add_set_option(lint, options.set);
   add_kind_options(lint, options.sources);
 }
 

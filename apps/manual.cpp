@@ -49,8 +49,8 @@ std::string footer_text(const std::string& footer) {
   return stands ? text + ".fi\n" : text;
 }
 
-}  // namespace
-
+/// Returns the manual page. commands: the result of known_commands(); version: version of the program, which
+/// is printed at the foot of each page
 std::string manual_page(const std::vector<Command>& commands, std::string_view version) {
   std::string text = fmt::format(".TH TROUPE 1 \"\" \"troupe {}\" \"User Commands\"\n", escaped(version));
   const Command& program = commands.front();
@@ -86,6 +86,8 @@ std::string manual_page(const std::vector<Command>& commands, std::string_view v
       "process, if \\-\\-threads is not given.\n";
   return text;
 }
+
+}  // namespace
 
 ExitCode print_manual(const ManualOptions&) {
   fmt::print("{}", manual_page(known_commands(), k_version));

@@ -41,6 +41,13 @@ std::pair<std::string, std::string> assignment(const std::string& text) {
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
+/// Converts a value of the option `option` to a seed.
+std::uint64_t seed_of(const char* option, const std::string& text) {
+  const auto seed = number_of<std::uint64_t>(text);
+  if (!seed) refuse(option, text, "a whole number from 0 to 2^64 - 1");
+  return *seed;
+}
+
 /// Returns the value of an environment variable; empty if it is not set.
 std::string variable(const char* name) {
   const char* value = std::getenv(name);
@@ -139,10 +146,7 @@ void add_world_options(CLI::App& app, WorldOptions& options) {
 void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_end_option(app, options);
   add_value(app, "--seed", "N", "Seed of all random numbers (default: the world's, else 1)",
-            [&options](const std::string& text) {
-              options.simulation.seed = number_of<std::uint64_t>(text);
-              if (!options.simulation.seed) refuse("--seed", text, "a whole number from 0 to 2^64 - 1");
-            });
+            [&options](const std::string& text) { options.simulation.seed = seed_of("--seed", text); });
   add_value(app, "--raytracer", "exact|grid", "Method of range finding (default: the world's, else exact)",
             [&options](const std::string& text) {
               const auto& names = engine::k_ranging_engines;
@@ -163,10 +167,14 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
                 refuse("--spare", text, fmt::format("a number of robots from 0 to {}", k_most));
               options.simulation.spare = *count;
             });
-  add_set_option(app, "Change a value of the world: a JSON pointer and a value; repeatable",
-                 options.simulation.set);
+  add_set_option(app, options.simulation.set);
   add_kind_options(app, options.simulation.plugin_path, options.simulation.scripts);
   add_simd_option(app);
+}
+
+void add_threads_option(CLI::App& app, WorldOptions& options) {
+  add_value(app, "--threads", "N", "Worker threads (default: one per available processor)",
+            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
 }
 
 void add_across_options(CLI::App& app, WorldOptions& options) {
@@ -187,13 +195,10 @@ void refuse_across_options(const WorldOptions& options) {
 }
 
 void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
-  add_value(app, "--rank-seed", "N",
-            "For tests: delay messages between ranks and move robots to other ranks at random, with seed N",
-            [&options](const std::string& text) {
-              options.simulation.rank_seed = number_of<std::uint64_t>(text);
-              if (!options.simulation.rank_seed)
-                refuse("--rank-seed", text, "a whole number from 0 to 2^64 - 1");
-            })
+  add_value(
+      app, "--rank-seed", "N",
+      "For tests: delay messages between ranks and move robots to other ranks at random, with seed N",
+      [&options](const std::string& text) { options.simulation.rank_seed = seed_of("--rank-seed", text); })
       ->group("Advanced");
 }
 
@@ -219,8 +224,11 @@ void add_end_option(CLI::App& app, WorldOptions& options) {
   });
 }
 
-void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set) {
-  add_values(app, "--set", "POINTER=VALUE", help,
+void add_set_option(CLI::App& app, std::vector<std::pair<std::string, std::string>>& set,
+                    std::string_view what) {
+  const std::string help =
+      fmt::format("Change a value of the {}: a JSON pointer and a value; repeatable", what);
+  add_values(app, "--set", "POINTER=VALUE", help.c_str(),
              [&set](const std::string& text) { set.push_back(assignment(text)); });
 }
 

@@ -88,10 +88,13 @@ void add_world_options(CLI::App& app, WorldOptions& options);
 void add_run_settings(CLI::App& app, WorldOptions& options);
 /// Adds --for, for commands without the other options of add_run_settings(). Parsing sets options.for_s.
 void add_end_option(CLI::App& app, WorldOptions& options);
-/// Adds --set, for commands without the other options of add_run_settings(). help: the description of --set;
-/// set: receives, for each --set, the JSON pointer and the JSON text of the new value.
-void add_set_option(CLI::App& app, const char* help, std::vector<std::pair<std::string, std::string>>& set);
+/// Adds --set, for commands without the other options of add_run_settings(). set: receives, for each --set,
+/// the JSON pointer and the JSON text of the new value; what: what the help calls the world.
+void add_set_option(CLI::App& app, std::vector<std::pair<std::string, std::string>>& set,
+                    std::string_view what = "world");
 
+/// Adds --threads, for commands with one rank. Parsing sets options.simulation.threads.
+void add_threads_option(CLI::App& app, WorldOptions& options);
 /// Adds --across-versions and --across-plugins, for commands that resume checkpoints. Parsing fills
 /// `options`, which must outlive `app`.
 void add_across_options(CLI::App& app, WorldOptions& options);

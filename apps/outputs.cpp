@@ -8,6 +8,7 @@
 #include "troupe/input_files.hpp"
 #include "worldio/file_lock.hpp"
 #include "worldio/files.hpp"
+#include "worldio/whole_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -186,6 +187,29 @@ void refuse_output(const fs::path& file, std::string_view reason) {
   throw OutputError(fmt::format("{}: error: cannot be written: {}", file.string(), reason));
 }
 
+void refuse_existing(const fs::path& file) {
+  std::error_code ignored;
+  if (fs::exists(file, ignored))
+    throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", file.string()));
+}
+
+void write_output(const fs::path& file, std::initializer_list<std::string_view> pieces) {
+  try {
+    worldio::write_whole(file, pieces);
+  } catch (const std::system_error& error) {
+    refuse_output(file, error.code().message());
+  }
+}
+
+void open_output(std::ofstream& stream, const fs::path& file, std::optional<std::uintmax_t> kept) {
+  stream.open(file, std::ios::binary | (kept ? std::ios::app : std::ios::trunc));  // before the file is cut
+  if (!stream) refuse_output(file, std::strerror(errno));
+  if (!kept) return;
+  std::error_code error;
+  fs::resize_file(file, *kept, error);
+  if (error) refuse_output(file, error.message());
+}
+
 void throw_write_error(std::ofstream& stream, const fs::path& file, std::uintmax_t bytes,
                        std::uint64_t tick) {
   const int error = errno;
@@ -289,23 +313,18 @@ void HashLog::observe(const Simulation& simulation) {
 
 namespace {
 
-class HashLogOutput : public ClonedOutput<HashLogOutput> {
+class HashLogOutput : public FileOutput<HashLogOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--hash-log", "FILE", "Write the hash of the state, one line per tick",
               [this](const std::string& text) { file_ = file_name("--hash-log", text); });
   }
-  std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }
-  std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
     if (!simulation.resumed_at_tick())
       check_replaced(file_, {.name = "a hash log (--hash-log)", .mark = k_hash_log_mark});
     return opening(std::make_unique<HashLog>(file_, simulation));
   }
-
- private:
-  fs::path file_;  // empty: the option was not given
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,6 +28,18 @@ class OutputError : public std::runtime_error {
 
 /// Throws OutputError: `file: error: cannot be written: reason`.
 [[noreturn]] void refuse_output(const std::filesystem::path& file, std::string_view reason);
+
+/// Throws OutputError if the file exists: it is replaced only with the option --force.
+void refuse_existing(const std::filesystem::path& file);
+
+/// Writes a file with worldio::write_whole(). Throws OutputError if it cannot be written.
+void write_output(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
+
+/// Opens an output for writing. kept: if set, the file exists and is continued: its first `kept` bytes
+/// remain, and the others are cut off; else a new file replaces it. Throws OutputError if the file cannot be
+/// written.
+void open_output(std::ofstream& stream, const std::filesystem::path& file,
+                 std::optional<std::uintmax_t> kept);
 
 /// Throws std::runtime_error after a write to an output has failed: `file: error: writing failed at tick 5:
 /// reason`, with the reason that errno gives. Before, closes `stream` if it is open, and cuts the file to its

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <string>
 
 namespace troupe::apps {
 namespace {
@@ -26,8 +27,12 @@ std::string duration(double seconds) {
   return fmt::format("{} h {:02} min", s / 3600, s % 3600 / 60);
 }
 
-}  // namespace
-
+/// Returns the text of a progress bar, without control characters: the bar, the simulated time, the mean
+/// speed and the expected remaining wall time.
+///
+/// begin_s, end_s: simulated times at which the run begins and ends, s; `end_s` must exceed `begin_s`
+/// now_s: simulated time that the run has reached, s; must exceed `begin_s`
+/// elapsed_s: wall time since the run began, s
 std::string progress_text(double begin_s, double now_s, double end_s, double elapsed_s) {
   const double share = std::clamp((now_s - begin_s) / (end_s - begin_s), 0.0, 1.0);
   std::string bar(static_cast<std::size_t>(share * k_width), '=');
@@ -37,6 +42,8 @@ std::string progress_text(double begin_s, double now_s, double end_s, double ela
                      end_s, four_digits(elapsed_s > 0 ? (now_s - begin_s) / elapsed_s : 0.0),
                      duration(elapsed_s * (1 - share) / share));
 }
+
+}  // namespace
 
 Progress::Progress(double begin_s, double end_s, bool wanted)
     : begin_s_(begin_s), end_s_(end_s), visible_(wanted && end_s > begin_s && isatty(STDERR_FILENO) != 0) {}

@@ -1,17 +1,8 @@
 #pragma once
 
 #include <chrono>
-#include <string>
 
 namespace troupe::apps {
-
-/// Returns the text of a progress bar, without control characters: the bar, the simulated time, the mean
-/// speed and the expected remaining wall time.
-///
-/// begin_s, end_s: simulated times at which the run begins and ends, s; `end_s` must exceed `begin_s`
-/// now_s: simulated time that the run has reached, s; must exceed `begin_s`
-/// elapsed_s: wall time since the run began, s
-std::string progress_text(double begin_s, double now_s, double end_s, double elapsed_s);
 
 /// A progress bar on standard error. It is redrawn up to five times per second and erased at the end. Nothing
 /// is drawn if standard error is not a terminal. The bar also does not appear while the run is expected to

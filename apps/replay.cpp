@@ -8,7 +8,6 @@
 #include "base/number_text.hpp"
 #include "worldio/results/replay_codec.hpp"
 #include "worldio/results/replay_data.hpp"
-#include "worldio/whole_file.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,7 +15,6 @@
 #include <cstdio>
 #include <stdexcept>
 #include <string_view>
-#include <system_error>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;
@@ -91,9 +89,7 @@ void check(const ReplayOptions& options, const fs::path& page) {
         fmt::format("{}: error: the page would be in the format HTML: choose a name that ends in "
                     ".html, such as swarm.html",
                     page.string()));
-  std::error_code ignored;
-  if (!options.force && fs::exists(page, ignored))
-    throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", page.string()));
+  if (!options.force) refuse_existing(page);
 }
 
 }  // namespace
@@ -151,12 +147,7 @@ std::string write_replay_page(const ReplayOptions& options) {
     throw InputError(error.what());
   }
   const std::string text = worldio::base64(data.bytes);
-  try {
-    worldio::write_whole(page,
-                         {k_replay_page.substr(0, mark), text, k_replay_page.substr(mark + k_mark.size())});
-  } catch (const std::system_error& error) {
-    refuse_output(page, error.code().message());
-  }
+  write_output(page, {k_replay_page.substr(0, mark), text, k_replay_page.substr(mark + k_mark.size())});
   const double mb = static_cast<double>(k_replay_page.size() - k_mark.size() + text.size()) / k_bytes_mb;
   return contents_of(page, mb, options.max_mb, data);
 }

@@ -23,6 +23,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -75,8 +76,9 @@ fs::path temporary_folder() {
 class Redirect {
  public:
   explicit Redirect(const std::string& address) {
-    std::string name = (temporary_folder() / "troupe-view-XXXXXX").string();
-    const int descriptor = ::mkostemp(name.data(), O_CLOEXEC);  // mode 0600
+    constexpr std::string_view k_suffix = ".html";
+    std::string name = (temporary_folder() / fmt::format("troupe-view-XXXXXX{}", k_suffix)).string();
+    const int descriptor = ::mkostemps(name.data(), k_suffix.size(), O_CLOEXEC);  // mode 0600
     if (descriptor < 0)
       throw std::runtime_error(
           fmt::format("{}: error: this temporary file, which --open needs, cannot be created: {}", name,
@@ -86,17 +88,12 @@ class Redirect {
         fmt::format("<!doctype html><meta http-equiv=\"refresh\" content=\"0; url={}\">\n", address);
     const bool is_whole = ::write(descriptor, page.data(), page.size()) == static_cast<ssize_t>(page.size());
     ::close(descriptor);
-    fs::rename(file_, file_.string() + ".html");
-    file_ += ".html";
-    if (!is_whole)
-      throw std::runtime_error(fmt::format(
-          "{}: error: this temporary file, which --open needs, cannot be written: the disk may be full",
-          file_.string()));
+    if (is_whole) return;
+    remove();
+    throw std::runtime_error(fmt::format(
+        "{}: error: this temporary file, which --open needs, cannot be written: the disk may be full", name));
   }
-  ~Redirect() {
-    std::error_code ignored;
-    fs::remove(file_, ignored);
-  }
+  ~Redirect() { remove(); }
   Redirect(const Redirect&) = delete;
   Redirect& operator=(const Redirect&) = delete;
 
@@ -124,6 +121,11 @@ class Redirect {
   }
 
  private:
+  void remove() const {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+
   fs::path file_;
 };
 
@@ -146,45 +148,13 @@ Simulation load(const ViewOptions& options) {
   return Simulation(options.world, given);
 }
 
-ExitCode view_checked(const ViewOptions& options) {
-  if (!options.folder.empty() && !fs::is_directory(options.folder))
-    throw InputError(
-        fmt::format("{}: error: there is no such folder: create it, or name an existing folder with --out",
-                    options.folder.string()));
-  Simulation simulation = load(options);
-  if (options.for_s) check_end(options, simulation, *options.for_s);
-  for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
-  stop_on_signals();
-  const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())
-                                               : std::numeric_limits<std::uint64_t>::max();
-  const auto is_over = [&] { return stop_requested() || simulation.tick() >= end_tick; };
-  live::View view(simulation,
-                  {.port = options.port,
-                   .bind = options.bind,
-                   .hosts = options.hosts,
-                   .rate = options.rate,
-                   .folder = options.folder,
-                   .is_over = is_over,
-                   .report = [](const std::string& text) { fmt::print(stderr, "troupe view: {}\n", text); }});
-  fmt::print("{}\n  view          {}\n  read-only     {}\n  session       {}\n", simulation.title(),
-             view.address(), view.look_address(), view.session().string());
-  std::fflush(stdout);
-  std::optional<Redirect> redirect;
-  if (options.open) redirect.emplace(view.address()).open();
-  view.run();
-  fmt::print("{}\n",
-             simulation.hash_log_line());  // of the last tick; repeating the session prints the same line
-  return stop_requested() ? k_stopped : k_finished;
-}
-
 }  // namespace
 
 void add_view_options(CLI::App& view, ViewOptions& options) {
   view.footer(k_view_footer);
   add_world_options(view, options);
   add_across_options(view, options);
-  add_value(view, "--threads", "N", "Worker threads (default: one per available processor)",
-            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_threads_option(view, options);
   add_value(view, "--bind", "ADDRESS", "IP address to listen on (default: 127.0.0.1 and ::1; see below)",
             [&options](const std::string& text) {
               in6_addr ignored{};
@@ -222,12 +192,34 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
 }
 
 ExitCode view_world(const ViewOptions& options) {
-  try {
-    return view_checked(options);
-  } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return k_bad_input;
-  }
+  if (!options.folder.empty() && !fs::is_directory(options.folder))
+    throw InputError(
+        fmt::format("{}: error: there is no such folder: create it, or name an existing folder with --out",
+                    options.folder.string()));
+  Simulation simulation = load(options);
+  if (options.for_s) check_end(options, simulation, *options.for_s);
+  for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+  stop_on_signals();
+  const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())
+                                               : std::numeric_limits<std::uint64_t>::max();
+  const auto is_over = [&] { return stop_requested() || simulation.tick() >= end_tick; };
+  live::View view(simulation,
+                  {.port = options.port,
+                   .bind = options.bind,
+                   .hosts = options.hosts,
+                   .rate = options.rate,
+                   .folder = options.folder,
+                   .is_over = is_over,
+                   .report = [](const std::string& text) { fmt::print(stderr, "troupe view: {}\n", text); }});
+  fmt::print("{}\n  view          {}\n  read-only     {}\n  session       {}\n", simulation.title(),
+             view.address(), view.look_address(), view.session().string());
+  std::fflush(stdout);
+  std::optional<Redirect> redirect;
+  if (options.open) redirect.emplace(view.address()).open();
+  view.run();
+  fmt::print("{}\n",
+             simulation.hash_log_line());  // of the last tick; repeating the session prints the same line
+  return stop_requested() ? k_stopped : k_finished;
 }
 
 }  // namespace troupe::apps

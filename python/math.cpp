@@ -62,24 +62,25 @@ py::object atan2_of(const py::array_t<double, py::array::forcecast>& y,
 }  // namespace
 
 void bind_math(py::module_& module) {
-  module.def("sin", py::vectorize([](double x) { return troupe::sin(x); }), py::arg("radians"),
+  // NumPy would convert None to NaN, hence none(false).
+  module.def("sin", py::vectorize([](double x) { return troupe::sin(x); }), py::arg("radians").none(false),
              "Returns the sine of an angle in radians; NaN for an infinite angle.");
-  module.def("cos", py::vectorize([](double x) { return troupe::cos(x); }), py::arg("radians"),
+  module.def("cos", py::vectorize([](double x) { return troupe::cos(x); }), py::arg("radians").none(false),
              "Returns the cosine of an angle in radians; NaN for an infinite angle.");
-  module.def("sincos", &sincos_of, py::arg("radians"));
-  module.def("atan2", &atan2_of, py::arg("y"), py::arg("x"),
+  module.def("sincos", &sincos_of, py::arg("radians").none(false));
+  module.def("atan2", &atan2_of, py::arg("y").none(false), py::arg("x").none(false),
              "Returns the direction of the vector (x, y), from -pi to pi. Note the order of the arguments.");
-  module.def("exp", py::vectorize([](double x) { return troupe::exp(x); }), py::arg("x"),
+  module.def("exp", py::vectorize([](double x) { return troupe::exp(x); }), py::arg("x").none(false),
              "Returns e to the power of x; inf where the result is too large for a float64.");
-  module.def("log", py::vectorize([](double x) { return troupe::log(x); }), py::arg("x"),
+  module.def("log", py::vectorize([](double x) { return troupe::log(x); }), py::arg("x").none(false),
              "Returns the natural logarithm of x; -inf for 0, and NaN for negative numbers.");
-  module.def("sqrt", py::vectorize([](double x) { return troupe::sqrt(x); }), py::arg("x"),
+  module.def("sqrt", py::vectorize([](double x) { return troupe::sqrt(x); }), py::arg("x").none(false),
              "Returns the square root of x; NaN for negative numbers.");
   module.def(
-      "wrap_angle", py::vectorize([](double x) { return troupe::wrap_angle(x); }), py::arg("radians"),
+      "wrap_angle", py::vectorize([](double x) { return troupe::wrap_angle(x); }), py::arg("radians").none(false),
       "Returns an angle in radians plus the multiple of 2 pi that brings it into the interval from -pi to "
       "pi. Both ends\nbelong to the interval: an angle in it is not changed. NaN for an infinite angle.");
-  module.def("ordered_sum", &ordered_sum, py::arg("values"));
+  module.def("ordered_sum", &ordered_sum, py::arg("values").none(false));
 }
 
 }  // namespace troupe::python

@@ -663,7 +663,7 @@ Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const
   if (const GLenum error = gl.glGetError(); error != GL_NO_ERROR) {
     throw std::runtime_error(fmt::format("cannot draw: OpenGL error {:#06x}{}", error,
                                          error == GL_OUT_OF_MEMORY
-                                             ? " (out of memory): choose a smaller picture"
+                                             ? " (out of memory): hide layers, or choose a smaller picture"
                                              : ": install a newer version of OSMesa"));
   }
   if (ground[3] != k_opaque) divide_by_opacity(picture.rgba);

@@ -85,6 +85,24 @@ class Steered(unittest.TestCase):
                           refused.stderr)
             self.assertIn("set the environment variable TMPDIR to an existing folder", refused.stderr)
 
+    @unittest.skipUnless(os.geteuid() == 0, "only root can mount a file system")
+    def test_a_page_that_cannot_be_written_is_removed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            world = Path(folder) / "w.json"
+            world.write_text('{"troupe": 1}')
+            full = Path(folder) / "full"
+            full.mkdir()
+            script = ('mount -t tmpfs -o size=4k none "$0" || exit 77; head -c 4096 /dev/zero > "$0/all"; '
+                      'TMPDIR="$0" "$@"; code=$?; ls "$0"; exit $code')
+            refused = subprocess.run(["unshare", "--mount", "sh", "-c", script, full, TROUPE, "view", world, "--open", "--out", folder],
+                                     capture_output=True, text=True)
+            if refused.returncode == 77 or "unshare" in refused.stderr:
+                self.skipTest("NOT TESTED: a file system cannot be mounted here")
+            self.assertEqual(refused.returncode, 1)
+            self.assertIn(".html: error: this temporary file, which --open needs, cannot be written: the disk may be full",
+                          refused.stderr)
+            self.assertEqual(refused.stdout.splitlines()[-1], "all")  # the last file of the folder
+
     def test_the_browser_gets_no_socket_and_a_session_of_its_own(self):
         with tempfile.TemporaryDirectory() as folder:
             opener = Path(folder) / "xdg-open"

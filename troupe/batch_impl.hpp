@@ -129,6 +129,7 @@ struct BatchEnv::Impl {
 
   // troupe/batch_plan.cpp: what the names in the spec refer to
   void check_spec() const;
+  static void check_team(const BatchTeam& team);
   static void check_array(const BatchTeam& team, const BatchArraySpec& array);
   void plan(TeamData& team, Copy& first);
   Part plan(const BatchPart& part, Simulation& simulation, BodyId robot) const;

@@ -11,7 +11,9 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 // The start of a BatchEnv: checks the spec, and looks up what its names refer to.
@@ -24,11 +26,11 @@ constexpr std::size_t k_most_neighbours = 1000;
 
 template <class Named>
 void check_names(const std::vector<Named>& all, std::string_view what) {
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (all[i].name == all[j].name)
-        throw std::invalid_argument(
-            fmt::format("{} \"{}\" occurs twice: names must be unique", what, all[i].name));
+  std::set<std::string_view> taken;
+  for (const Named& each : all)
+    if (!taken.insert(each.name).second)
+      throw std::invalid_argument(
+          fmt::format("{} \"{}\" occurs twice: names must be unique", what, each.name));
 }
 
 }  // namespace
@@ -44,34 +46,36 @@ void BatchEnv::Impl::check_spec() const {
                        engine::k_longest_run_s));
   if (spec.teams.empty()) refuse("the batch has no teams: give one or more");
   check_names(spec.teams, "team");
-  for (const BatchTeam& team : spec.teams) {
-    check_names(team.arrays, fmt::format("team \"{}\": array", team.name));
-    for (const BatchArraySpec& array : team.arrays) check_array(team, array);
-    for (const BatchAction& action : team.actions)
-      if (!std::isfinite(action.low) || !std::isfinite(action.high))
-        refuse(fmt::format("action \"{}\" of team \"{}\": low is {}, high is {}: give finite numbers",
-                           action.command, team.name, action.low, action.high));
-    for (std::size_t a = 0; a < team.actions.size(); ++a)
-      for (std::size_t b = 0; b < a; ++b)
-        if (team.actions[a].device == team.actions[b].device &&
-            team.actions[a].command == team.actions[b].command)
-          refuse(fmt::format(
-              "actions {} and {} of team \"{}\" (counted from 0) both set the command \"{}\"{}: give each "
-              "command one action",
-              b, a, team.name, team.actions[a].command,
-              team.actions[a].device.empty() ? " of the drive"
-                                             : " of device \"" + team.actions[a].device + "\""));
-    for (const BatchReward& reward : team.rewards)
-      if (!std::isfinite(reward.weight))
-        refuse(fmt::format("reward of team \"{}\": weight is {}: give a finite number", team.name,
-                           reward.weight));
-    for (const BatchEnd& end : team.ends)
-      if (std::isnan(end.below) || !std::isfinite(end.reward))
-        refuse(
-            fmt::format("end of team \"{}\": the threshold is {}, reward is {}: give a threshold that is a "
-                        "number, and a finite reward",
-                        team.name, end.below, end.reward));
-  }
+  for (const BatchTeam& team : spec.teams) check_team(team);
+}
+
+void BatchEnv::Impl::check_team(const BatchTeam& team) {
+  check_names(team.arrays, fmt::format("team \"{}\": array", team.name));
+  for (const BatchArraySpec& array : team.arrays) check_array(team, array);
+  for (const BatchAction& action : team.actions)
+    if (!std::isfinite(action.low) || !std::isfinite(action.high))
+      refuse(fmt::format("action \"{}\" of team \"{}\": low is {}, high is {}: give finite numbers",
+                         action.command, team.name, action.low, action.high));
+  for (std::size_t a = 0; a < team.actions.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      if (team.actions[a].device == team.actions[b].device &&
+          team.actions[a].command == team.actions[b].command)
+        refuse(fmt::format(
+            "actions {} and {} of team \"{}\" (counted from 0) both set the command \"{}\"{}: give each "
+            "command one action",
+            b, a, team.name, team.actions[a].command,
+            team.actions[a].device.empty() ? " of the drive"
+                                           : " of device \"" + team.actions[a].device + "\""));
+  for (const BatchReward& reward : team.rewards)
+    if (!std::isfinite(reward.weight))
+      refuse(
+          fmt::format("reward of team \"{}\": weight is {}: give a finite number", team.name, reward.weight));
+  for (const BatchEnd& end : team.ends)
+    if (std::isnan(end.below) || !std::isfinite(end.reward))
+      refuse(
+          fmt::format("end of team \"{}\": the threshold is {}, reward is {}: give a threshold that is a "
+                      "number, and a finite reward",
+                      team.name, end.below, end.reward));
 }
 
 void BatchEnv::Impl::check_array(const BatchTeam& team, const BatchArraySpec& array) {

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -45,14 +46,11 @@ const StateField* field_of(const StateTable& table, std::string_view name) {
   return found == table.fields().end() ? nullptr : &*found;
 }
 
-std::vector<std::string> value_names(const World& world) {
-  std::vector<std::string> names;
-  for (const StateTable& table : world.tables()) {
-    for (const StateField& field : table.fields()) {
-      std::string name = fmt::format("{}.{}", engine::given_name(table.component()), field.name);
-      if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
-    }
-  }
+std::set<std::string> value_names(const World& world) {
+  std::set<std::string> names;
+  for (const StateTable& table : world.tables())
+    for (const StateField& field : table.fields())
+      names.insert(fmt::format("{}.{}", engine::given_name(table.component()), field.name));
   return names;
 }
 
@@ -97,8 +95,7 @@ std::vector<Ranger> rangers_of(const World& world) {
   for (std::size_t t = 0; t < world.types().size(); ++t) {
     for (std::size_t d = 0; d < world.types()[t].devices.size(); ++d) {
       Ranger ranger{static_cast<std::uint32_t>(t), d, 0};
-      for (const FrameTransducer& transducer :
-           transducers_of(world.spec().types[t].devices[d], world.types()[t].devices[d]))
+      for (const engine::Transducer& transducer : world.types()[t].devices[d].prepared.transducers)
         ranger.readings += transducer.samples;
       if (ranger.readings > 0) rangers.push_back(ranger);
     }
@@ -131,7 +128,7 @@ Result<ChosenValue> find_value(const World& world, const std::string& name) {
   }
   if (const auto right = worldio::name_for_path(world, name))
     return Error{worldio::wrong_spelling("value", name, *right)};
-  const std::vector<std::string> known = value_names(world);
+  const std::set<std::string> known = value_names(world);
   return Error{unknown_name("value", name, {known.begin(), known.end()})};
 }
 

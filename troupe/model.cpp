@@ -34,6 +34,17 @@ thread_local const Model* visited_robot = nullptr;
 
 }  // namespace
 
+void refuse_stopped(const engine::BodyType::Device& sensor, std::string_view owner) {
+  throw std::logic_error(fmt::format(
+      "sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step", sensor.name, owner));
+}
+
+void check_subscribable(const engine::World& world) {
+  if (world.tick() > 0)
+    throw std::logic_error(fmt::format(
+        "subscribe() must be called before the first step, but this simulation is at tick {}", world.tick()));
+}
+
 Row Model::Place::row() const {
   world->require_whole();
   const Row row = world->row(body);
@@ -76,9 +87,7 @@ template <class Counted>
 }
 
 void Model::Place::check_running(const engine::BodyType::Device& sensor) const {
-  if (!world->senses(row(), sensor))
-    throw std::logic_error(fmt::format(
-        "sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step", sensor.name, name));
+  if (!world->senses(row(), sensor)) refuse_stopped(sensor, name);
 }
 
 const engine::BodyType::Device& Model::Place::ranger(std::string_view wanted) const {
@@ -86,7 +95,7 @@ const engine::BodyType::Device& Model::Place::ranger(std::string_view wanted) co
   const auto* found = find([&](const engine::BodyType::Device& d) {
     return is_ranger(d) && (wanted.empty() || d.name == wanted);
   });
-  if (!found) throw_unknown("ranging sensor", wanted, is_ranger);
+  if (!found) throw_unknown("ranger", wanted, is_ranger);
   check_running(*found);
   return *found;
 }
@@ -272,10 +281,7 @@ Model::Reading Model::reading(std::string_view field, std::string_view wanted) c
   if (device->kind->is_sensor()) place_->check_running(*device);
   const engine::StateTable& table = world.percepts(*device);
   const engine::StateField& found = table.fields()[*f];
-  return {device->name,
-          &found,
-          {table.cell<std::byte>(place_->slot(), *f).data(),
-           found.columns * engine::element_size(found.element)}};
+  return {device->name, &found, {table.cell<std::byte>(place_->slot(), *f).data(), found.bytes()}};
 }
 
 std::span<const std::byte> Model::cell(std::string_view field, std::string_view wanted,

@@ -51,8 +51,8 @@ struct Model::Place {
   /// Returns the names of the devices of this model for which counted(device) is true.
   template <class Counted>
   std::vector<std::string_view> names_of(Counted&& counted) const;
-  /// Throws std::out_of_range with the text `"r0" has no sensor "eye"; it has: ...`.
-  /// what: the sort of device that was searched for; in this example "sensor"
+  /// Throws std::out_of_range with the text `"r0" has no ranger "eye"; it has: ...`.
+  /// what: the sort of device that was searched for; in this example "ranger"
   /// wanted: the name that was searched for; in this example "eye"
   /// counted: the text lists the devices of this model for which counted(device) is true
   template <class Counted>
@@ -71,5 +71,10 @@ struct Model::Place {
   /// with the known names, if there is none.
   const engine::BodyType::Device& commanded(std::string_view wanted) const;
 };
+
+/// Throws std::logic_error because a sensor of the model or robot `owner` does not run.
+[[noreturn]] void refuse_stopped(const engine::BodyType::Device& sensor, std::string_view owner);
+/// Throws std::logic_error if sensors can no longer be subscribed, because the world has made a step.
+void check_subscribable(const engine::World& world);
 
 }  // namespace troupe

@@ -265,16 +265,16 @@ struct Pictures::Impl {
       view.layers.*std::ranges::find(k_shown_layers, layer.name, &Layer::name)->shown = layer.on;
     if (options.color_range) view.values = std::pair((*options.color_range)[0], (*options.color_range)[1]);
     const Layers& shown = view.layers;
-    wishes = {shown.scans || shown.beams,
-              shown.sights,
-              shown.blobs,
-              shown.grips,
-              shown.links,
-              shown.energy,
-              shown.names,
-              std::nullopt,
-              shown.tiles,
-              shown.cells};
+    wishes = {.scans = shown.scans || shown.beams,
+              .sights = shown.sights,
+              .blobs = shown.blobs,
+              .grips = shown.grips,
+              .links = shown.links,
+              .charges = shown.energy,
+              .names = shown.names,
+              .value = std::nullopt,
+              .tiles = shown.tiles,
+              .cells = shown.cells};
     if (!options.color_by.empty()) {
       Result<ChosenValue> value = source.find_value(options.color_by);
       require(value);

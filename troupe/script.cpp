@@ -91,6 +91,27 @@ void adapt_interventions(WorldSpec& world, std::size_t t, const std::string& scr
   }
 }
 
+/// Makes a controller of a script the only controller of the type `t`. If the world already gives this
+/// controller to the type, its parameters are kept; otherwise it has its default parameters and the place
+/// `where`.
+void assign(const Script& script, const Script::Controller& controller, Where where, std::size_t t,
+            WorldSpec& world, Diagnostics& diagnostics) {
+  std::vector<engine::ControllerSpec>& controllers = world.types[t].controllers;
+  engine::ControllerSpec spec;
+  spec.kind = script.name_in_worlds(controller.kind.name);
+  const auto own = std::ranges::find(controllers, spec.kind, &engine::ControllerSpec::kind);
+  std::optional<std::size_t> kept;
+  if (own != controllers.end()) kept = static_cast<std::size_t>(own - controllers.begin());
+  adapt_interventions(world, t, spec.kind, kept, controllers, diagnostics);
+  if (kept) {
+    spec = std::move(*own);
+  } else {
+    spec.params = controller.kind.params.defaults();
+    spec.where = where;
+  }
+  controllers = {std::move(spec)};
+}
+
 }  // namespace
 
 void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, WorldSpec& world,
@@ -105,28 +126,15 @@ void assign_controllers(std::span<const std::shared_ptr<const Script>> scripts, 
         continue;
       }
       for (const std::size_t t : *types) {
-        TypeSpec& type = world.types[t];
         if (given[t] != nullptr) {
           diagnostics.error(
               where, fmt::format("controller {}: the robots of type \"{}\" already get the controller {}; a "
                                  "type can have only one controller from scripts",
-                                 controller.kind.name, type.name, given[t]->kind.name));
+                                 controller.kind.name, world.types[t].name, given[t]->kind.name));
           continue;
         }
         given[t] = &controller;
-        engine::ControllerSpec spec;
-        spec.kind = script->name_in_worlds(controller.kind.name);
-        const auto own = std::ranges::find(type.controllers, spec.kind, &engine::ControllerSpec::kind);
-        std::optional<std::size_t> kept;
-        if (own != type.controllers.end()) kept = static_cast<std::size_t>(own - type.controllers.begin());
-        adapt_interventions(world, t, spec.kind, kept, type.controllers, diagnostics);
-        if (kept) {
-          spec = std::move(*own);  // with the parameters that the world gives
-        } else {
-          spec.params = controller.kind.params.defaults();
-          spec.where = where;
-        }
-        type.controllers = {std::move(spec)};
+        assign(*script, controller, where, t, world, diagnostics);
       }
     }
   }

@@ -366,9 +366,7 @@ std::vector<std::string> Simulation::robot_names() const {
 
 void Simulation::subscribe(std::string_view model) {
   Model::refuse_in_for_each(*impl_->world, "subscribe()");
-  if (tick() > 0)
-    throw std::logic_error(fmt::format(
-        "subscribe() must be called before the first step, but this simulation is at tick {}", tick()));
+  check_subscribable(*impl_->world);
   const BodyId body = find(model).place_->body;
   // Static geometry has no row in the state tables, and no sensor to run.
   if (impl_->world->location(body) != engine::RowLocation::none) impl_->world->subscribe(body);
@@ -401,15 +399,15 @@ Statistics Simulation::statistics() const {
   const engine::World& w = *impl_->world;
   std::size_t state_bytes = 0;
   for (const engine::StateTable& table : w.tables()) state_bytes += table.bytes();
-  return {w.robots(),
-          w.tick(),
-          w.time_s(),
-          w.beams_cast(),
-          w.stalled_count(),
-          w.out_of_bounds_count(),
-          w.mean_displacement(),
-          w.conflict_rounds(),
-          state_bytes};
+  return {.robots = w.robots(),
+          .ticks = w.tick(),
+          .time_s = w.time_s(),
+          .beams = w.beams_cast(),
+          .stalled = w.stalled_count(),
+          .held_at_bounds = w.out_of_bounds_count(),
+          .mean_displacement_m = w.mean_displacement(),
+          .conflict_rounds = w.conflict_rounds(),
+          .state_bytes = state_bytes};
 }
 
 Model::Energy Simulation::energy() const {

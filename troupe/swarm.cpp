@@ -4,6 +4,7 @@
 #include "engine/kinds/finite.hpp"
 #include "engine/observing/measures.hpp"
 #include "engine/world/world.hpp"
+#include "troupe/model_place.hpp"
 
 #include <fmt/format.h>
 
@@ -159,10 +160,7 @@ void Swarm::ranges(std::span<float> out, std::string_view sensor) const {
         "found a span of {} elements, but {} robots with {} beams each need {}, one per robot and beam",
         out.size(), size(), count, size() * count));
   for_rangers(sensor, [&](const Ranger& ranger, Row row, std::size_t i) {
-    if (!world_->senses(row, *ranger.device))
-      throw std::logic_error(
-          fmt::format("sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step",
-                      ranger.device->name, world_->spec().name(ids_[i])));
+    if (!world_->senses(row, *ranger.device)) refuse_stopped(*ranger.device, world_->spec().name(ids_[i]));
     const std::span<const float> readings = ranger.readings->cell<float>(world_->slot(row), 0);
     std::ranges::copy(readings, out.subspan(i * count).begin());
   });
@@ -182,24 +180,29 @@ struct Swarm::Cells {
   const engine::StateField* field = nullptr;
   std::size_t index = 0;                         ///< index of the field in `readings`
   const engine::StateTable* readings = nullptr;  ///< null: the field belongs to a command
-
-  std::size_t bytes() const { return field->columns * engine::element_size(field->element); }
 };
 
 namespace {
 
-/// Returns the first device for which wanted(device) is true. Throws std::out_of_range with the names of
-/// those devices for which counts(device) is true.
-template <class Wanted, class Counts>
+/// Returns the first device named `name` for which counts(device) is true. Throws std::out_of_range with the
+/// names of all devices for which it is true. what: the sort of these devices, for the error
+template <class Counts>
 const engine::BodyType::Device& device_of(const engine::World& world, Row row, std::string_view what,
-                                          std::string_view name, Wanted&& wanted, Counts&& counts) {
+                                          std::string_view name, Counts&& counts) {
   std::vector<std::string_view> known;
   for (const engine::BodyType::Device& device : world.type(row).devices) {
-    if (wanted(device)) return device;
-    if (counts(device)) known.push_back(device.name);
+    if (!counts(device)) continue;
+    if (device.name == name) return device;
+    known.push_back(device.name);
   }
   throw std::out_of_range(fmt::format("robot \"{}\": {}", world.spec().name(world.body(row)),
                                       unknown_name(what, name, std::move(known))));
+}
+
+/// As device_of(), for devices that take commands.
+const engine::BodyType::Device& commanded_device(const engine::World& world, Row row, std::string_view name) {
+  return device_of(world, row, "device that takes commands", name,
+                   [](const engine::BodyType::Device& each) { return each.command_table.has_value(); });
 }
 
 std::size_t index_of(std::span<const engine::StateField> fields, std::string_view name) {
@@ -223,10 +226,8 @@ Swarm::Cells Swarm::readings_of(Row row, std::string_view field, std::string_vie
     return Cells{&device, &table.fields()[index], index, &table};
   };
   if (!wanted.empty()) {
-    const engine::BodyType::Device& device = device_of(
-        *world_, row, "device", wanted,
-        [&](const engine::BodyType::Device& each) { return each.name == wanted; },
-        [](const engine::BodyType::Device&) { return true; });
+    const engine::BodyType::Device& device =
+        device_of(*world_, row, "device", wanted, [](const engine::BodyType::Device&) { return true; });
     if (const auto cells = cells_of(device)) return *cells;
     throw_unknown_field("field", device.name, field, world_->percepts(device).fields());
   }
@@ -241,10 +242,7 @@ Swarm::Cells Swarm::readings_of(Row row, std::string_view field, std::string_vie
 }
 
 Swarm::Cells Swarm::commands_of(Row row, std::string_view field, std::string_view wanted) const {
-  const auto takes = [](const engine::BodyType::Device& device) { return device.command_table.has_value(); };
-  const engine::BodyType::Device& device = device_of(
-      *world_, row, "device that takes commands", wanted,
-      [&](const engine::BodyType::Device& each) { return takes(each) && each.name == wanted; }, takes);
+  const engine::BodyType::Device& device = commanded_device(*world_, row, wanted);
   const std::vector<engine::StateField>& fields = device.prepared.commands;
   const std::size_t index = index_of(fields, field);
   if (index == fields.size()) throw_unknown_field("command", device.name, field, fields);
@@ -275,11 +273,11 @@ void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field,
             "of \"{}\" has {} of type {}; use a swarm of one type",
             field, world_->spec().name(ids_.front()), first.columns, engine::element_name(first.element),
             world_->spec().name(ids_[i]), its.field->columns, engine::element_name(its.field->element)));
-      if (bytes != size() * its.bytes())
+      if (bytes != size() * its.field->bytes())
         throw std::invalid_argument(fmt::format(
             "found {} bytes for \"{}\" of {} robots with {} columns each: give {}, one element of "
             "type {} per robot and column",
-            bytes, field, size(), its.field->columns, size() * its.bytes(),
+            bytes, field, size(), its.field->columns, size() * its.field->bytes(),
             engine::element_name(its.field->element)));
       runs.push_back({.cells = its});
       type = &own;
@@ -299,27 +297,22 @@ const engine::StateField& Swarm::reading_field(std::string_view field, std::stri
 void Swarm::readings(std::span<std::byte> out, std::string_view field, std::string_view device) const {
   for_cells(&Swarm::readings_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
     if (cells.device->kind->is_sensor() && !world_->senses(row, *cells.device))
-      throw std::logic_error(
-          fmt::format("sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step",
-                      cells.device->name, world_->spec().name(ids_[i])));
-    std::memcpy(out.data() + i * cells.bytes(),
-                cells.readings->cell<std::byte>(world_->slot(row), cells.index).data(), cells.bytes());
+      refuse_stopped(*cells.device, world_->spec().name(ids_[i]));
+    std::memcpy(out.data() + i * cells.field->bytes(),
+                cells.readings->cell<std::byte>(world_->slot(row), cells.index).data(), cells.field->bytes());
   });
 }
 
 std::span<const engine::StateField> Swarm::command_fields(std::string_view device) const {
   if (ids_.empty()) throw std::logic_error("a swarm without robots has no commands");
-  const auto takes = [](const engine::BodyType::Device& each) { return each.command_table.has_value(); };
-  return device_of(
-             *world_, row(0), "device that takes commands", device,
-             [&](const engine::BodyType::Device& each) { return takes(each) && each.name == device; }, takes)
-      .prepared.commands;
+  return commanded_device(*world_, row(0), device).prepared.commands;
 }
 
 void Swarm::commands(std::span<std::byte> out, std::string_view field, std::string_view device) const {
   for_cells(&Swarm::commands_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
-    std::memcpy(out.data() + i * cells.bytes(),
-                world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset, cells.bytes());
+    std::memcpy(out.data() + i * cells.field->bytes(),
+                world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset,
+                cells.field->bytes());
   });
 }
 
@@ -331,16 +324,13 @@ void Swarm::set_commands(std::span<const std::byte> values, std::string_view fie
             [&](const Cells& cells, Row row, std::size_t i) {
               if ((where.empty() || where[i] != 0) && world_->is_there(row))
                 std::memcpy(world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset,
-                            values.data() + i * cells.bytes(), cells.bytes());
+                            values.data() + i * cells.field->bytes(), cells.field->bytes());
             });
 }
 
 void Swarm::subscribe() {
   Model::refuse_in_for_each(*world_, "subscribe()");
-  if (world_->tick() > 0)
-    throw std::logic_error(
-        fmt::format("subscribe() must be called before the first step, but this simulation is at tick {}",
-                    world_->tick()));
+  check_subscribable(*world_);
   for (const BodyId id : ids_) world_->subscribe(id);
 }
 

@@ -112,7 +112,7 @@ def lay_out(value, indent=0, width=112):
 
 
 if __name__ == "__main__":
-    world = {"troupe": 1, "title": "A crowd of robots of different kinds", "quit_time_s": 30, "types": TYPES,
+    world = {"troupe": 1, "title": "A crowd of robots of different types", "quit_time_s": 30, "types": TYPES,
              "models": models(), "populations": populations()}
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "crowd.json"), "w", newline="\n") as file:
         file.write(lay_out(world) + "\n")

@@ -108,13 +108,8 @@ void add_diff_options(CLI::App& command, DiffOptions& options) {
 }
 
 ExitCode diff(const DiffOptions& options) {
-  try {
-    const bool recordings = is_hdf5(options.first) || is_hdf5(options.second);
-    return recordings ? diff_recordings(options) : diff_hash_logs(options);
-  } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return k_bad_input;
-  }
+  const bool recordings = is_hdf5(options.first) || is_hdf5(options.second);
+  return recordings ? diff_recordings(options) : diff_hash_logs(options);
 }
 
 }  // namespace troupe::apps

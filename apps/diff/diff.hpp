@@ -24,8 +24,7 @@ void add_diff_options(CLI::App& command, DiffOptions& options);
 
 /// `troupe diff`: compares two hash logs or two recordings tick by tick. Stops at the first tick that
 /// differs, and prints the result on standard output. Returns k_finished if all compared data are equal bit
-/// for bit, and k_failed if there is a difference. If the files cannot be compared, prints an error and
-/// returns k_bad_input.
+/// for bit, and k_failed if there is a difference. Throws InputError if the files cannot be compared.
 ExitCode diff(const DiffOptions& options);
 
 }  // namespace troupe::apps

@@ -3,7 +3,6 @@
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/info/info_kinds.hpp"
-#include "apps/numbers.hpp"
 #include "apps/observers/tables.hpp"
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
@@ -56,7 +55,6 @@ class Lines {
     return true;
   }
   std::size_t number() const { return number_; }
-  bool cut_off() const { return cut_off_; }
   /// The value of "complete" in the summary.
   std::string whole_text() const {
     return cut_off_ ? fmt::format("no: cut off in line {}", number_) : k_whole;
@@ -104,9 +102,20 @@ void add_counts(const Counts& counts, Summary& summary) {
   for (const auto& [kind, times] : counts) summary.emplace_back("  " + kind, fmt::format("{}", times));
 }
 
-std::string ticks_text(const std::optional<Span>& first, const Span& last) {
-  return first ? apps::ticks_text(first->tick, last.tick, first->time_s, last.time_s) : "none";
-}
+/// Counts the lines of a table and keeps the spans of the first and the last line.
+struct TableSpan {
+  std::size_t lines = 0;
+  Span first;
+  Span last;
+
+  void add(const Span& span) {
+    if (lines++ == 0) first = span;
+    last = span;
+  }
+  std::string text() const {
+    return lines > 0 ? ticks_text(first.tick, last.tick, first.time_s, last.time_s) : "none";
+  }
+};
 
 }  // namespace
 
@@ -139,8 +148,8 @@ Summary summary_of_hash_log(const fs::path& file) {
   }
   if (first) {
     const double tick_s = finite_number_of(header("tick_s")).value_or(0);
-    summary.emplace_back("ticks", apps::ticks_text(*first, last.tick, static_cast<double>(*first) * tick_s,
-                                                   static_cast<double>(last.tick) * tick_s));
+    summary.emplace_back("ticks", ticks_text(*first, last.tick, static_cast<double>(*first) * tick_s,
+                                             static_cast<double>(last.tick) * tick_s));
     summary.emplace_back("last state", hex(last.state));
   } else {
     summary.emplace_back("ticks", "none");
@@ -157,16 +166,10 @@ Summary summary_of_measures(const fs::path& file) {
     std::string columns = line.substr(std::min(line.size(), k_measures_mark.size()));
     summary.emplace_back("measures", columns);
   }
-  std::optional<Span> first;
-  Span last;
-  std::size_t count = 0;
-  while (lines.next_row(line)) {
-    last = span_of(file, lines, first_cells(line, 2));
-    if (!first) first = last;
-    ++count;
-  }
-  summary.emplace_back("lines", fmt::format("{}", count));
-  summary.emplace_back("ticks", ticks_text(first, last));
+  TableSpan table;
+  while (lines.next_row(line)) table.add(span_of(file, lines, first_cells(line, 2)));
+  summary.emplace_back("lines", fmt::format("{}", table.lines));
+  summary.emplace_back("ticks", table.text());
   summary.emplace_back("complete", lines.whole_text());
   return summary;
 }
@@ -176,20 +179,16 @@ Summary summary_of_events(const fs::path& file) {
   Summary summary{{"kind", "table of events"}};
   std::string line;
   lines.next_row(line);
-  std::optional<Span> first;
-  Span last;
-  std::size_t count = 0;
+  TableSpan table;
   Counts kinds;
   while (lines.next_row(line)) {
     const std::vector<std::string_view> cells = first_cells(line, 3);
-    last = span_of(file, lines, cells);
-    if (!first) first = last;
-    ++count;
+    table.add(span_of(file, lines, cells));
     if (cells.size() > 2) ++kinds[std::string(cells[2])];
   }
-  summary.emplace_back("events", fmt::format("{}", count));
+  summary.emplace_back("events", fmt::format("{}", table.lines));
   add_counts(kinds, summary);
-  summary.emplace_back("ticks", ticks_text(first, last));
+  summary.emplace_back("ticks", table.text());
   summary.emplace_back("complete", lines.whole_text());
   return summary;
 }

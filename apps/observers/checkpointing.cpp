@@ -86,7 +86,7 @@ void check_checkpoint(const fs::path& file, const fs::path& resumed_from, bool f
   if (!fs::is_regular_file(file, ignored)) refuse_output(file, "it is not a regular file");
   if (force) return;
   if (!resumed_from.empty() && fs::equivalent(file, resumed_from, ignored)) return;
-  throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", file.string()));
+  refuse_existing(file);
 }
 
 /// Returns the checkpoint from which the run is resumed; empty for a new run.

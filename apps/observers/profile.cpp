@@ -213,7 +213,7 @@ std::string Profile::warning() const {
 
 namespace {
 
-class ProfileOutput : public ClonedOutput<ProfileOutput> {
+class ProfileOutput : public FileOutput<ProfileOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     CLI::Option* profile =
@@ -227,8 +227,6 @@ class ProfileOutput : public ClonedOutput<ProfileOutput> {
               [this](const std::string& text) { set_ticks(text); })
         ->needs(profile);
   }
-  std::vector<std::filesystem::path*> names(RunOptions&) override { return {&file_}; }
-  std::vector<std::filesystem::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
     check_replaced(file_, {.name = "a profile (--profile)", .mark = k_profile_mark});
@@ -249,7 +247,6 @@ class ProfileOutput : public ClonedOutput<ProfileOutput> {
     limits_.last_tick = *last;
   }
 
-  std::filesystem::path file_;
   ProfileLimits limits_;
 };
 

@@ -29,6 +29,9 @@ constexpr const char* k_measures_start = "table of measures";
 constexpr const char* k_events_start = "table of events";
 constexpr const char* k_measures_interval = "interval of measures";  // key of the interval, ticks
 
+/// The first line of a table of events: the names of its columns.
+constexpr std::string_view k_events_header = "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
+
 std::string header_of(const Measures& measures) {
   std::string header = "tick,time_s";
   for (const std::string& column : measures.columns()) {
@@ -184,7 +187,7 @@ void EventsTable::observe(const Simulation& simulation) {
 
 namespace {
 
-class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
+class MeasuresOutput : public FileOutput<MeasuresOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     CLI::Option* measures =
@@ -201,8 +204,6 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
               [this](const std::string& text) { every_s_ = seconds_from_zero("--measure-every", text); })
         ->needs(measures);
   }
-  std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }
-  std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
     if (!simulation.resumed_at_tick())
@@ -235,29 +236,23 @@ class MeasuresOutput : public ClonedOutput<MeasuresOutput> {
       names_.push_back(std::move(name));
   }
 
-  fs::path file_;
   std::vector<std::string> names_;  // in the syntax of Measures; empty: those of the world
   std::optional<double> every_s_;   // --measure-every, see interval()
 };
 
-class EventsOutput : public ClonedOutput<EventsOutput> {
+class EventsOutput : public FileOutput<EventsOutput> {
  public:
   void add_options(CLI::App& app, RunOptions&) override {
     add_value(app, "--events", "FILE.csv",
               "Write a table of events, one per line (a robot is blocked or would leave the bounds, ...)",
               [this](const std::string& text) { file_ = file_name("--events", text); });
   }
-  std::vector<fs::path*> names(RunOptions&) override { return {&file_}; }
-  std::vector<fs::path> files(const RunOptions&) const override { return {file_}; }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
     if (!simulation.resumed_at_tick())
       check_replaced(file_, {.name = "a table of events (--events)", .mark = k_events_mark});
     return opening(std::make_unique<EventsTable>(file_, simulation));
   }
-
- private:
-  fs::path file_;
 };
 
 }  // namespace

@@ -50,8 +50,9 @@ class MeasuresTable : public Observer {
 
 /// Writes the table of the option --events, with one line per event. An event is, for example, that a robot
 /// stalls, is born or dies. The lines are sorted by tick (simulation step), and then by the id of the robot.
-/// k_events_header lists the columns:
+/// The columns are:
 ///
+/// - `tick`: the tick
 /// - `time_s`: simulated time, s
 /// - `event`: type of the event, such as `stall_begins`
 /// - `robot`, `id`: name and id of the robot
@@ -80,9 +81,6 @@ class EventsTable : public Observer {
 /// files by them. Test for k_events_mark first, because tables of events also begin with k_measures_mark.
 inline constexpr std::string_view k_measures_mark = "tick,time_s,";
 inline constexpr std::string_view k_events_mark = "tick,time_s,event,robot,";
-/// The first line of a table of events: the names of its columns.
-inline constexpr std::string_view k_events_header =
-    "tick,time_s,event,robot,id,x_m,y_m,heading_rad,other,other_id";
 
 /// Returns the RunOutput for a table of measures (MeasuresTable). A RunOutput is one output of a run,
 /// together with its command-line options. The option --measures names the file, --measure the measures, and

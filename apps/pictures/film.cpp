@@ -154,7 +154,10 @@ void Ffmpeg::write(std::span<const std::uint8_t> rgba) {
   while (!rgba.empty()) {
     const ssize_t written = ::write(pipe_, rgba.data(), rgba.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail();
+    if (written <= 0) {
+      close_if_open(pipe_);
+      fail(process_ >= 0 ? wait() : 0);
+    }
     rgba = rgba.subspan(static_cast<std::size_t>(written));
   }
 }
@@ -167,20 +170,15 @@ int Ffmpeg::wait() {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-void Ffmpeg::fail() {
-  close_if_open(pipe_);
-  const int code = process_ >= 0 ? wait() : 0;
+void Ffmpeg::fail(int exit_code) const {
   throw std::runtime_error(fmt::format(
       "{}: error: writing failed: ffmpeg ended with exit code {}; its messages, if any, are above",
-      film_.string(), code));
+      film_.string(), exit_code));
 }
 
 void Ffmpeg::finish() {
   close_if_open(pipe_);
-  if (const int code = wait(); code != 0)
-    throw std::runtime_error(fmt::format(
-        "{}: error: writing failed: ffmpeg ended with exit code {}; its messages, if any, are above",
-        film_.string(), code));
+  if (const int code = wait(); code != 0) fail(code);
   try {
     partial_->commit();
   } catch (const std::system_error& error) {

@@ -37,7 +37,8 @@ class Ffmpeg {
   void finish();
 
  private:
-  [[noreturn]] void fail();
+  /// Throws std::runtime_error after ffmpeg has ended with this exit code.
+  [[noreturn]] void fail(int exit_code) const;
   void start(const std::string& program, const std::vector<std::string>& arguments);
   /// Waits for the process and returns its exit code, or 128 plus the number of the signal that ended it.
   int wait();

@@ -19,11 +19,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -54,14 +54,14 @@ Examples:
   troupe render day.h5 -o last.png --camera follow:r0 --layers names)";
 
 /// Draws one picture for each time of the option --at, in order, or a single picture if --at is not given.
-/// take_at(time) returns the state at a simulated time, s; the time is NaN if --at is not given. After Ctrl-C
-/// or SIGTERM the remaining pictures are not drawn.
+/// take_at(time) returns the state at a simulated time, s; the time is not set if --at is not given. After
+/// Ctrl-C or SIGTERM the remaining pictures are not drawn.
 template <class TakeAt>
 void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_at) {
   const std::vector<fs::path> files = snapshot_files(options.pictures);
+  const std::vector<double>& times = options.pictures.snapshot_at_s;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const Pictures::Shot shot =
-        take_at(options.pictures.snapshot_at_s.empty() ? std::nan("") : options.pictures.snapshot_at_s[i]);
+    const Pictures::Shot shot = take_at(times.empty() ? std::nullopt : std::optional(times[i]));
     if (stop_requested()) return;
     pictures.write(shot, files[i]);
   }
@@ -120,8 +120,8 @@ void draw_simulation(const RenderOptions& options, Simulation& simulation) {
   const RunSpeed speed(simulation.time_s());
   pictures.see(simulation);
   Progress progress(simulation.time_s(), times.empty() ? 0 : times.back(), true);
-  draw_each(options, pictures, [&](double time) {
-    if (!std::isnan(time)) run_until(simulation, time, progress, [&] { pictures.see(simulation); });
+  draw_each(options, pictures, [&](std::optional<double> time) {
+    if (time) run_until(simulation, *time, progress, [&] { pictures.see(simulation); });
     return pictures.take(simulation, speed.at(simulation.time_s()));
   });
 }
@@ -167,8 +167,8 @@ void draw_recording(const RenderOptions& options, RecordedRun& run) {
   pictures.rehearse(snapshot_files(options.pictures).front());
   for (const double time : options.pictures.snapshot_at_s)
     run.go_to(time);  // throws for a time that is not recorded, before the first picture is written
-  draw_each(options, pictures, [&](double time) {
-    run.go_to(std::isnan(time) ? last_s : time);
+  draw_each(options, pictures, [&](std::optional<double> time) {
+    run.go_to(time.value_or(last_s));
     see_history(run, pictures);
     return pictures.take(run);
   });
@@ -205,11 +205,27 @@ Simulation load(const RenderOptions& options, bool is_checkpoint) {
   return Simulation(options.world, with_environment(options.simulation));
 }
 
-void render_checked(const RenderOptions& options) {
+void render_recording(const RenderOptions& options) {
+  constexpr std::array<std::string_view, 1> k_of_recordings = {"--simd"};
+  refuse_given(options, k_of_recordings,
+               "recording: omit this option (--at selects a time of the recording)");
+  RecordedRun run(options.world);
+  const std::string& value = options.pictures.look.color_by;
+  if (const auto present = run.present_name(value))
+    fmt::print(stderr,
+               "{}: warning: --color-by: \"{}\" is a name of an earlier version of Troupe; the name is now "
+               "\"{}\"\n",
+               options.world.string(), value, *present);
+  run.go_to_frame(0);
+  const std::unique_ptr<Filming> film = open_film(options, run);
+  if (!options.pictures.snapshot.empty()) draw_recording(options, run);
+  if (film && !stop_requested()) film_recording(run, *film);
+}
+
+void render_all(const RenderOptions& options) {
   constexpr std::array<std::string_view, 7> k_of_checkpoints = {
       "--for",  "--threads",         "--plugin-path",   "--controller",
       "--simd", "--across-versions", "--across-plugins"};
-  constexpr std::array<std::string_view, 1> k_of_recordings = {"--simd"};
   const PictureFiles& wanted = options.pictures;
   std::vector<fs::path> outputs = snapshot_files(wanted);
   outputs.push_back(wanted.film);
@@ -218,22 +234,7 @@ void render_checked(const RenderOptions& options) {
   check_outputs(inputs, outputs);
   check_film(wanted);
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
-  if (!is_checkpoint && is_hdf5(options.world)) {
-    refuse_given(options, k_of_recordings,
-                 "recording: omit this option (--at selects a time of the recording)");
-    RecordedRun run(options.world);
-    const std::string& value = wanted.look.color_by;
-    if (const auto present = run.present_name(value))
-      fmt::print(stderr,
-                 "{}: warning: --color-by: \"{}\" is a name of an earlier version of Troupe; the name is now "
-                 "\"{}\"\n",
-                 options.world.string(), value, *present);
-    run.go_to_frame(0);
-    const std::unique_ptr<Filming> film = open_film(options, run);
-    if (!wanted.snapshot.empty()) draw_recording(options, run);
-    if (film && !stop_requested()) film_recording(run, *film);
-    return;
-  }
+  if (!is_checkpoint && is_hdf5(options.world)) return render_recording(options);
   if (is_checkpoint) refuse_given(options, k_of_checkpoints, "checkpoint: omit this option");
   std::unique_ptr<Filming> film;
   if (!wanted.snapshot.empty()) {
@@ -269,8 +270,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
   add_run_settings(command, options);
   add_across_options(command, options);
   command.get_option("--for")->excludes(at);
-  add_value(command, "--threads", "N", "Worker threads (default: one per available processor)",
-            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_threads_option(command, options);
   std::vector<CLI::Option*> settings = command.get_options();
   settings.erase(settings.begin(), settings.begin() + static_cast<std::ptrdiff_t>(before));
   command.final_callback([settings, &options] {
@@ -286,16 +286,9 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
 }
 
 ExitCode render_pictures(const RenderOptions& options) {
-  try {
-    stop_on_signals();
-    render_checked(options);
-    return stop_requested() ? k_stopped : k_finished;
-  } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-  } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-  }
-  return k_bad_input;
+  stop_on_signals();
+  render_all(options);
+  return stop_requested() ? k_stopped : k_finished;
 }
 
 }  // namespace troupe::apps

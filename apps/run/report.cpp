@@ -30,6 +30,74 @@ std::string per_rank_text(const Report::PerRank& value, std::string_view what) {
 
 std::string percent(double part, double whole) { return fmt::format("{:.1f} %", 100 * ratio(part, whole)); }
 
+/// Appends a line of the summary: a name and a value.
+void append_line(std::string_view name, const std::string& value, std::string& text) {
+  fmt::format_to(std::back_inserter(text), "  {:<18} {}\n", name, value);
+}
+
+/// Appends the lines of the summary about the ranks.
+void append_ranks(const Report& report, std::string& text) {
+  const auto line = [&](std::string_view name, const std::string& value) { append_line(name, value, text); };
+  if (report.ranks.ranks > 1)
+    line("ranks",
+         fmt::format("{} on {}, rank 0 waited {} s, sent {} bytes in {} messages per tick, "
+                     "rebalanced {}",
+                     report.ranks.ranks, counted(report.ranks.nodes, "node"),
+                     four_digits(report.ranks.waited_s), four_digits(report.bytes_per_tick()),
+                     four_digits(report.messages_per_tick()), counted(report.ranks.rebalanced, "time")));
+  if (!report.rank_counts.empty())
+    line("per rank", fmt::format("{}, {}, in each tick",
+                                 per_rank_text(report.per_rank(&RankCounts::messages), "messages"),
+                                 per_rank_text(report.per_rank(&RankCounts::bytes), "bytes")));
+  if (report.ranks.is_distributed) {
+    const Report::PerRank own = report.per_rank(&RankCounts::own);
+    line("robots per rank",
+         fmt::format("{}, {}, imbalance {:.2f}", per_rank_text(own, "own"),
+                     per_rank_text(report.per_rank(&RankCounts::ghosts), "ghosts"), own.imbalance()));
+    line("neighbours",
+         fmt::format("{}, {}, per rank and tick",
+                     per_rank_text(report.per_rank(&RankCounts::neighbours), "neighbouring ranks"),
+                     per_rank_text(report.per_rank(&RankCounts::rounds), "rounds of messages")));
+    line("robot data",
+         fmt::format("distributed: {} ghosts (copies of robots of other ranks) per own robot; robots divided "
+                     "among the ranks {}",
+                     four_digits(report.ghosts_per_own()), counted(report.ranks.distributions, "time")));
+  } else if (!report.ranks.why_replicated.empty())
+    line("robot data", fmt::format("replicated on each rank, because {}", report.ranks.why_replicated));
+}
+
+/// Adds the values of the summary about the ranks.
+void add_ranks(const Report& report, nlohmann::ordered_json& json) {
+  json["ranks"] = report.ranks.ranks;
+  json["nodes"] = report.ranks.nodes;
+  json["rank_waited_s"] = report.ranks.waited_s;
+  json["rank_bytes_per_tick"] = report.bytes_per_tick();
+  json["rank_messages_per_tick"] = report.messages_per_tick();
+  json["rank_rebalanced"] = report.ranks.rebalanced;
+  json["rank_form"] = report.ranks.is_distributed ? "distributed" : "replicated";
+  if (report.ranks.is_distributed) {
+    json["rank_ghosts_per_row"] = report.ghosts_per_own();
+    json["rank_distributions"] = report.ranks.distributions;
+  }
+  // Counts per tick: their mean and their largest value among the ranks.
+  const auto put = [&](std::string_view name, std::uint64_t RankCounts::*count) {
+    const Report::PerRank value = report.per_rank(count);
+    json[fmt::format("ranks_{}_mean", name)] = value.mean;
+    json[fmt::format("ranks_{}_most", name)] = value.most;
+  };
+  put("own", &RankCounts::own);
+  if (report.ranks.is_distributed) {
+    put("ghosts", &RankCounts::ghosts);
+    put("neighbours", &RankCounts::neighbours);
+    put("rounds", &RankCounts::rounds);
+    put("migrated", &RankCounts::migrated);
+  }
+  put("messages", &RankCounts::messages);
+  put("bytes", &RankCounts::bytes);
+  json["ranks_imbalance"] = report.per_rank(&RankCounts::own).imbalance();
+  if (!report.ranks.why_replicated.empty()) json["why_replicated"] = report.ranks.why_replicated;
+}
+
 }  // namespace
 
 double Report::times_real_time() const { return ratio(static_cast<double>(ticks_here()) * tick_s, wall_s); }
@@ -79,9 +147,7 @@ double Report::observe_s() const {
 std::string summary_text(const Report& report) {
   const Statistics& s = report.statistics;
   std::string text;
-  const auto line = [&](std::string_view name, const std::string& value) {
-    fmt::format_to(std::back_inserter(text), "  {:<18} {}\n", name, value);
-  };
+  const auto line = [&](std::string_view name, const std::string& value) { append_line(name, value, text); };
 
   if (report.stopped)
     text += fmt::format("stopped early at {:.10g} of {:.10g} s\n", s.time_s, report.end_s);
@@ -108,32 +174,7 @@ std::string summary_text(const Report& report) {
   line("phases", shares + "observe " + percent(report.observe_s(), report.wall_s));
   line("threads", fmt::format("{}, serial share {:.1f} %, imbalance {:.2f}", report.threads,
                               100 * report.serial_share, report.imbalance));
-  if (report.ranks.ranks > 1)
-    line("ranks",
-         fmt::format("{} on {}, rank 0 waited {} s, sent {} bytes in {} messages per tick, "
-                     "rebalanced {}",
-                     report.ranks.ranks, counted(report.ranks.nodes, "node"),
-                     four_digits(report.ranks.waited_s), four_digits(report.bytes_per_tick()),
-                     four_digits(report.messages_per_tick()), counted(report.ranks.rebalanced, "time")));
-  if (!report.rank_counts.empty())
-    line("per rank", fmt::format("{}, {}, in each tick",
-                                 per_rank_text(report.per_rank(&RankCounts::messages), "messages"),
-                                 per_rank_text(report.per_rank(&RankCounts::bytes), "bytes")));
-  if (report.ranks.is_distributed) {
-    const Report::PerRank own = report.per_rank(&RankCounts::own);
-    line("robots per rank",
-         fmt::format("{}, {}, imbalance {:.2f}", per_rank_text(own, "own"),
-                     per_rank_text(report.per_rank(&RankCounts::ghosts), "ghosts"), own.imbalance()));
-    line("neighbours",
-         fmt::format("{}, {}, per rank and tick",
-                     per_rank_text(report.per_rank(&RankCounts::neighbours), "neighbouring ranks"),
-                     per_rank_text(report.per_rank(&RankCounts::rounds), "rounds of messages")));
-    line("robot data",
-         fmt::format("distributed: {} ghosts (copies of robots of other ranks) per own robot; robots divided "
-                     "among the ranks {}",
-                     four_digits(report.ghosts_per_own()), counted(report.ranks.distributions, "time")));
-  } else if (!report.ranks.why_replicated.empty())
-    line("robot data", fmt::format("replicated on each rank, because {}", report.ranks.why_replicated));
+  append_ranks(report, text);
   line("peak memory",
        fmt::format("{} MiB", four_digits(static_cast<double>(report.peak_rss_bytes) / (1024.0 * 1024.0))));
   line("stalled", fmt::format("{} ({})", grouped(s.stalled),
@@ -172,36 +213,7 @@ std::string summary_json(const Report& report) {
         ratio(report.phase_s[i], report.wall_s);
   json["share_observe"] = ratio(report.observe_s(), report.wall_s);
   json["threads"] = report.threads;
-  if (report.ranks.ranks > 1) {
-    json["ranks"] = report.ranks.ranks;
-    json["nodes"] = report.ranks.nodes;
-    json["rank_waited_s"] = report.ranks.waited_s;
-    json["rank_bytes_per_tick"] = report.bytes_per_tick();
-    json["rank_messages_per_tick"] = report.messages_per_tick();
-    json["rank_rebalanced"] = report.ranks.rebalanced;
-    json["rank_form"] = report.ranks.is_distributed ? "distributed" : "replicated";
-    if (report.ranks.is_distributed) {
-      json["rank_ghosts_per_row"] = report.ghosts_per_own();
-      json["rank_distributions"] = report.ranks.distributions;
-    }
-    // Counts per tick: their mean and their largest value among the ranks.
-    const auto put = [&](std::string_view name, std::uint64_t RankCounts::*count) {
-      const Report::PerRank value = report.per_rank(count);
-      json[fmt::format("ranks_{}_mean", name)] = value.mean;
-      json[fmt::format("ranks_{}_most", name)] = value.most;
-    };
-    put("own", &RankCounts::own);
-    if (report.ranks.is_distributed) {
-      put("ghosts", &RankCounts::ghosts);
-      put("neighbours", &RankCounts::neighbours);
-      put("rounds", &RankCounts::rounds);
-      put("migrated", &RankCounts::migrated);
-    }
-    put("messages", &RankCounts::messages);
-    put("bytes", &RankCounts::bytes);
-    json["ranks_imbalance"] = report.per_rank(&RankCounts::own).imbalance();
-    if (!report.ranks.why_replicated.empty()) json["why_replicated"] = report.ranks.why_replicated;
-  }
+  if (report.ranks.ranks > 1) add_ranks(report, json);
   json["serial_share"] = report.serial_share;
   json["imbalance"] = report.imbalance;
   json["peak_rss_bytes"] = report.peak_rss_bytes;

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -202,8 +201,7 @@ void add_resume_options(CLI::App& resume, RunOptions& options) {
             [&options](const std::string& text) { options.worlds = {text}; })
       ->required();
   add_end_option(resume, options);
-  add_set_option(resume, "Change a value of the stored world: a JSON pointer and a value; repeatable",
-                 options.simulation.set);
+  add_set_option(resume, options.simulation.set, "stored world");
   add_across_options(resume, options);
   add_kind_options(resume, options.simulation.plugin_path, options.simulation.scripts);
   add_simd_option(resume);

@@ -82,6 +82,17 @@ class ClonedOutput : public RunOutput {
   }
 };
 
+/// Base class of `Output`, a class of outputs that write one file, which an option names.
+template <class Output>
+class FileOutput : public ClonedOutput<Output> {
+ public:
+  std::vector<std::filesystem::path*> names(RunOptions&) override { return {&file_}; }
+  std::vector<std::filesystem::path> files(const RunOptions&) const override { return {file_}; }
+
+ protected:
+  std::filesystem::path file_;  ///< empty: the option was not given
+};
+
 /// All outputs of a run, one of each kind. Each function calls the RunOutput function of the same name for
 /// every output, and returns all results in one list.
 class RunOutputs {

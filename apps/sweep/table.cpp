@@ -7,7 +7,6 @@
 #include "worldio/files.hpp"
 #include "worldio/partial_file.hpp"
 #include "worldio/results/hdf5_file.hpp"
-#include "worldio/whole_file.hpp"
 
 #include <fmt/format.h>
 
@@ -131,14 +130,6 @@ std::string cut_error(const std::string& error) {
   return std::string(first_characters(error, k_longest_error - k_dots.size())).append(k_dots);
 }
 
-void write_file(const fs::path& file, const std::string& bytes) {
-  try {
-    worldio::write_whole(file, {bytes});
-  } catch (const std::system_error& error) {
-    refuse_output(file, error.code().message());
-  }
-}
-
 }  // namespace
 
 std::string shown_value(const std::string& json) {
@@ -155,7 +146,7 @@ void write_csv(const SweepTable& table, const fs::path& file) {
   for (std::size_t row = 0; row < table.study.run_count(); ++row)
     for (const Column& column : columns)
       text += fmt::format("{}{}", cell_of(column, row), &column == &columns.back() ? '\n' : ',');
-  write_file(file, text);
+  write_output(file, {text});
 }
 
 bool is_start_of_results(std::string_view start) {
@@ -239,7 +230,7 @@ void write_hdf5(const SweepTable& table, const fs::path& file) {
     hdf5.write_texts("columns", names);
   }
   const std::vector<std::byte> image = hdf5.image();
-  write_file(file, {reinterpret_cast<const char*>(image.data()), image.size()});
+  write_output(file, {std::string_view(reinterpret_cast<const char*>(image.data()), image.size())});
 }
 
 bool is_hdf5_table(const worldio::Hdf5File& file) { return file.has_group("table") && file.has("columns"); }

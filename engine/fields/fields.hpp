@@ -169,6 +169,11 @@ struct FieldTable {
 
   /// Returns the index of the field with this name; -1 if there is none.
   int find(std::string_view name) const;
+  /// Returns the field with this name. Throws std::out_of_range if there is none.
+  ///@{
+  const Field& at(std::string_view name) const { return fields.at(static_cast<std::size_t>(find(name))); }
+  Field& at(std::string_view name) { return fields.at(static_cast<std::size_t>(find(name))); }
+  ///@}
   /// Returns a record with the default Field::fallback of each field. Required and optional fields have no
   /// default: Value::given() is false. If a field of type record has no fallback and is not optional, its
   /// value is the record of the defaults() of its table Field::record.
@@ -188,9 +193,14 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit);
 
 /// Returns the value of the field with this name. `record` must be a record of `table`, and the table must
 /// have the field; neither is checked.
+///@{
 inline const Value& get(const FieldTable& table, const Record& record, std::string_view name) {
   return record[static_cast<std::size_t>(table.find(name))];
 }
+inline Value& get(const FieldTable& table, Record& record, std::string_view name) {
+  return record[static_cast<std::size_t>(table.find(name))];
+}
+///@}
 
 /// Returns the table of the fields of a pose: x, y, z (m) and heading (rad), each 0 by default. Every call
 /// returns the same object. A field is therefore a pose if its Field::record has the address of this object.

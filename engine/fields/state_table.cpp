@@ -92,7 +92,7 @@ std::size_t StateTable::lay_out() {
   hashed_bytes_ = 0;
   std::size_t end = layout_ == Layout::rows ? row_bytes_ * room_ : 0;
   for (const StateField& field : fields_) {
-    const std::size_t width = element_size(field.element) * field.columns;
+    const std::size_t width = field.bytes();
     if (layout_ == Layout::rows) {
       starts_.push_back(field.offset);
       strides_.push_back(row_bytes_);
@@ -145,14 +145,13 @@ bool StateTable::bools_hold() const {
 void StateTable::fill_row(std::size_t row, std::byte value) {
   for (std::size_t f = 0; f < fields_.size(); ++f)
     std::memset(data_.data() + starts_[f] + row * strides_[f], std::to_integer<int>(value),
-                element_size(fields_[f].element) * fields_[f].columns);
+                fields_[f].bytes());
 }
 
 void StateTable::copy_row(std::size_t row, const StateTable& from) {
   for (std::size_t f = 0; f < fields_.size(); ++f) {
     std::memcpy(data_.data() + starts_[f] + row * strides_[f],
-                from.data_.data() + from.starts_[f] + row * strides_[f],
-                element_size(fields_[f].element) * fields_[f].columns);
+                from.data_.data() + from.starts_[f] + row * strides_[f], fields_[f].bytes());
   }
 }
 
@@ -169,7 +168,7 @@ void StateTable::move_rows(std::span<const std::uint32_t> to) {
   move_elements(ids_, moved, to);
   std::vector<std::byte> cells;  // of a field, of the rows in `moved`
   for (std::size_t f = 0; f < fields_.size(); ++f) {
-    const std::size_t width = element_size(fields_[f].element) * fields_[f].columns;
+    const std::size_t width = fields_[f].bytes();
     if (width == 0) continue;  // a sensor without beams; data_ may be empty
     const auto cell = [&](std::size_t row) { return data_.data() + starts_[f] + row * strides_[f]; };
     cells.resize(moved.size() * width);

@@ -95,6 +95,10 @@ struct StateField {
   bool appearance = false;
   /// True: the values are bools. The element is u8, and each value is 0 or 1.
   bool is_bool = false;
+
+  std::size_t bytes() const {
+    return columns * element_size(element);
+  }  ///< size of the values of a row, bytes
 };
 
 /// Whether two components have the same fields: equal names, element types and numbers of columns, in the

@@ -40,8 +40,8 @@ Pose Estimates::of(Row row, std::size_t slot) const {
   if (!how) return {};
   const Pose& pose = poses[row.index()];
   if (how->kind == Localization::Kind::odom) {
-    const Odometry& believed = odometries[slot];
-    return {believed.x, believed.y, pose.z, believed.heading};
+    const Odometry& estimate = odometries[slot];
+    return {estimate.x, estimate.y, pose.z, estimate.heading};
   }
   return how->origin ? relative_to(*how->origin, pose) : pose;
 }

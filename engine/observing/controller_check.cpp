@@ -28,8 +28,7 @@ constexpr std::size_t k_rows_per_batch = 61;
 }
 
 void copy_fields(const std::vector<StateField>& fields, const std::byte* from, std::byte* to) {
-  for (const StateField& field : fields)
-    std::memcpy(to + field.offset, from + field.offset, element_size(field.element) * field.columns);
+  for (const StateField& field : fields) std::memcpy(to + field.offset, from + field.offset, field.bytes());
 }
 
 std::string controller_name(const BodyType::Controller& controller, std::size_t number) {

@@ -17,7 +17,7 @@ void copy_fields(const World& world, const StateTable& from, StateTable& to) {
   std::vector<std::size_t> rows;  // rows in `from`, one for each body of `to`
   for (const BodyId body : to.ids()) rows.push_back(world.row_in(from, world.row(body)));
   for (std::size_t f = 0; f < from.fields().size(); ++f) {
-    const std::size_t bytes = from.fields()[f].columns * element_size(from.fields()[f].element);
+    const std::size_t bytes = from.fields()[f].bytes();
     for (std::size_t r = 0; r < rows.size(); ++r)
       std::memcpy(to.cell<std::byte>(r, f).data(), from.cell<std::byte>(rows[r], f).data(), bytes);
   }

@@ -365,8 +365,7 @@ class TypeCompiler {
 double BodyType::row_bytes() const {
   double sum = static_cast<double>(outline_vertices.size() * sizeof(Vec2) + joints.size() * sizeof(Pose));
   for (const Device& device : devices) {
-    for (const StateField& field : device.prepared.percepts)
-      sum += static_cast<double>(element_size(field.element)) * field.columns;
+    for (const StateField& field : device.prepared.percepts) sum += static_cast<double>(field.bytes());
     sum += static_cast<double>(device.prepared.command_bytes);
   }
   for (const Controller& controller : controllers) sum += static_cast<double>(controller.kind->memory_bytes);

@@ -17,8 +17,6 @@ namespace {
 // all effects of a tick when it builds the world.
 constexpr std::size_t k_most_effects = 1'000'000;
 
-std::size_t width_of(const StateField& field) { return element_size(field.element) * field.columns; }
-
 /// Checks the fields of a table. bytes: size of the struct with these fields; 0: they are no struct. what:
 /// "percept" or "command".
 Result<> check_fields(std::span<const StateField> fields, std::size_t bytes, std::string_view what) {
@@ -45,7 +43,7 @@ Result<> check_fields(std::span<const StateField> fields, std::size_t bytes, std
     if (field->offset < end)
       return Error{
           fmt::format("has the {} \"{}\", which overlaps another {}: {}", what, field->name, what, k_advice)};
-    end = field->offset + width_of(*field);
+    end = field->offset + field->bytes();
     if (end > bytes)
       return Error{fmt::format("has the {} \"{}\", which ends at byte {} of a struct of {} bytes: {}", what,
                                field->name, end, bytes, k_advice)};
@@ -101,7 +99,7 @@ Result<> check_drive(const DeviceKind& kind, const DeviceKind::Prepared& prepare
         "is a drive device (DeviceKind::drives), so its command struct must be a Command: use the fields "
         "that command_fields() returns"};
   std::size_t bytes = 0;
-  for (const StateField& field : prepared.percepts) bytes += width_of(field);
+  for (const StateField& field : prepared.percepts) bytes += field.bytes();
   if (bytes < sizeof(Pose))
     return Error{"is a drive device (DeviceKind::drives), so its state must begin with a Pose"};
   return {};

@@ -55,8 +55,7 @@ void for_tables_of_type(const BodyType& type, Visit&& visit) {
 
 /// The bytes of a field in a row of a table.
 std::span<std::byte> bytes_of(StateTable& table, std::size_t row, std::size_t field) {
-  return {table.cell<std::byte>(row, field).data(),
-          table.fields()[field].columns * element_size(table.fields()[field].element)};
+  return {table.cell<std::byte>(row, field).data(), table.fields()[field].bytes()};
 }
 
 }  // namespace

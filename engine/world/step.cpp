@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,14 @@ std::string_view asked_for(ControlMode mode) {
 
 bool is_command(const Command& command) {
   return is_finite(command) && static_cast<std::size_t>(command.mode) < k_control_modes;
+}
+
+/// Throws StepError because a device has emitted this effect. what: text that continues the words
+/// `device "NAME"`
+[[noreturn]] void throw_effect_error(const World& world, const Effect& effect, std::string_view what) {
+  const BodyType::Device& device = world.type(world.row(effect.source)).devices[effect.device];
+  throw StepError(fmt::format("tick {}: device \"{}\" ({}) of \"{}\" {}", world.tick(), device.name,
+                              device.kind->name, world.spec().name(effect.source), what));
 }
 
 Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
@@ -201,10 +210,7 @@ void World::check_effects() {
   const auto is_wrong = [this](const Effect& effect) { return !check(effect); };
   if (std::ranges::none_of(effects_.emitted(), is_wrong)) return check_order(effects_.sorted());
   const Effect& effect = *std::ranges::find_if(effects_.sorted(), is_wrong);
-  const BodyType::Device& device = type(row(effect.source)).devices[effect.device];
-  throw StepError(fmt::format("tick {}: device \"{}\" ({}) of \"{}\" {}", state_.now.tick, device.name,
-                              device.kind->name, state_.spec.name(effect.source),
-                              check(effect).error().text));
+  throw_effect_error(*this, effect, check(effect).error().text);
 }
 
 /// Throws StepError if a device of a body has emitted two effects with the same number: their order would
@@ -213,12 +219,12 @@ void World::check_order(std::span<const Effect> effects) const {
   const auto twin = std::ranges::adjacent_find(effects, [](const Effect& a, const Effect& b) {
     return a.source == b.source && a.device == b.device && a.sequence == b.sequence;
   });
-  if (twin == effects.end()) return;
-  const BodyType::Device& device = type(row(twin->source)).devices[twin->device];
-  throw StepError(fmt::format(
-      "tick {}: device \"{}\" ({}) of \"{}\" emitted two effects with the number {} "
-      "(Effect::sequence): each effect of a device in a tick needs another number",
-      state_.now.tick, device.name, device.kind->name, state_.spec.name(twin->source), twin->sequence));
+  if (twin != effects.end())
+    throw_effect_error(
+        *this, *twin,
+        fmt::format("emitted two effects with the number {} (Effect::sequence): each effect of a "
+                    "device in a tick needs another number",
+                    twin->sequence));
 }
 
 /// The text of the error continues the words `device "NAME"`.

@@ -76,8 +76,8 @@ void World::start(Row row, const BodyType::Drive& drive) {
   }
   if (!drive.odometry_table) return;
   const Pose& pose = poses()[row.index()];
-  const Pose believed = relative_to(drive.localization.origin.value_or(pose), pose);
-  state_.as<Odometry>(*drive.odometry_table)[slot(row)] = {believed.x, believed.y, believed.heading};
+  const Pose estimate = relative_to(drive.localization.origin.value_or(pose), pose);
+  state_.as<Odometry>(*drive.odometry_table)[slot(row)] = {estimate.x, estimate.y, estimate.heading};
 }
 
 void World::derive() {

@@ -213,24 +213,28 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
 /// than the machine has, and the operating system would then kill the process without a message.
 void World::check_size(Diagnostics& diagnostics) const {
   constexpr double k_most_bytes = 16e9;
+  struct Size {  // of a body of a type
+    double fixed_vertices = 0;
+    double bytes = 0;
+  };
+  std::vector<Size> sizes(state_.types.size());
+  for (std::size_t t = 0; t < sizes.size(); ++t) {
+    const BodyType& type = state_.types[t];
+    if (!type.runs()) {
+      for (const PartSpec& part : state_.spec.types[t].parts)
+        sizes[t].fixed_vertices += static_cast<double>(count_vertices(part.solids));
+      continue;
+    }
+    sizes[t].bytes = type.row_bytes();
+    for (const BodyType::Device& device : type.devices)
+      sizes[t].bytes += static_cast<double>(device.prepared.most_effects) * sizeof(Effect);
+  }
   double fixed_vertices = 0;
   double bytes = 0;
   Where where;
-  std::vector<double> vertices;
-  for (const TypeSpec& type : state_.spec.types) {
-    double count = 0;
-    for (const PartSpec& part : type.parts) count += static_cast<double>(count_vertices(part.solids));
-    vertices.push_back(count);
-  }
   for (const BodySpec& body : state_.spec.bodies) {
-    const BodyType& type = state_.types[body.type.index()];
-    if (!type.runs()) {
-      fixed_vertices += vertices[body.type.index()];
-    } else {
-      bytes += type.row_bytes();
-      for (const BodyType::Device& device : type.devices)
-        bytes += static_cast<double>(device.prepared.most_effects) * sizeof(Effect);
-    }
+    fixed_vertices += sizes[body.type.index()].fixed_vertices;
+    bytes += sizes[body.type.index()].bytes;
     where = body.where;
     if (fixed_vertices > k_most_vertices || bytes > k_most_bytes) break;
   }

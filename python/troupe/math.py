@@ -25,7 +25,7 @@ __all__ = ["atan2", "cos", "exp", "log", "ordered_sum", "sin", "sincos", "sqrt",
 def sincos(radians: npt.ArrayLike) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Returns (sine, cosine) of angles in radians, as float64 arrays of the shape of the argument. Their bits are those
     of sin() and cos(), but one call is faster than two."""
-    return _sincos(np.asarray(radians, dtype=np.float64))
+    return _sincos(radians)
 
 
 def ordered_sum(values: npt.ArrayLike, axis: int = -1) -> npt.NDArray[np.float64]:

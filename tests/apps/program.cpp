@@ -61,7 +61,7 @@ std::vector<std::string> ProgramTest::files() const {
 }
 
 int ProgramTest::start(const std::vector<std::string>& arguments, int out, int err,
-                       std::size_t file_bytes) const {
+                       std::optional<Limit> limit) const {
   std::vector<std::string> words{TROUPE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -73,9 +73,9 @@ int ProgramTest::start(const std::vector<std::string>& arguments, int out, int e
   if (process == 0) {
     dup2(out, STDOUT_FILENO);
     dup2(err, STDERR_FILENO);
-    if (file_bytes > 0) {
-      const rlimit limit{file_bytes, file_bytes};
-      setrlimit(RLIMIT_FSIZE, &limit);
+    if (limit) {
+      const rlimit both{limit->bytes, limit->bytes};
+      setrlimit(limit->resource, &both);
       setenv("ASAN_OPTIONS", "detect_leaks=0", 1);  // HDF5 forgets the chunk that it could not write
     }
     if (chdir(folder_.c_str()) == 0) execv(TROUPE_PROGRAM, argv.data());
@@ -91,23 +91,25 @@ Outcome ProgramTest::finish(int process) const {
           content(streams_ / "err")};
 }
 
-Outcome ProgramTest::troupe(const std::vector<std::string>& arguments) const {
+Outcome ProgramTest::run(const std::vector<std::string>& arguments, std::optional<Limit> limit) const {
   const int out = create(streams_ / "out");
   const int err = create(streams_ / "err");
-  const int process = start(arguments, out, err);
+  const int process = start(arguments, out, err, limit);
   close(out);
   close(err);
   return finish(process);
 }
 
+Outcome ProgramTest::troupe(const std::vector<std::string>& arguments) const { return run(arguments); }
+
 Outcome ProgramTest::troupe_with_file_limit(const std::vector<std::string>& arguments,
                                             std::size_t bytes) const {
-  const int out = create(streams_ / "out");
-  const int err = create(streams_ / "err");
-  const int process = start(arguments, out, err, bytes);
-  close(out);
-  close(err);
-  return finish(process);
+  return run(arguments, Limit{RLIMIT_FSIZE, bytes});
+}
+
+Outcome ProgramTest::troupe_with_memory_limit(const std::vector<std::string>& arguments,
+                                              std::size_t bytes) const {
+  return run(arguments, Limit{RLIMIT_AS, bytes});
 }
 
 Outcome ProgramTest::troupe_with_signals(const std::vector<std::string>& arguments,

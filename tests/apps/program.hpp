@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -54,12 +55,21 @@ class ProgramTest : public ::testing::Test {
   /// Runs `troupe ARGUMENTS...` as on a full disk: an attempt of the program to make a file longer than
   /// `bytes` fails.
   Outcome troupe_with_file_limit(const std::vector<std::string>& arguments, std::size_t bytes) const;
+  /// Runs `troupe ARGUMENTS...` with at most `bytes` of address space. Not for builds with the address
+  /// sanitizer, which reserves more.
+  Outcome troupe_with_memory_limit(const std::vector<std::string>& arguments, std::size_t bytes) const;
   /// Runs `troupe ARGUMENTS...` with a pseudo-terminal as its standard error. The result's member `err`
   /// contains all bytes that the terminal received.
   Outcome troupe_on_terminal(const std::vector<std::string>& arguments) const;
 
  private:
-  int start(const std::vector<std::string>& arguments, int out, int err, std::size_t file_bytes = 0) const;
+  struct Limit {
+    int resource = 0;  ///< RLIMIT_FSIZE or another resource of setrlimit(2)
+    std::size_t bytes = 0;
+  };
+  int start(const std::vector<std::string>& arguments, int out, int err,
+            std::optional<Limit> limit = std::nullopt) const;
+  Outcome run(const std::vector<std::string>& arguments, std::optional<Limit> limit = std::nullopt) const;
   Outcome finish(int process) const;
 
   std::filesystem::path folder_;   // the program's working folder

@@ -2,6 +2,7 @@
 
 #include "apps/numbers.hpp"
 #include "partition/simd_target.hpp"
+#include "tests/support/slow_build.hpp"
 #include "worldio/file_lock.hpp"
 
 #include <fcntl.h>
@@ -630,6 +631,19 @@ TEST_F(Run, AHashLogThatAnotherRunWritesStays) {
       "until it ends\n");
   EXPECT_EQ(read("run.log"), whole);
   EXPECT_EQ(troupe(run).code, 0);
+}
+
+TEST_F(Run, TooLittleMemoryIsAnErrorThatSaysSo) {
+  if (test::k_slow_build) GTEST_SKIP() << "sanitizers reserve more address space";
+  write("million.json", R"({"troupe": 1, "arena": {"size_m": [2000, 2000]},
+    "types": {"bot": {"size_m": [0.1, 0.1, 0.1], "drive": {"kind": "diff"}}},
+    "populations": [{"name": "r", "type": "bot", "count": 1000000, "place": {"rule": "uniform"}}]})");
+  const Outcome outcome =
+      troupe_with_memory_limit({"run", "million.json", "--for", "1", "--threads", "1"}, 200'000'000);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err,
+            "troupe: error: not enough memory: use fewer robots, outputs or layers, or a machine with more "
+            "memory\n");
 }
 
 TEST_F(Run, AFullDiskIsAFailureAndNotASuccess) {

@@ -136,7 +136,7 @@ TEST(ControllerCheck, MakesControllersAfreshOfTheParametersInForce) {
   const auto set = [&](double time_s, double speed) {
     InterventionSpec intervention{.time_s = time_s, .action = InterventionSpec::Action::set};
     Record params(table.fields.size());
-    params[static_cast<std::size_t>(table.find("cruise_speed"))] = speed;
+    get(table, params, "cruise_speed") = speed;
     intervention.setting = SettingSpec{bot, SettingSpec::Of::controller, 0, params};
     scene.spec.experiment.at.push_back(intervention);
   };
@@ -168,7 +168,7 @@ TEST(ControllerCheck, MakesControllersAfreshOfTheDriveInForce) {
   const FieldTable& drive = test::registry().drive(scene[bot].drive->kind)->params;
   InterventionSpec intervention{.time_s = 0.3, .action = InterventionSpec::Action::set};
   Record params(drive.fields.size());
-  params[static_cast<std::size_t>(drive.find("velocity_max_x"))] = 0.2;
+  get(drive, params, "velocity_max_x") = 0.2;
   intervention.setting = SettingSpec{bot, SettingSpec::Of::drive, 0, params};
   scene.spec.experiment.at.push_back(intervention);
   World world = scene.world();

@@ -105,9 +105,6 @@ struct All {
   }
 };
 
-const engine::Field& field(const FieldTable& table, std::string_view name) {
-  return table.fields.at(static_cast<std::size_t>(table.find(name)));
-}
 Value& value(Record& record, const FieldTable& table, std::string_view name) {
   return record.at(static_cast<std::size_t>(table.find(name)));
 }
@@ -117,53 +114,54 @@ TEST(Description, FieldsSayWhatWasSaidOfTheMembers) {
   EXPECT_EQ(table.fields.size(), 24u);  // all but the derived one, in the order of the description
   EXPECT_EQ(table.fields.front().name, "flag");
   EXPECT_EQ(table.fields.back().name, "inner_or_none");
-  const engine::Field& angle = field(table, "angle");
+  EXPECT_THROW(table.at("cache"), std::out_of_range) << "a derived member";
+  const engine::Field& angle = table.at("angle");
   EXPECT_EQ(angle.type, FieldType::number);
   EXPECT_EQ(angle.unit, Unit::radians);
   EXPECT_EQ(angle.min, -1);
   EXPECT_EQ(angle.max, 1);
   EXPECT_EQ(angle.text, "to the left");
   EXPECT_EQ(angle.fallback, Value(0.5));
-  EXPECT_TRUE(field(table, "law").fixed);
-  EXPECT_TRUE(field(table, "byte").counts_readings);
-  EXPECT_TRUE(field(table, "body").provenance);
-  EXPECT_THAT(field(table, "law").choices, testing::ElementsAre("disc", "walls"));
-  EXPECT_EQ(field(table, "law").fallback, Value("walls"));
-  EXPECT_THAT(field(table, "word").choices, testing::ElementsAre("near", "far"));
-  EXPECT_EQ(field(table, "vector").columns, 3u);
-  EXPECT_EQ(field(table, "vector").type, FieldType::numbers);
-  EXPECT_EQ(field(table, "pose").record, &pose_fields());
-  EXPECT_TRUE(field(described<Inner>(), "length").above_min);
+  EXPECT_TRUE(table.at("law").fixed);
+  EXPECT_TRUE(table.at("byte").counts_readings);
+  EXPECT_TRUE(table.at("body").provenance);
+  EXPECT_THAT(table.at("law").choices, testing::ElementsAre("disc", "walls"));
+  EXPECT_EQ(table.at("law").fallback, Value("walls"));
+  EXPECT_THAT(table.at("word").choices, testing::ElementsAre("near", "far"));
+  EXPECT_EQ(table.at("vector").columns, 3u);
+  EXPECT_EQ(table.at("vector").type, FieldType::numbers);
+  EXPECT_EQ(table.at("pose").record, &pose_fields());
+  EXPECT_TRUE(described<Inner>().at("length").above_min);
 }
 
 TEST(Description, LimitsAreNoWiderThanTheMember) {
   const FieldTable& table = described<All>();
-  EXPECT_EQ(field(table, "small").min, -100);
-  EXPECT_EQ(field(table, "small").max, 2147483647);
-  EXPECT_EQ(field(table, "byte").min, 0);
-  EXPECT_EQ(field(table, "byte").max, 255);
-  EXPECT_EQ(field(table, "single").max, std::numeric_limits<float>::max());
-  EXPECT_EQ(field(table, "angle").max, 1);
+  EXPECT_EQ(table.at("small").min, -100);
+  EXPECT_EQ(table.at("small").max, 2147483647);
+  EXPECT_EQ(table.at("byte").min, 0);
+  EXPECT_EQ(table.at("byte").max, 255);
+  EXPECT_EQ(table.at("single").max, std::numeric_limits<float>::max());
+  EXPECT_EQ(table.at("angle").max, 1);
 }
 
 TEST(Description, ALimitThatIsExcludedStaysExcluded) {
   const FieldTable& table = described<Limited>();
-  EXPECT_EQ(field(table, "above_then_at_least").min, 0);
-  EXPECT_TRUE(field(table, "above_then_at_least").above_min);
-  EXPECT_EQ(field(table, "above_then_at_least").max, 9);
-  EXPECT_TRUE(field(table, "at_least_then_above").above_min);
-  EXPECT_EQ(field(table, "above_below_at_least").min, 2);
-  EXPECT_FALSE(field(table, "above_below_at_least").above_min);
+  EXPECT_EQ(table.at("above_then_at_least").min, 0);
+  EXPECT_TRUE(table.at("above_then_at_least").above_min);
+  EXPECT_EQ(table.at("above_then_at_least").max, 9);
+  EXPECT_TRUE(table.at("at_least_then_above").above_min);
+  EXPECT_EQ(table.at("above_below_at_least").min, 2);
+  EXPECT_FALSE(table.at("above_below_at_least").above_min);
 }
 
 TEST(Description, WhatHasNoDefaultIsRequiredOrOptional) {
   const FieldTable& table = described<All>();
-  EXPECT_FALSE(field(table, "angle").required());
-  EXPECT_TRUE(field(described<Inner>(), "length").required());
-  EXPECT_FALSE(field(described<Inner>(), "length").optional);
-  EXPECT_TRUE(field(described<Inner>(), "width").optional);
-  EXPECT_FALSE(field(described<Inner>(), "width").required());
-  EXPECT_FALSE(field(table, "inner_or_none").required());
+  EXPECT_FALSE(table.at("angle").required());
+  EXPECT_TRUE(described<Inner>().at("length").required());
+  EXPECT_FALSE(described<Inner>().at("length").optional);
+  EXPECT_TRUE(described<Inner>().at("width").optional);
+  EXPECT_FALSE(described<Inner>().at("width").required());
+  EXPECT_FALSE(table.at("inner_or_none").required());
   // A block that is not given has the defaults of its fields, of which one may be required.
   const Record defaults = table.defaults();
   Record of_table = defaults;
@@ -215,7 +213,7 @@ TEST(Description, WhatARecordDoesNotGiveStaysAsItIs) {
   fill(table, &other, record);
   EXPECT_EQ(other.inners, (std::vector<Inner>{{0, 1}}));
   other.number_or_none = 3;
-  set(field(table, "number_or_none"), &other, Value());
+  set(table.at("number_or_none"), &other, Value());
   EXPECT_FALSE(other.number_or_none);
 }
 
@@ -267,7 +265,7 @@ TEST(Description, IntegersOfAnArrayAreWholeAndInTheirRange) {
   Wholes wholes;
   const auto refused = [&](std::string_view name, std::vector<double> given) -> std::string {
     try {
-      set(field(table, name), &wholes, std::move(given));
+      set(table.at(name), &wholes, std::move(given));
     } catch (const std::invalid_argument& error) {
       return error.what();
     }
@@ -299,13 +297,13 @@ TEST(Description, IntegersOfAnArrayAreWholeAndInTheirRange) {
   EXPECT_EQ(wholes.flags, (std::array<bool, 2>{false, true}));
   EXPECT_EQ(wholes.wide.front(), std::numeric_limits<std::int64_t>::min());
   EXPECT_EQ(wholes.unsigned_wide.front(), std::uint64_t{1} << 63);
-  EXPECT_EQ(field(table, "bytes").max, 255) << "readers of files refuse it with the place in the file";
-  EXPECT_EQ(field(table, "small").min, -32768);
-  EXPECT_EQ(field(table, "wide").max, 0x1p53 - 1) << "a double holds no larger integer exactly";
-  EXPECT_EQ(field(table, "wide").min, -(0x1p53 - 1));
-  EXPECT_EQ(field(table, "unsigned_wide").min, 0);
-  EXPECT_TRUE(has_whole_numbers(field(table, "flags")));
-  EXPECT_FALSE(has_whole_numbers(field(described<All>(), "vector")));
+  EXPECT_EQ(table.at("bytes").max, 255) << "readers of files refuse it with the place in the file";
+  EXPECT_EQ(table.at("small").min, -32768);
+  EXPECT_EQ(table.at("wide").max, 0x1p53 - 1) << "a double holds no larger integer exactly";
+  EXPECT_EQ(table.at("wide").min, -(0x1p53 - 1));
+  EXPECT_EQ(table.at("unsigned_wide").min, 0);
+  EXPECT_TRUE(has_whole_numbers(table.at("flags")));
+  EXPECT_FALSE(has_whole_numbers(described<All>().at("vector")));
 }
 
 struct Outer {

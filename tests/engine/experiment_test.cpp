@@ -498,7 +498,7 @@ TEST(Experiment, ARobotWithVerySlowWheelsDoesNotDriveAtFullSpeed) {
 InterventionSpec setting(double time_s, TypeId type, SettingSpec::Of of, const FieldTable& table,
                          std::string_view name, Value value) {
   Record params(table.fields.size());
-  params[static_cast<std::size_t>(table.find(name))] = std::move(value);
+  get(table, params, name) = std::move(value);
   InterventionSpec set = at(time_s, Action::set, {});
   set.setting = SettingSpec{type, of, 0, params};
   return set;
@@ -593,7 +593,7 @@ TEST(Experiment, AProgramMaySetAParameterInEveryTick) {
   Squad row(1);
   const auto world = row.world({.threads = 1});
   InterventionSpec set = setting(0, row.type, SettingSpec::Of::drive, table, "velocity_max_x", 0.0);
-  Value& limit = set.setting->params[static_cast<std::size_t>(table.find("velocity_max_x"))];
+  Value& limit = get(table, set.setting->params, "velocity_max_x");
   for (int tick = 1; tick <= k_ticks; ++tick) {
     limit = 0.5 / tick;
     ASSERT_TRUE(world->set(*set.setting, test::registry()));

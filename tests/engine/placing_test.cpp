@@ -75,13 +75,13 @@ TEST(Placing, IsNoMotion) {
   const Row row = world.row(pair.first);
   world.set_command(row, {0.5, 0, 0});
   world.step();
-  const Pose believed = world.estimate(row);
+  const Pose estimate = world.estimate(row);
   const World::Placed placed{row, {-5, 5, 0, 1}};
   world.set_poses({&placed, 1});
-  EXPECT_EQ(world.estimate(row), believed);
+  EXPECT_EQ(world.estimate(row), estimate);
   EXPECT_EQ(world.velocities()[row.index()].x, 0.5);
   world.step();
-  EXPECT_NEAR(world.estimate(row).x, 2 * believed.x, 1e-3);
+  EXPECT_NEAR(world.estimate(row).x, 2 * estimate.x, 1e-3);
 }
 
 TEST(Placing, WhoWasStalledNoLongerIs) {

@@ -141,7 +141,7 @@ TEST(Actuator, GoesBackAtItsSpeedWhenItsLimitsChange) {
                                              {"max_speed", 0.5}}));
   const engine::FieldTable& table = test::registry().device("actuator")->params;
   engine::Record params(table.fields.size());
-  params[static_cast<std::size_t>(table.find("max_position"))] = 0.83;
+  get(table, params, "max_position") = 0.83;
   engine::InterventionSpec set{.time_s = 0.3,
                                .action = engine::InterventionSpec::Action::set,
                                .whom = {},

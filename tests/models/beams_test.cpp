@@ -310,11 +310,8 @@ struct Kind {
 void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 
 engine::ControllerSpec controller_of(const Kind& kind) {
-  engine::ControllerSpec spec = test::controller(kind.name);
-  const engine::FieldTable& table = test::registry().controller(kind.name)->params;
-  for (const auto& [name, value] : kind.params)
-    spec.params.at(static_cast<std::size_t>(table.find(name))) = value;
-  return spec;
+  return {.kind = kind.name,
+          .params = test::record(test::registry().controller(kind.name)->params, kind.params)};
 }
 
 class OfRanges : public ::testing::TestWithParam<Kind> {

@@ -97,11 +97,7 @@ std::vector<double> pioneer_headings() {
 
 engine::Record preset(const std::string& name) {
   const engine::Registry::Preset* preset = test::registry().preset(name);
-  const engine::FieldTable& table = test::registry().controller(preset->kind)->params;
-  engine::Record record = table.defaults();
-  for (const auto& [field, value] : preset->params)
-    record.at(static_cast<std::size_t>(table.find(field))) = value;
-  return record;
+  return test::record(test::registry().controller(preset->kind)->params, preset->params);
 }
 
 TEST(Expand, TurnsTowardsTheVectorSumWithGainOne) {

@@ -29,15 +29,12 @@ using ::testing::HasSubstr;
 using Params = std::vector<std::pair<std::string_view, engine::Value>>;
 
 engine::DeviceSpec device(std::string kind, const Params& params = {}, const Pose& pose = {}) {
-  const engine::FieldTable& table = test::registry().device(kind)->params;
-  engine::DeviceSpec out{.name = kind,
-                         .kind = kind,
-                         .params = table.defaults(),
-                         .pose_body_device = pose,
-                         .active = true,
-                         .where = {}};
-  for (const auto& [name, value] : params) out.params.at(static_cast<std::size_t>(table.find(name))) = value;
-  return out;
+  return {.name = kind,
+          .kind = kind,
+          .params = test::record(test::registry().device(kind)->params, params),
+          .pose_body_device = pose,
+          .active = true,
+          .where = {}};
 }
 
 engine::Value rgb(double r, double g, double b) { return std::vector<double>{r, g, b}; }

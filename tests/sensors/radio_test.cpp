@@ -30,16 +30,12 @@ using Params = std::vector<std::pair<std::string_view, engine::Value>>;
 constexpr double k_height = 0.2;  // m, of the radios
 
 engine::DeviceSpec radio(const Params& params = {}, const Pose& pose = {0, 0, k_height, 0}) {
-  const engine::FieldTable& table = test::registry().device("radio")->params;
-  engine::DeviceSpec device{.name = "radio",
-                            .kind = "radio",
-                            .params = table.defaults(),
-                            .pose_body_device = pose,
-                            .active = true,
-                            .where = {}};
-  for (const auto& [name, value] : params)
-    device.params.at(static_cast<std::size_t>(table.find(name))) = value;
-  return device;
+  return {.name = "radio",
+          .kind = "radio",
+          .params = test::record(test::registry().device("radio")->params, params),
+          .pose_body_device = pose,
+          .active = true,
+          .where = {}};
 }
 
 /// Says the number of the tick, four bytes, from tick 1 to tick 20.

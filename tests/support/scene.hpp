@@ -33,10 +33,10 @@ inline Solid box(double size_x, double size_y, double height = 1) {
 }
 
 /// Returns the parameters that `table` describes, as a record (a list of values in the order of the table).
-/// The parameters named in `values` have the values given there, and all others their defaults. All names
-/// must exist in the table.
-inline engine::Record record(const engine::FieldTable& table,
-                             std::initializer_list<std::pair<std::string_view, engine::Value>> values) {
+/// The parameters named in `values`, a list of pairs of a name and a value, have the values given there, and
+/// all others their defaults. All names must exist in the table.
+template <class Values = std::initializer_list<std::pair<std::string_view, engine::Value>>>
+engine::Record record(const engine::FieldTable& table, const Values& values) {
   engine::Record out = table.defaults();
   for (const auto& [name, value] : values) out.at(static_cast<std::size_t>(table.find(name))) = value;
   return out;

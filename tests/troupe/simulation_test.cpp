@@ -521,11 +521,11 @@ TEST_F(SimulationTest, SubscribingToWhatIsNotThereIsAnError) {
 TEST_F(SimulationTest, UnknownSensorsAreAnsweredWithTheKnown) {
   Simulation simulation = json();
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("r0").ranges("frnt")); }),
-            "\"r0\" has no ranging sensor \"frnt\"; it has: front, top");
+            "\"r0\" has no ranger \"frnt\"; it has: front, top");
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("slider").ranges()); }),
-            "\"slider\" has no ranging sensor");
+            "\"slider\" has no ranger");
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("wall").intensities()); }),
-            "\"wall\" has no ranging sensor");
+            "\"wall\" has no ranger");
 }
 
 TEST_F(SimulationTest, OtherSensorsHaveNoRanges) {
@@ -538,7 +538,7 @@ TEST_F(SimulationTest, OtherSensorsHaveNoRanges) {
   simulation.step();
   EXPECT_THAT(simulation.find("r").ranges(), ElementsAre(2.0F));
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("r").ranges("needle")); }),
-            "\"r\" has no ranging sensor \"needle\"; it has: eye");
+            "\"r\" has no ranger \"needle\"; it has: eye");
 }
 
 TEST_F(SimulationTest, InStageWorldsSensorsRunWhenSubscribed) {

@@ -1,5 +1,6 @@
 // `stop_when`, `at` and `faults` of JSON worlds: what is read, and what is told of what is wrong.
 
+#include "worldio/json/experiment_json.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/json_document.hpp"
@@ -70,6 +71,22 @@ TEST(ExperimentJson, ConditionsAreRead) {
   EXPECT_EQ(conditions[1].measure.of, "r");
   EXPECT_EQ(conditions[3].measure.params, (engine::Record{0.5}));
   EXPECT_EQ(conditions[0].measure.where.line, 10u);
+}
+
+TEST(ExperimentJson, ManySettingsOfManyTypesFindTheirTypes) {
+  constexpr std::size_t k_many = 100000;  // searching all types for each setting would take a minute or more
+  WorldSpec spec;
+  spec.types.resize(k_many);
+  std::vector<std::string> keys;
+  for (std::size_t t = 0; t < k_many; ++t) keys.push_back(fmt::format("type {:06}", t));
+  ExperimentDocument document;
+  document.at.resize(k_many);
+  for (InterventionDocument& entry : document.at) entry.set.emplace().type = keys.back();
+  Diagnostics diagnostics;
+  expand_experiment(document, DocumentPath({}, diagnostics), {}, keys, Loaded::registry(), spec);
+  EXPECT_THAT(findings(diagnostics), IsEmpty());
+  ASSERT_EQ(spec.experiment.at.size(), k_many);
+  EXPECT_EQ(spec.experiment.at.back().setting.value().type, TypeId(k_many - 1));
 }
 
 TEST(ExperimentJson, AWrongValueCausesNoErrorInWhatDependsOnIt) {

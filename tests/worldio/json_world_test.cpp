@@ -95,6 +95,24 @@ TEST(JsonWorld, PopulationsWhoseNamesDifferOnlyInDigitsAtTheEndAreRefused) {
                   "\"r2_\""));
   for (const char* name : {"r2_", "rs", "R2"})
     EXPECT_THAT(Loaded(changed("NAME", name, world)).found, IsEmpty()) << name;
+
+  EXPECT_THAT(Loaded(changed("NAME", "r", changed("\"name\": \"r\"", "\"name\": \"r20\"", world))).found,
+              ElementsAre(HasSubstr("the names of the populations \"r\" and \"r20\" differ only in digits")))
+      << "in either order";
+}
+
+TEST(JsonWorld, TheNamesOfManyPopulationsAreCompared) {
+  WorldDocument document;
+  for (int i = 0; i < 200000; ++i) {  // comparing all pairs would take minutes
+    PopulationDocument& population = document.populations.emplace_back();
+    population.name = fmt::format("r{}_", i);
+  }
+  document.populations.emplace_back().name = "r7_3";
+  Diagnostics diagnostics;
+  expand(document, "maze.json", json_test_registry(), {}, diagnostics);
+  EXPECT_THAT(
+      findings(diagnostics),
+      ElementsAre(HasSubstr("the names of the populations \"r7_\" and \"r7_3\" differ only in digits")));
 }
 
 TEST(JsonWorld, AWrongArenaIsTheOnlyErrorOfItsWorld) {

@@ -276,6 +276,15 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
               ElementsAre(testing::AllOf(
                   HasSubstr("study.json:2: error: /measures/0: unknown measure \"finer\"; known: alive, "),
                   testing::EndsWith("(did you mean \"fine\"?)"))));
+  std::ofstream(file_.parent_path() / "w/hall.json") << R"({"troupe": 1,, "measures": ["stalls"]})";
+  EXPECT_THAT(wrong(R"("measures": ["fine"])"), IsEmpty());  // the syntax error is reported with the world
+  {
+    Diagnostics found;
+    load_study_text(file_, R"({"troupe_study": 1, "world": "hall.world", "measures": ["fine"]})",
+                    make_registry(), found);
+    EXPECT_THAT(findings(found), ElementsAre(HasSubstr("error: /measures/0: unknown measure \"fine\"")))
+        << "Stage's syntax has no measures";
+  }
   {
     Diagnostics found;
     load_study_text(file_, R"({"troupe_study": 1, "world": 3, "measures": ["fine"]})", make_registry(),

@@ -10,13 +10,7 @@ const DocumentKey* DocumentTable::find(std::string_view name) const {
   return found == keys.end() ? nullptr : &*found;
 }
 
-const engine::Field& heading_field() {
-  static const engine::Field field = [] {
-    const engine::FieldTable& pose = engine::pose_fields();
-    return pose.fields[static_cast<std::size_t>(pose.find("heading"))];
-  }();
-  return field;
-}
+const engine::Field& heading_field() { return engine::pose_fields().at("heading"); }
 
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params) {
   return key.other && params && params->find(key.field.name) >= 0 ? *key.other : key.field;

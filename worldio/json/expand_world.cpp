@@ -105,6 +105,9 @@ class WorldExpander {
   void check_model(const Model& model, engine::Occupancy& occupancy);
   void report_overlaps(const Model& model, const partition::ObstacleShape& shape,
                        engine::Occupancy& occupancy);
+  /// Returns the populations to which a body of this name would belong (engine::is_of_population()), the
+  /// shortest name first.
+  std::vector<std::string_view> populations_of(std::string_view name) const;
   void check_population_of(const Model& model, const DocumentPath& at);
   void name_parts(const Model& model, BodyId body);
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
@@ -282,6 +285,15 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
   models_.push_back(std::move(model));
 }
 
+std::vector<std::string_view> WorldExpander::populations_of(std::string_view name) const {
+  std::vector<std::string_view> found;
+  const std::size_t least = std::max<std::size_t>(engine::without_number(name).size(), 1);
+  for (std::size_t size = least; size < name.size(); ++size)
+    if (const auto one = population_names_.find(name.substr(0, size)); one != population_names_.end())
+      found.push_back(*one);
+  return found;
+}
+
 /// Reports an error if the name of a model that is not static is that of a population or of a body of a
 /// population: measures and interventions find populations by the names of their bodies.
 void WorldExpander::check_population_of(const Model& model, const DocumentPath& at) {
@@ -289,14 +301,11 @@ void WorldExpander::check_population_of(const Model& model, const DocumentPath& 
   const std::string name = spec_.names.text(model.body.name);
   if (population_names_.contains(name))
     at.error(fmt::format("\"{}\" is also the name of a population: choose another name for the model", name));
-  const std::size_t least = std::max<std::size_t>(engine::without_number(name).size(), 1);
-  for (std::size_t size = least; size < name.size(); ++size)
-    if (const std::string_view population = std::string_view(name).substr(0, size);
-        population_names_.contains(population))
-      at.error(
-          fmt::format("a body called \"{}\" would belong to the population \"{}\", whose bodies are "
-                      "{}0, {}1, ...: choose another name for the model",
-                      name, population, population, population));
+  for (const std::string_view population : populations_of(name))
+    at.error(
+        fmt::format("a body called \"{}\" would belong to the population \"{}\", whose bodies are "
+                    "{}0, {}1, ...: choose another name for the model",
+                    name, population, population, population));
 }
 
 void WorldExpander::expand_population(const PopulationDocument& document, const DocumentPath& at) {
@@ -313,16 +322,13 @@ void WorldExpander::expand_population(const PopulationDocument& document, const 
   }
   // The bodies of "r" are r0, r1, ... and those of "r2" are r20, r21, ..., so that r20 could belong to
   // either.
-  for (const engine::PopulationSpec& other : populations_)
-    if (!document.name.empty() && !other.name.empty() &&
-        (engine::is_of_population(document.name, other.name) ||
-         engine::is_of_population(other.name, document.name)))
-      DocumentPath(at, "name", document.where_of("name"))
-          .error(fmt::format(
-              "the names of the populations \"{}\" and \"{}\" differ only in digits at the end, so a body "
-              "of one could have the same name as a body of the other: append a character that is not a "
-              "digit to one of the two names, as in \"{}_\"",
-              other.name, document.name, document.name));
+  for (const std::string_view other : populations_of(document.name))
+    DocumentPath(at, "name", document.where_of("name"))
+        .error(fmt::format(
+            "the names of the populations \"{}\" and \"{}\" differ only in digits at the end, so a body "
+            "of one could have the same name as a body of the other: append a character that is not a "
+            "digit to one of the two names, as in \"{}_\"",
+            other, document.name, document.name));
   populations_.push_back(std::move(population));
 }
 

@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -87,7 +87,10 @@ class SettingExpander {
  public:
   SettingExpander(std::span<const std::string> type_keys, const engine::Registry& registry,
                   const engine::WorldSpec& spec)
-      : type_keys_(type_keys), registry_(registry), spec_(spec) {}
+      : type_keys_(type_keys), registry_(registry), spec_(spec) {
+    for (std::size_t t = 0; t < type_keys.size(); ++t)
+      if (!type_keys[t].empty()) type_ids_.emplace(type_keys[t], t);
+  }
 
   std::optional<SettingSpec> expand(const SettingDocument& document, const DocumentPath& at) const;
 
@@ -97,6 +100,7 @@ class SettingExpander {
   Record expand_controller(const JsonCursor& at, const engine::TypeSpec& type, SettingSpec& setting) const;
 
   std::span<const std::string> type_keys_;
+  std::unordered_map<std::string_view, TypeId> type_ids_;  // by key
   const engine::Registry& registry_;
   const engine::WorldSpec& spec_;
 };
@@ -104,10 +108,10 @@ class SettingExpander {
 std::optional<SettingSpec> SettingExpander::expand(const SettingDocument& document,
                                                    const DocumentPath& at) const {
   if (document.type.empty() || has_error_in(at.diagnostics(), "/types")) return std::nullopt;
-  const auto found = std::ranges::find(type_keys_, document.type);
-  if (found == type_keys_.end()) {
-    std::vector<std::string_view> known(type_keys_.begin(), type_keys_.end());
-    std::erase(known, std::string_view());
+  const auto found = type_ids_.find(document.type);
+  if (found == type_ids_.end()) {
+    std::vector<std::string_view> known;
+    for (const auto& [key, type] : type_ids_) known.push_back(key);
     std::string text = unknown_name("type", document.type, std::move(known));
     const auto named = std::ranges::find(spec_.types, document.type, &engine::TypeSpec::name);
     const auto t = static_cast<std::size_t>(named - spec_.types.begin());
@@ -117,7 +121,7 @@ std::optional<SettingSpec> SettingExpander::expand(const SettingDocument& docume
     DocumentPath(at, "type", document.where_of("type")).error(text);
     return std::nullopt;
   }
-  SettingSpec setting{.type = TypeId(static_cast<std::size_t>(found - type_keys_.begin())), .params = {}};
+  SettingSpec setting{.type = found->second, .params = {}};
   const engine::TypeSpec& type = spec_.types[setting.type.index()];
   if (document.drive) {
     setting.of = SettingSpec::Of::drive;

@@ -358,7 +358,7 @@ std::string world_format_reference(const engine::Registry& registry) {
     if (!kind || preset.params.empty()) continue;
     text += "| key | default |\n|---|---|\n";
     for (const auto& [name, value] : preset.params) {
-      const Field& field = kind->params.fields[static_cast<std::size_t>(kind->params.find(name))];
+      const Field& field = kind->params.at(name);
       text += fmt::format("| {} | {} |\n", keys(field), value_text(value, field));
     }
     text += '\n';

@@ -1,6 +1,7 @@
 #include "worldio/json/json_document.hpp"
 
 #include "base/number_text.hpp"
+#include "base/result.hpp"
 #include "worldio/characters.hpp"
 #include "worldio/json/json_syntax.hpp"
 
@@ -226,6 +227,52 @@ std::string base_hint(const JsonNode& types, const JsonNode& type, const std::st
   return {};
 }
 
+/// Converts the value of `--set` to a JSON value. A value that is not JSON is a text, unless it begins like
+/// an object or a list: this is an error, and the result is empty.
+std::optional<JsonNode> node_to_set(const std::string& value, Where where, Diagnostics& diagnostics) {
+  const std::size_t first = value.find_first_not_of(" \t\n\r");
+  const bool is_structure = first != value.npos && (value[first] == '{' || value[first] == '[');
+  Diagnostics unread;  // ignored, because another value that is not JSON is taken as a text
+  std::optional<JsonNode> node = parse_json(value, where, true, is_structure ? diagnostics : unread);
+  if (!node && !is_structure) node = JsonNode{.value = value, .where = where};
+  return node;
+}
+
+/// Returns the entry or member of `node` that `token`, a token of a JSON pointer, names. If it is to be set
+/// itself, it may be a new member or the entry after the last, which is then added. Returns an error if there
+/// is none.
+///
+/// around: the node that contains `node`, for errors
+/// pointer: JSON pointer to `node`, for errors
+/// is_last: whether the value is to be set itself, and not a value inside it
+/// where: the place of a new member
+Result<JsonNode*> child_to_set(JsonNode& node, const JsonNode& around, const std::string& pointer,
+                               const std::string& token, bool is_last, Where where) {
+  const std::string name = pointer.empty() ? "the world" : pointer;
+  const std::string path = fmt::format("{}/{}", pointer, escape_pointer_token(token));
+  if (auto* list = std::get_if<JsonNode::List>(&node.value)) {
+    const auto index = list_index(token, list->size());
+    if (!index)
+      return Error{fmt::format("{} is a list: \"{}\" is neither an index nor \"-\", which appends an entry{}",
+                               name, token, index_hint(*list, token, name))};
+    if (*index > list->size() || (*index == list->size() && !is_last))
+      return Error{fmt::format("{} is a list of length {}, whose entries are counted from 0: there is no {}",
+                               name, list->size(), path)};
+    return *index == list->size() ? &list->emplace_back() : &(*list)[*index];
+  }
+  auto* members = std::get_if<JsonNode::Object>(&node.value);
+  if (!members)
+    return Error{
+        fmt::format("{} is {}, not an object or a list: there is no {}", name, node.describe(), path)};
+  if (JsonNode* member = node.find(token)) return member;
+  if (is_last) return &members->emplace_back(JsonMember{token, where, {}}).node;
+  std::vector<std::string_view> known;
+  for (const JsonMember& m : *members) known.push_back(m.key);
+  const std::string inherited = base_hint(around, node, token);
+  return Error{fmt::format("{} has no key \"{}\"{}", name, token,
+                           inherited.empty() ? did_you_mean(token, known) : inherited)};
+}
+
 }  // namespace
 
 const JsonNode* JsonNode::find(std::string_view key) const {
@@ -284,65 +331,21 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
                       "contain ~ only as ~0 or ~1");
     return;
   }
-
-  JsonNode node;
-  const std::size_t first = value.find_first_not_of(" \t\n\r");
-  const bool is_structure = first != value.npos && (value[first] == '{' || value[first] == '[');
-  Diagnostics unread;  // ignored, because another value that is not JSON is taken as a text
-  if (std::optional<JsonNode> parsed = parse_json(value, where, true, is_structure ? diagnostics : unread)) {
-    node = std::move(*parsed);
-  } else if (is_structure) {
-    return;
-  } else {
-    node.value = value;
-    node.where = where;
-  }
-
+  std::optional<JsonNode> node = node_to_set(value, where, diagnostics);
+  if (!node) return;
   JsonNode* at = &document;
   const JsonNode* around = at;
   std::string path;
   for (std::size_t i = 0; i < tokens->size(); ++i) {
     const std::string& token = (*tokens)[i];
-    const bool last = i + 1 == tokens->size();
-    const std::string parent = path.empty() ? "the world" : path;
+    const Result<JsonNode*> child =
+        child_to_set(*at, *around, path, token, i + 1 == tokens->size(), where);
+    if (!child) return diagnostics.error(where, child.error().text);
+    around = std::exchange(at, *child);
     path += '/';
     path += escape_pointer_token(token);
-    if (auto* list = std::get_if<JsonNode::List>(&at->value)) {
-      const auto index = list_index(token, list->size());
-      if (!index) {
-        diagnostics.error(
-            where, fmt::format("{} is a list: \"{}\" is neither an index nor \"-\", which appends an entry{}",
-                               parent, token, index_hint(*list, token, parent)));
-        return;
-      }
-      if (*index > list->size() || (*index == list->size() && !last)) {
-        diagnostics.error(
-            where, fmt::format("{} is a list of length {}, whose entries are counted from 0: there is no {}",
-                               parent, list->size(), path));
-        return;
-      }
-      if (*index == list->size()) list->emplace_back();
-      around = at;
-      at = &(*list)[*index];
-    } else if (auto* members = std::get_if<JsonNode::Object>(&at->value)) {
-      JsonNode* member = at->find(token);
-      if (!member && !last) {
-        std::vector<std::string_view> known;
-        for (const JsonMember& m : *members) known.push_back(m.key);
-        const std::string inherited = base_hint(*around, *at, token);
-        diagnostics.error(where, fmt::format("{} has no key \"{}\"{}", parent, token,
-                                             inherited.empty() ? did_you_mean(token, known) : inherited));
-        return;
-      }
-      around = at;
-      at = member ? member : &members->emplace_back(JsonMember{token, where, {}}).node;
-    } else {
-      diagnostics.error(where, fmt::format("{} is {}, not an object or a list: there is no {}", parent,
-                                           at->describe(), path));
-      return;
-    }
   }
-  *at = std::move(node);
+  *at = std::move(*node);
 }
 
 void report_repeated_keys(const JsonNode& node, Diagnostics& diagnostics) {

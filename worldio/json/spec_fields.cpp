@@ -50,7 +50,7 @@ std::size_t numbers_in(const FieldTable& table) {
 Result<const FieldTable*> parameters_of(const FieldTable& table, const void* object,
                                         const engine::Registry& registry) {
   if (&table == &engine::world_fields()) return &window_fields();
-  const engine::Value value = engine::get(table.fields[static_cast<std::size_t>(table.find("kind"))], object);
+  const engine::Value value = engine::get(table.at("kind"), object);
   const std::string& kind = value.text();
   if (&table == &engine::drive_fields()) return find_kind("drive", kind, registry.drives);
   if (&table == &engine::measure_fields()) {

@@ -334,7 +334,7 @@ void SpecReader::add_bodies(engine::WorldSpec& spec, const BodyColumns& c) {
   if (count == 0)
     return error("the file is damaged: it has no bodies, but every world has at least the ground");
   const FieldTable& table = engine::body_fields();
-  const Field& pose = table.fields[static_cast<std::size_t>(table.find("pose"))];
+  const Field& pose = table.at("pose");
   // Only the poses are checked, and only against their two limits. The limits are finite, so NaN and infinity
   // fail too. Checking all other values of the bodies would take a fifth of the time of loading a large
   // world.

@@ -199,11 +199,9 @@ class StudyReader {
   static Choice read_interval(const JsonCursor& at, ChoiceKind kind);
   void read_seeds(JsonObject& object);
   void read_measures(JsonObject& object);
-  /// Returns the text of the world. Empty if it cannot be read, which is reported when the world is loaded.
-  std::optional<std::string> text_of_world() const {
-    if (world_ != nullptr) return *world_;
-    return check_readable(study_.world, k_most_input_bytes) ? read_file(study_.world) : std::nullopt;
-  }
+  /// Returns the names of the measures of the world. Empty if they are not known because the world cannot be
+  /// read or is no valid JSON, which is reported when the world is loaded.
+  std::optional<std::set<std::string>> measures_of_world() const;
   void check_effects(const JsonCursor& at) const;
   void check_runs(const JsonCursor& at);
 
@@ -355,12 +353,18 @@ void StudyReader::read_seeds(JsonObject& object) {
     study_.seeds.push_back(static_cast<std::uint64_t>(seeds->from + i));
 }
 
-/// Returns the values of the key `name` in the list `measures` of a JSON world. `text` is that of the world.
-std::set<std::string> measure_names(const std::string& text) {
+std::optional<std::set<std::string>> StudyReader::measures_of_world() const {
   std::set<std::string> names;
+  if (study_.world.extension() == ".world") return names;  // Stage's syntax has no measures
+  std::optional<std::string> text;
+  if (world_ != nullptr)
+    text = *world_;
+  else if (check_readable(study_.world, k_most_input_bytes))
+    text = read_file(study_.world);
   Diagnostics ignored;
-  const std::optional<JsonNode> document = parse_json(text, {}, true, ignored);
-  const JsonNode* measures = document ? document->find("measures") : nullptr;
+  const std::optional<JsonNode> document = text ? parse_json(*text, {}, true, ignored) : std::nullopt;
+  if (!document) return std::nullopt;
+  const JsonNode* measures = document->find("measures");
   if (measures && measures->list())
     for (const JsonNode& entry : *measures->list())
       if (const JsonNode* name = entry.find("name"); name && name->text()) names.insert(*name->text());
@@ -373,16 +377,13 @@ void StudyReader::read_measures(JsonObject& object) {
   };
   not_empty("measures", "the measures of the world");
   not_empty("statistics", "the last values");
-  // The names of the measures of the world, which is read only if needed. They are not known if it cannot be
-  // read: only this is then reported, when the world is loaded.
-  std::optional<std::set<std::string>> names;
+  std::optional<std::set<std::string>> names;  // of the measures of the world, which is read only if needed
   bool has_looked = false;
   each(object, "measures", [&](const JsonCursor& at) {
     const std::string* text = at.node().text();
     bool is_of_world = text && !registry_.find_measure(text->substr(0, text->find(':')));
     if (is_of_world && !study_.world.empty()) {
-      if (!std::exchange(has_looked, true))
-        if (const std::optional<std::string> world = text_of_world()) names = measure_names(*world);
+      if (!std::exchange(has_looked, true)) names = measures_of_world();
       is_of_world = !names || names->contains(*text);
     }
     if (!is_of_world && text && names)

@@ -41,8 +41,6 @@ std::vector<std::uint32_t> ids_of(const StateTable& table, std::span<const std::
   return ids;
 }
 
-std::size_t bytes_of(const StateField& field) { return engine::element_size(field.element) * field.columns; }
-
 /// Returns the group of each table, as steps of the path below /tables: the component "ranger/eye" is stored
 /// in the group eye in the group ranger. If several types have a component of the same name, all but the
 /// first get a number: "ranger/eye#2".
@@ -137,7 +135,7 @@ void write_table(Hdf5Group group, const StateTable& table) {
   group.write(std::string(k_id), std::span(ids));
   for (std::size_t f = 0; f < table.fields().size(); ++f) {
     const StateField& field = table.fields()[f];
-    const std::size_t width = bytes_of(field);
+    const std::size_t width = field.bytes();
     std::vector<std::byte> values(rows.size() * width);
     for (std::size_t i = 0; i < rows.size() && width > 0; ++i)
       std::memcpy(values.data() + i * width, table.cell<std::byte>(rows[i], f).data(), width);
@@ -173,7 +171,7 @@ void read_table(const Hdf5Group& group, StateTable& table) {
     if (dataset.extent() != std::vector<std::size_t>{rows.size(), field.columns})
       dataset.fail(
           fmt::format("does not have one row for each of the {} bodies: the file is damaged", rows.size()));
-    const std::size_t width = bytes_of(field);
+    const std::size_t width = field.bytes();
     if (width == 0) continue;
     std::vector<std::byte> values(dataset.values() * engine::element_size(field.element));
     dataset.read_bytes(0, values);

@@ -148,7 +148,7 @@ void leave_out_absent(const World& world, const RecordedComponent& component,
     if (world.is_there(row) && (!source.sensor || world.senses(row, *source.sensor))) continue;
     for (std::size_t f = 0; f < component.fields.size(); ++f) {
       const engine::StateField& field = component.fields[f];
-      const std::size_t width = engine::element_size(field.element) * field.columns;
+      const std::size_t width = field.bytes();
       const std::size_t recorded = (*source.recorded)[table.ids()[r].index()];
       std::ranges::fill(fields[f].subspan(width * recorded, width), absent(field));
     }
@@ -157,9 +157,7 @@ void leave_out_absent(const World& world, const RecordedComponent& component,
 
 }  // namespace
 
-std::size_t RecordedComponent::bytes(std::size_t field) const {
-  return rows * fields[field].columns * engine::element_size(fields[field].element);
-}
+std::size_t RecordedComponent::bytes(std::size_t field) const { return rows * fields[field].bytes(); }
 
 std::vector<BodyId> recorded_bodies(const World& world) {
   std::vector<BodyId> bodies;

@@ -80,7 +80,7 @@ class RecordingReader {
     std::string frame;  ///< coordinate frame of the values, such as "world", "body" or "sensor"; empty: none
     std::vector<std::uint32_t> bodies;  ///< for each row, the index of its body in ids()
     Hdf5Dataset dataset;                ///< the values: frames x rows x columns
-    std::size_t row_bytes() const { return field.columns * engine::element_size(field.element); }
+    std::size_t row_bytes() const { return field.bytes(); }
   };
   /// All arrays, in the order in which a tick computes them: sensors, memories of controllers, velocities,
   /// poses.

@@ -83,7 +83,7 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
   auto spec = device(model, kind);
   if (!spec) return {};
   if (const StageProperty* property = model.find(document_, "size")) {
-    const Field& limits = kind.params.fields[static_cast<std::size_t>(kind.params.find("size"))];
+    const Field& limits = kind.params.at("size");
     for (const double extent : size)  // an extent of 0 is reported with the body of the gripper
       if (extent > 0 && !values_.is_within(*property, limits, extent, extent / values_.length_unit()))
         return {};

@@ -22,10 +22,6 @@ using engine::Value;
 constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
                                                      "camera",   "position",   "ranger"};
 
-void set_field(const FieldTable& table, Record& record, std::string_view name, Value value) {
-  record[static_cast<std::size_t>(table.find(name))] = std::move(value);
-}
-
 std::string device_name(const TypeSpec& type, std::uint32_t part, std::string_view last) {
   const std::string& below = type.parts[part].name;
   return below.empty() ? std::string(last) : fmt::format("{}.{}", below, last);
@@ -43,6 +39,16 @@ std::optional<std::size_t> pack_of(const TypeSpec& type, std::uint32_t part) {
       if (type.devices[d].kind == "power_pack" && type.devices[d].part == part) return d;
     if (part == 0) return std::nullopt;
   }
+}
+
+Record effective_params(const TypeSpec& type, const DeviceSpec& device, const FieldTable& table) {
+  Record params = device.params;
+  if (device.kind != "power_pack") return params;
+  const auto value = [&](std::string_view name) -> Value& { return get(table, params, name); };
+  if (value("infinite").boolean()) value("capacity") = 0.0;
+  value("stored") = std::min(value("stored").number(), value("capacity").number());
+  if (!type.drive || device.part != 0) value("mass") = value("idle") = 0.0;
+  return params;
 }
 
 bool StagePower::is_on(const StageModel& model) {
@@ -138,13 +144,13 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
                   .joint = type.parts[part].joint,
                   .params = kind->params.defaults(),
                   .where = model.where};
-  set_field(kind->params, pack.params, "capacity", capacity);
-  set_field(kind->params, pack.params, "stored", stored);
-  set_field(kind->params, pack.params, "infinite", infinite);
-  set_field(kind->params, pack.params, "idle", 0.0);
+  get(kind->params, pack.params, "capacity") = capacity;
+  get(kind->params, pack.params, "stored") = stored;
+  get(kind->params, pack.params, "infinite") = infinite;
+  get(kind->params, pack.params, "idle") = 0.0;
   if (const auto text = empty ? values_.text(*empty) : std::nullopt) {
     if (*text == "stop" || *text == "nothing")
-      set_field(kind->params, pack.params, "when_empty", std::string(*text));
+      get(kind->params, pack.params, "when_empty") = std::string(*text);
     else
       values_.error(values_.where(*empty),
                     fmt::format("\"when_empty\" must be \"stop\" or \"nothing\", found \"{}\"", *text));
@@ -164,8 +170,8 @@ void StagePower::read_contact(const StageModel& model, std::uint32_t part, TypeS
                      .params = kind->params.defaults(),
                      .active = is_on(model),
                      .where = model.where};
-  set_field(kind->params, contact.params, "give", give);
-  set_field(kind->params, contact.params, "take", take);
+  get(kind->params, contact.params, "give") = give;
+  get(kind->params, contact.params, "take") = take;
   if (give > 0 && !contact.active)
     values_.warning_once(values_.where(*model.find(document_, "give_watts")),
                          "\"give_watts\" has no effect: a model gives energy only while it runs, for which "
@@ -191,15 +197,14 @@ void StagePower::finish(TypeSpec& type) {
       return device.part == draw.part && device.kind != "power_pack" && device.kind != "power_contact";
     });
     if (!pack || !(draw.runs || (is_device && is_controlled))) continue;
-    const auto at = static_cast<std::size_t>(table->find("draw"));
-    Value& power = type.devices[*pack].params[at];
+    Value& power = get(*table, type.devices[*pack].params, "draw");
     power = power.number() + draw.watts;
   }
   const std::optional<std::size_t> own = type.drive ? pack_of(type, 0) : std::nullopt;
   if (!own) return;
   Record& params = type.devices[*own].params;
-  set_field(*table, params, "mass", mass_);
-  set_field(*table, params, "idle", drives_ || is_controlled ? 1.0 : 0.0);
+  get(*table, params, "mass") = mass_;
+  get(*table, params, "idle") = drives_ || is_controlled ? 1.0 : 0.0;
 }
 
 }  // namespace troupe::worldio

@@ -19,6 +19,11 @@ bool has_own_draw(std::string_view model_type);
 /// Returns the power pack that supplies a part, as an index into TypeSpec::devices: the part's own pack, or
 /// else that of the nearest part on which it is mounted. Empty if there is none.
 std::optional<std::size_t> pack_of(const engine::TypeSpec& type, std::uint32_t part);
+/// Returns the parameters of a device of the type. In those of a power pack, the stored energy is at most the
+/// capacity, and parameters without an effect are 0: the energy and the capacity of a pack that never runs
+/// out, and the power of the drive if the pack does not supply a drive. `table` describes the parameters.
+engine::Record effective_params(const engine::TypeSpec& type, const engine::DeviceSpec& device,
+                                const engine::FieldTable& table);
 
 /// Converts the energy properties (joules, watts, give_watts, ...) of models in `.world` files to Troupe's
 /// devices. Such files belong to Stage, an older robot simulator. A model becomes a part (rigid piece) of a

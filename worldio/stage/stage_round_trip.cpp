@@ -3,6 +3,7 @@
 #include "base/geometry.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/stage/stage_demos.hpp"
+#include "worldio/stage/stage_power.hpp"
 
 #include <fmt/format.h>
 
@@ -94,21 +95,6 @@ bool is_rounded(const engine::Value& a, const engine::Value& b, const engine::Fi
   if (field.type != engine::FieldType::number || !a.given() || !b.given()) return false;
   const double largest = std::max(std::abs(a.number()), std::abs(b.number()));
   return std::abs(a.number() - b.number()) <= k_rounding * largest;
-}
-
-/// Returns the parameters of a device. Of a power pack, parameters without an effect are replaced by 0: the
-/// energy and the capacity of a pack that never runs out, and the power of the drive if the pack does not
-/// supply a drive. Stored energy is at most the capacity.
-Record effective_params(const TypeSpec& type, const DeviceSpec& device, const FieldTable& table) {
-  Record params = device.params;
-  if (device.kind != "power_pack") return params;
-  const auto value = [&](std::string_view name) -> engine::Value& {
-    return params[static_cast<std::size_t>(table.find(name))];
-  };
-  if (value("infinite").boolean()) value("capacity") = 0.0;
-  value("stored") = std::min(value("stored").number(), value("capacity").number());
-  if (!type.drive || device.part != 0) value("mass") = value("idle") = 0.0;
-  return params;
 }
 
 class RoundTrip {

@@ -54,7 +54,7 @@ bool StageKinds::add_blob_colors(const StageModel& model, const engine::DeviceKi
     }
     parts.insert(parts.end(), {color->r, color->g, color->b});
   }
-  spec.params[static_cast<std::size_t>(kind.params.find("colors"))] = std::move(parts);
+  get(kind.params, spec.params, "colors") = std::move(parts);
   return true;
 }
 
@@ -76,8 +76,7 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
     return false;
   }
   for (const StageEntity* layer : model.layers) warn_of_missing_bumpers(document_, *layer, *count, values_);
-  const engine::FieldTable& table = engine::described<engine::BumperStripParams>();
-  const engine::Field& length_field = table.fields[static_cast<std::size_t>(table.find("length"))];
+  const engine::Field& length_field = engine::described<engine::BumperStripParams>().at("length");
   const StageProperty* common = model.find(document_, "blength");
   for (std::int64_t k = 0; k < *count; ++k) {
     engine::BumperStripParams strip;

@@ -382,15 +382,16 @@ void TypeText::write_power(std::uint32_t p) {
     if (device.part != p) continue;
     const DeviceKind* kind = kind_of(device);
     if (!kind) continue;
-    const auto value = [&](std::string_view name) { return get(kind->params, device.params, name); };
+    const engine::Record params = effective_params(type_, device, kind->params);
+    const auto value = [&](std::string_view name) { return get(kind->params, params, name); };
     if (device.kind == "power_pack") {
       const double capacity = value("capacity").number();
-      const double stored = std::min(value("stored").number(), capacity);
+      const double stored = value("stored").number();
       text_.number("joules", value("infinite").boolean() ? -1 : stored);
-      if (!value("infinite").boolean() && stored != capacity) text_.number("joules_capacity", capacity);
+      if (stored != capacity) text_.number("joules_capacity", capacity);
       if (value("mass").number() > 0) text_.number("mass", value("mass").number());
       if (value("when_empty").text() != "stop") text_.text("when_empty", value("when_empty").text());
-      is_on = is_on || (p == 0 && type_.drive && value("idle").number() > 0 && type_.controllers.empty());
+      is_on = is_on || (value("idle").number() > 0 && type_.controllers.empty());
     } else if (device.kind == "power_contact") {
       if (value("give").number() > 0) text_.number("give_watts", value("give").number());
       if (value("take").number() > 0) text_.number("take_watts", value("take").number());
