@@ -77,7 +77,8 @@ void bind_math(py::module_& module) {
   module.def("sqrt", py::vectorize([](double x) { return troupe::sqrt(x); }), py::arg("x").none(false),
              "Returns the square root of x; NaN for negative numbers.");
   module.def(
-      "wrap_angle", py::vectorize([](double x) { return troupe::wrap_angle(x); }), py::arg("radians").none(false),
+      "wrap_angle", py::vectorize([](double x) { return troupe::wrap_angle(x); }),
+      py::arg("radians").none(false),
       "Returns an angle in radians plus the multiple of 2 pi that brings it into the interval from -pi to "
       "pi. Both ends\nbelong to the interval: an angle in it is not changed. NaN for an infinite angle.");
   module.def("ordered_sum", &ordered_sum, py::arg("values").none(false));

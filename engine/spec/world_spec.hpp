@@ -11,7 +11,9 @@
 #include "engine/spec/ranging_engine.hpp"
 #include "engine/spec/watch_spec.hpp"
 
+#include <algorithm>
 #include <functional>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -295,9 +297,9 @@ struct WorldSpec {
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
   /// Whether a body is in the world at tick 0. False if the body belongs to a reserve.
   bool starts(BodyId body) const {
-    for (const ReserveSpec& reserve : reserves)
-      if (body.value - reserve.first.value < reserve.count) return false;
-    return true;
+    const auto later = std::ranges::upper_bound(
+        reserves, body.value, {}, [](const ReserveSpec& reserve) { return reserve.first.value; });
+    return later == reserves.begin() || body.value - std::prev(later)->first.value >= std::prev(later)->count;
   }
 };
 

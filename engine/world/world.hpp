@@ -693,8 +693,8 @@ class World {
   };
   void check_size(Diagnostics& diagnostics) const;
   void check_reserves(Diagnostics& diagnostics) const;
-  std::vector<BodyId> rows_by_place() const;
-  void build_rows();
+  std::vector<BodyId> rows_by_place(const partition::GridGeometry& geometry) const;
+  void build_rows(const partition::GridGeometry& usual);
   void build_scene();
   void build_tables();
   void build_lives();

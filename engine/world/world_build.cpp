@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 // The parts of World that run once, when the world is made from its spec.
 
@@ -26,24 +28,78 @@ constexpr unsigned k_default_tile_bits = 4;
 // Longest reach that counts for the width of the cells, m. A device may have an infinite reach.
 constexpr double k_most_hint = 10'000;
 
-/// Chooses the cells of the spatial index. Their width is an eighth of the mean reach of the bodies with
-/// rows. The reach of a body is the longest reach of its active devices (DeviceKind::Prepared::cell_hint_m,
-/// or reach_m if that is not set) plus its radius; without such devices, it counts as 16 radii. Such cells
-/// are small enough to exclude most bodies out of reach, and large enough that a query visits few of them.
-/// The mean is used, not the maximum, so that a few robots of long range do not coarsen the grid. If
-/// `tile_size_m` is positive, tiles have this width, m, and are divided into cells of about the width above.
-/// Wide bodies may require wider tiles. Larger tiles than k_most_coarsening allows are made narrower, and
-/// tiles with more cells than k_most_cells allows are divided into wider cells.
+// With about this many bodies in a block of cells, a tick takes least time: bodies in a block share the
+// search for their neighbours, but the search also finds more bodies that are out of reach. In worlds of few
+// bodies the cells are wider than their reach requires, by at most this factor, because bodies may gather
+// later.
+constexpr double k_bodies_per_block = 7;
+constexpr double k_most_widening = 3;
+
+/// The ground on which bodies can be expected: the bounds of the world or, if it has none, the smallest box
+/// around the static solids and the bodies at their places at the start, m, world frame.
+Box expected_ground(const WorldSpec& spec, std::span<const BodyType> types, std::span<const Vec2> places) {
+  if (spec.bounds) return *spec.bounds;
+  Box ground;
+  for (const Vec2& place : places) ground.extend(place);
+  for (const BodySpec& body : spec.bodies) {
+    if (types[body.type.index()].runs()) continue;
+    for (const PartSpec& part : spec.types[body.type.index()].parts)
+      for (const Solid& solid : part.solids)
+        for (const Ring& contour : placed(solid, body.pose_world_body).contours)
+          ground.extend(bounds(contour));
+  }
+  return ground;
+}
+
+/// Estimates how many bodies there are per square metre around a body. Bodies often start close together and
+/// then spread, so the result is the geometric mean of two densities: that around a body at the start,
+/// averaged over the bodies, and that of the bodies spread evenly over the ground. places  positions of the
+/// bodies at the start, m, world frame; at least one ground  size of the ground, m near_m  width of the
+/// squares in which bodies at the start are counted, m
+double expected_density(std::span<const Vec2> places, const Vec2& ground, double near_m) {
+  const partition::GridGeometry squares{near_m, 0};
+  std::vector<std::pair<std::int32_t, std::int32_t>> of_places;
+  of_places.reserve(places.size());
+  for (const Vec2& place : places) {
+    const partition::Cell square = squares.cell(place);
+    of_places.emplace_back(square.x, square.y);
+  }
+  std::ranges::sort(of_places);
+  double near = 0;  // for each body, the number of bodies in its square, added up
+  for (std::size_t i = 0; i < of_places.size();) {
+    std::size_t end = i;
+    while (end < of_places.size() && of_places[end] == of_places[i]) ++end;
+    near += static_cast<double>((end - i) * (end - i));
+    i = end;
+  }
+  const auto count = static_cast<double>(places.size());
+  const double at_start = near / count / (near_m * near_m);
+  const double spread = count / ((ground.x() + near_m) * (ground.y() + near_m));
+  return std::sqrt(at_start * spread);
+}
+
+/// Chooses the cells of the spatial index. Their least width is an eighth of the mean reach of the bodies
+/// with rows. The reach of a body is the longest reach of its active devices
+/// (DeviceKind::Prepared::cell_hint_m, or reach_m if that is not set) plus its radius; without such devices,
+/// it counts as 16 radii. Such cells are small enough to exclude most bodies out of reach. The mean is used,
+/// not the maximum, so that a few robots of long range do not coarsen the grid. Where few bodies would share
+/// a block of such cells, the cells are wider, so that a query visits fewer of them: see k_bodies_per_block.
+/// If `tile_size_m` is positive, tiles have this width, m, and are divided into cells of about the width
+/// above. Wide bodies may require wider tiles. Larger tiles than k_most_coarsening allows are made narrower,
+/// and tiles with more cells than k_most_cells allows are divided into wider cells.
 partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
                                         double tile_size_m) {
+  std::vector<Vec2> places;
   double sum = 0;
   double widths = 0;
   double widths2 = 0;
   double count = 0;
   double width = 0;
-  for (const BodySpec& body : spec.bodies) {
+  for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+    const BodySpec& body = spec.bodies[b];
     const BodyType& type = types[body.type.index()];
     if (!type.runs()) continue;
+    if (spec.starts(BodyId(b))) places.push_back(body.pose_world_body.position());
     double reach = 0;
     for (const BodyType::Device& sensor : type.devices)
       if (sensor.active)
@@ -63,7 +119,14 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
   // a cell.
   const double own_width = widths > 0 ? (1 + 1e-9) * widths2 / widths : 0;
   const double least = std::max({0.05, own_width, width / 8});
-  const double cell = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
+  const double narrow = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
+  double widening = 1;
+  if (!places.empty()) {
+    const Vec2 ground = expected_ground(spec, types, places).size();
+    const double block = std::sqrt(k_bodies_per_block / expected_density(places, ground, 8 * narrow));
+    widening = std::clamp(block / (4 * narrow), 1.0, k_most_widening);
+  }
+  const double cell = widening * narrow;
   if (!(tile_size_m > 0)) return {cell, k_default_tile_bits};
   const double tile = std::min(tile_size_m, k_most_coarsening * (1u << k_most_tile_bits) * cell);
   const Vec2 ground = spec.bounds.value_or(Box::around(Vec2::Zero(), k_world_reach_m)).size() / tile;
@@ -195,8 +258,10 @@ World::World(WorldSpec spec, const Registry& registry, const WorldOptions& optio
   check_size(diagnostics);
   check_reserves(diagnostics);
   diagnostics.throw_if_errors();
-  state_.geometry = choose_geometry(state_.spec, state_.types, options.tile_size_m);
-  build_rows();
+  const partition::GridGeometry usual = choose_geometry(state_.spec, state_.types, 0);
+  state_.geometry =
+      options.tile_size_m > 0 ? choose_geometry(state_.spec, state_.types, options.tile_size_m) : usual;
+  build_rows(usual);
   movement_.build();
   links_.build();
   build_experiment(registry, diagnostics);
@@ -268,13 +333,12 @@ void World::check_reserves(Diagnostics& diagnostics) const {
 /// Returns the bodies that have rows, in the order of their rows. Bodies that are neighbours in space at tick
 /// 0 get rows that are close in memory, and most of them remain neighbours for a long time. With 100,000
 /// robots in a building, a step with rows in arbitrary order takes 1.5 times as long. The order affects only
-/// the speed. It is computed with the default cells, whatever WorldOptions::tile_size_m is.
-std::vector<BodyId> World::rows_by_place() const {
+/// the speed. `geometry` is the grid that the world has if WorldOptions::tile_size_m is not set.
+std::vector<BodyId> World::rows_by_place(const partition::GridGeometry& geometry) const {
   struct Place {
     std::uint64_t key;
     BodyId body;
   };
-  const partition::GridGeometry geometry = choose_geometry(state_.spec, state_.types, 0);
   const auto low_bits = [](std::int32_t value, unsigned bits) {
     return static_cast<std::uint64_t>(value) & ((1u << bits) - 1);
   };
@@ -304,9 +368,9 @@ std::vector<BodyId> World::rows_by_place() const {
   return bodies;
 }
 
-void World::build_rows() {
+void World::build_rows(const partition::GridGeometry& usual) {
   state_.rows.resize(state_.spec.bodies.size());
-  const std::vector<BodyId> bodies = rows_by_place();
+  const std::vector<BodyId> bodies = rows_by_place(usual);
   const auto reserve = [&bodies](auto&... columns) { (columns.reserve(bodies.size()), ...); };
   reserve(state_.bodies, state_.ids, state_.row_types, state_.slots, state_.outline_begins);
   state_.pools.resize(state_.types.size());

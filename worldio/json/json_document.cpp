@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <iterator>
 #include <unordered_map>
+#include <utility>
 
 namespace troupe::worldio {
 namespace {
@@ -338,8 +339,7 @@ void set_json_value(JsonNode& document, const std::string& pointer, const std::s
   std::string path;
   for (std::size_t i = 0; i < tokens->size(); ++i) {
     const std::string& token = (*tokens)[i];
-    const Result<JsonNode*> child =
-        child_to_set(*at, *around, path, token, i + 1 == tokens->size(), where);
+    const Result<JsonNode*> child = child_to_set(*at, *around, path, token, i + 1 == tokens->size(), where);
     if (!child) return diagnostics.error(where, child.error().text);
     around = std::exchange(at, *child);
     path += '/';
