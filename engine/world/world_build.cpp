@@ -28,11 +28,12 @@ constexpr unsigned k_default_tile_bits = 4;
 // Longest reach that counts for the width of the cells, m. A device may have an infinite reach.
 constexpr double k_most_hint = 10'000;
 
-// With about this many bodies in a block of cells, a tick takes least time: bodies in a block share the
-// search for their neighbours, but the search also finds more bodies that are out of reach. In worlds of few
-// bodies the cells are wider than their reach requires, by at most this factor, because bodies may gather
-// later.
-constexpr double k_bodies_per_block = 7;
+// Bodies in a block of cells share the search for their neighbours, but this search also finds more bodies
+// that are out of reach. With so many bodies with sensors in a block, or so many bodies in all, a tick takes
+// least time. In worlds of few bodies the cells are therefore wider than their reach requires, by at most
+// this factor, because bodies may gather later.
+constexpr double k_sensing_per_block = 7;
+constexpr double k_bodies_per_block = 21;
 constexpr double k_most_widening = 3;
 
 /// The ground on which bodies can be expected: the bounds of the world or, if it has none, the smallest box
@@ -53,10 +54,13 @@ Box expected_ground(const WorldSpec& spec, std::span<const BodyType> types, std:
 
 /// Estimates how many bodies there are per square metre around a body. Bodies often start close together and
 /// then spread, so the result is the geometric mean of two densities: that around a body at the start,
-/// averaged over the bodies, and that of the bodies spread evenly over the ground. places  positions of the
-/// bodies at the start, m, world frame; at least one ground  size of the ground, m near_m  width of the
-/// squares in which bodies at the start are counted, m
+/// averaged over the bodies, and that of the bodies spread evenly over the ground.
+///
+/// places  positions of the bodies at the start, m, world frame; if there are none, the result is 0
+/// ground  size of the ground, m
+/// near_m  width of the squares in which bodies at the start are counted, m
 double expected_density(std::span<const Vec2> places, const Vec2& ground, double near_m) {
+  if (places.empty()) return 0;
   const partition::GridGeometry squares{near_m, 0};
   std::vector<std::pair<std::int32_t, std::int32_t>> of_places;
   of_places.reserve(places.size());
@@ -89,7 +93,8 @@ double expected_density(std::span<const Vec2> places, const Vec2& ground, double
 /// and tiles with more cells than k_most_cells allows are divided into wider cells.
 partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const BodyType> types,
                                         double tile_size_m) {
-  std::vector<Vec2> places;
+  std::vector<Vec2> places;   // of the bodies at the start
+  std::vector<Vec2> sensing;  // of those of them that have active sensors
   double sum = 0;
   double widths = 0;
   double widths2 = 0;
@@ -99,12 +104,15 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     const BodySpec& body = spec.bodies[b];
     const BodyType& type = types[body.type.index()];
     if (!type.runs()) continue;
-    if (spec.starts(BodyId(b))) places.push_back(body.pose_world_body.position());
     double reach = 0;
     for (const BodyType::Device& sensor : type.devices)
       if (sensor.active)
         reach = std::max(
             reach, std::min(sensor.prepared.cell_hint_m.value_or(sensor.prepared.reach_m), k_most_hint));
+    if (spec.starts(BodyId(b))) {
+      places.push_back(body.pose_world_body.position());
+      if (reach > 0) sensing.push_back(places.back());
+    }
     const double radius = type.radius + type.joint_reach;
     sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
     widths += 2 * radius;
@@ -123,8 +131,9 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
   double widening = 1;
   if (!places.empty()) {
     const Vec2 ground = expected_ground(spec, types, places).size();
-    const double block = std::sqrt(k_bodies_per_block / expected_density(places, ground, 8 * narrow));
-    widening = std::clamp(block / (4 * narrow), 1.0, k_most_widening);
+    const double crowd = std::max(expected_density(sensing, ground, 8 * narrow) / k_sensing_per_block,
+                                  expected_density(places, ground, 8 * narrow) / k_bodies_per_block);
+    widening = std::clamp(1 / (4 * narrow * std::sqrt(crowd)), 1.0, k_most_widening);
   }
   const double cell = widening * narrow;
   if (!(tile_size_m > 0)) return {cell, k_default_tile_bits};
