@@ -93,7 +93,7 @@ def is_number(value: Any) -> bool:
 
 def _is_whole(value: Any) -> bool:
     try:
-        return operator.index(value) is not None
+        return not isinstance(value, np.bool_) and operator.index(value) is not None
     except TypeError:
         return False
 

@@ -185,7 +185,7 @@ class Loading(InAFolder):
             (lambda: world.find("r0").set_speed(np.ones(2), 0), "forward: found array([1., 1.]): give a number"),
             (lambda: world.model(np.arange(2)), "id: found array([0, 1]): give a whole number"),
             (lambda: world.swarm().set_speeds(None, 0), "forward: found None: give one number, or one per robot"),
-            (lambda: world.on_tick(), 'on_tick() needs the argument "callback": give a value'),
+            (lambda: world.on_tick(), 'on_tick() needs the argument "callback"'),
             (lambda: troupe.Measures(world, 3),
              "wanted: found 3: give a list whose elements are each a text or a dict or a function"),
             (lambda: world.spawn("r", (1, 2)), "pose: found (1, 2): give a troupe.Pose or a tuple (x, y, heading)"),
