@@ -426,11 +426,11 @@ void Lint::check_grippers() {
     for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d) {
       const engine::BodyType::Device& device = world_.types()[t].devices[d];
       const std::size_t own = engine::can_be_gripped(spec_.types[t]) ? 1 : 0;
-      if (device.kind->name == "gripper" && held == own)
+      if (device.kind->carries && held == own)
         diagnostics_.warning(
             spec_.types[t].devices[d].where,
-            fmt::format("gripper \"{}\" of \"{}\" can hold nothing: no other body has \"gripper_return\"",
-                        device.name, world_.types()[t].name));
+            fmt::format("{} \"{}\" of \"{}\" can hold nothing: no other body has \"gripper_return\"",
+                        device.kind->name, device.name, world_.types()[t].name));
     }
 }
 

@@ -39,6 +39,14 @@ void get_table_row(const World& world, StateTable& table, Row row, MessageReader
     message.get_bytes({table.row(*at), table.row_bytes()});
 }
 
+/// The squares of which the regions of ranks consist: a quarter of a tile of the index each, so that ranks
+/// can divide the bodies more evenly.
+partition::GridGeometry owned_squares(const World& world) {
+  partition::GridGeometry squares = world.geometry();
+  if (squares.tile_bits > 0) --squares.tile_bits;
+  return squares;
+}
+
 /// The place of the row's body (class Halo, `owners`), m, world frame.
 Vec2 place_of(const World& world, Row row) { return world.transform(world.root(row)).position; }
 
@@ -135,9 +143,10 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
                 .ranks = std::vector<HaloPlan::Rank>(ranks)};
   std::vector<TileOwners::Key> keys;
   for (std::size_t r = 0; r < world.rows(); ++r)
-    if (world.is_there(Row(r))) keys.push_back(TileOwners::key(world.geometry(), place_of(world, Row(r))));
+    if (world.is_there(Row(r)))
+      keys.push_back(TileOwners::key(owned_squares(world), place_of(world, Row(r))));
   std::ranges::sort(keys);
-  const TileOwners owners(world.geometry(), TileOwners::equal_cut(keys, ranks));
+  const TileOwners owners(owned_squares(world), TileOwners::equal_cut(keys, ranks));
   std::vector<std::set<unsigned>> neighbours(ranks);
   std::vector<unsigned> near;
   for (std::size_t r = 0; r < world.rows(); ++r) {
@@ -178,9 +187,9 @@ void Halo::choose_coverage(double longest) {
 void Halo::divide() {
   keys_.clear();
   for (std::size_t r = 0; r < world_.rows(); ++r)
-    if (world_.is_there(Row(r))) keys_.push_back(TileOwners::key(world_.geometry(), place(Row(r))));
+    if (world_.is_there(Row(r))) keys_.push_back(TileOwners::key(owned_squares(world_), place(Row(r))));
   std::ranges::sort(keys_);
-  owners_ = TileOwners(world_.geometry(), TileOwners::equal_cut(keys_, post_.ranks));
+  owners_ = TileOwners(owned_squares(world_), TileOwners::equal_cut(keys_, post_.ranks));
   if (cut_seed_)
     cut_again();
   else
@@ -222,7 +231,7 @@ void Halo::find_ranks_near(Row row, std::vector<unsigned>& near) const {
 /// on the seed, the tick and the positions at tick 0.
 void Halo::cut_again() {
   Random random(*cut_seed_, stream_id("ranks", "cut"), 0, static_cast<std::uint32_t>(world_.tick()));
-  owners_ = TileOwners(world_.geometry(), TileOwners::random_cut(keys_, post_.ranks, random));
+  owners_ = TileOwners(owned_squares(world_), TileOwners::random_cut(keys_, post_.ranks, random));
 }
 
 void Halo::balance(std::span<const std::uint64_t> times) {
@@ -230,7 +239,7 @@ void Halo::balance(std::span<const std::uint64_t> times) {
   constexpr std::size_t k_most_keys = 512;
   std::vector<TileOwners::Key> keys;
   for (std::size_t r = 0; r < own_; ++r)
-    if (world_.is_there(Row(r))) keys.push_back(TileOwners::key(world_.geometry(), place(Row(r))));
+    if (world_.is_there(Row(r))) keys.push_back(TileOwners::key(owned_squares(world_), place(Row(r))));
   std::ranges::sort(keys);
   const std::size_t sent = std::min(keys.size(), k_most_keys);
   MessageWriter own = post_.begin(Order::rows);
@@ -268,7 +277,7 @@ void Halo::balance(std::span<const std::uint64_t> times) {
     before += each.weight;
   }
   cut.resize(post_.ranks - 1, all.empty() ? 0 : all.back().key + 1);
-  owners_ = TileOwners(world_.geometry(), std::move(cut));
+  owners_ = TileOwners(owned_squares(world_), std::move(cut));
 }
 
 void Halo::put_row(MessageWriter& message, Row row) const {

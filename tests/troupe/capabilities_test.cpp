@@ -67,7 +67,8 @@ TEST(Capabilities, NoTextOfTheEngineOrTheLibraryIsTheNameOfAKind) {
       R"(engine/spec/spec_description.cpp "fiducial")",  // a member of bodies
       R"(engine/spec/watch_spec.cpp "camera")",          // a parameter of a world's window
       R"(engine/spec/world_spec.cpp "ground")",          // the type of body 0
-      R"(troupe/pictures.cpp "camera")",                 // the same, and the option --camera
+      R"(troupe/model.cpp "ranger")",                    // the word of a message for all that measures ranges
+      R"(troupe/pictures.cpp "camera")",  // the same as in watch_spec.cpp, and the option --camera
       // Another parameter of a window.
       R"re(troupe/lint.cpp get(worldio::window_fields(), *spec_.window, "follow")re",
       R"(troupe/recorded_run.cpp "power_pack")"  // what to write behind --record-fields
