@@ -17,6 +17,7 @@
 #include <deque>
 #include <exception>
 #include <ostream>
+#include <regex>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -448,6 +449,11 @@ void PrintTo(const Meddling& meddling, std::ostream* out) { *out << meddling.kin
 
 class CheckScope : public Check, public ::testing::WithParamInterface<Meddling> {};
 
+/// Replaces the names of robots, because the order in which bodies have their rows decides which is named.
+std::string without_names(const std::string& text) {
+  return std::regex_replace(text, std::regex("\"r[0-9]+\""), "\"r\"");
+}
+
 TEST_P(CheckScope, OfAnEffectIsWhatItsKindDeclares) {
   CheckOptions blinkered = options("honest");
   blinkered.threads = {1};
@@ -469,8 +475,9 @@ TEST_P(CheckScope, OfAnEffectIsWhatItsKindDeclares) {
   EXPECT_EQ(
       lines[4],
       "  1 thread, automatic tiles, bodies beyond reach hidden, compared with 1 thread, automatic tiles:");
-  EXPECT_EQ(lines[5], fmt::format("    stopped with an error: tick 1: device \"it\" ({}) of \"r0\" {}",
-                                  GetParam().kind, GetParam().report));
+  EXPECT_EQ(without_names(lines[5]),
+            without_names(fmt::format("    stopped with an error: tick 1: device \"it\" ({}) of \"r0\" {}",
+                                      GetParam().kind, GetParam().report)));
 }
 
 std::string changed(std::string_view kind) {
