@@ -62,8 +62,9 @@ void explain_arguments(py::module_& module) {
       explain_in(member);
       continue;
     }
-    for (const auto& [method_name, method] : py::dict(member.attr("__dict__"))) {
-      const auto is_of = [&method](PyTypeObject& type) {
+    for (const auto& entry : py::dict(member.attr("__dict__"))) {
+      const py::handle method = entry.second;
+      const auto is_of = [&](PyTypeObject& type) {
         return py::isinstance(method, py::handle(reinterpret_cast<PyObject*>(&type)));
       };
       explain_in(is_of(PyStaticMethod_Type) ? method.attr("__func__")

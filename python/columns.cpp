@@ -72,7 +72,7 @@ Numbers numbers_of(std::string_view name, const py::object& given, std::string_v
   if (!given.is_none()) {  // NumPy converts None to NaN
     if (const py::array values = py::array::ensure(given)) {
       require_numbers(name, values);
-      if (const Numbers numbers = Numbers::ensure(values)) return numbers;
+      if (Numbers numbers = Numbers::ensure(values)) return numbers;
     }
   }
   throw py::type_error(fmt::format("{}: found {}: give {}", name, short_repr(given), wanted));
