@@ -3,7 +3,6 @@
 #include "worldio/results/hdf5_file.hpp"
 
 #include <fcntl.h>
-#include <nlohmann/json.hpp>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -95,14 +94,8 @@ TEST_F(RunPictures, SnapshotsAreTakenWhenTheyAreAskedFor) {
 
 /// Ranks that divide the robots among themselves send them to rank 0 only when it draws them.
 TEST_F(RunPictures, DistributedRanksSendRobotsOnlyForPictures) {
-  const auto messages = [&](const std::vector<std::string>& output) {
-    std::vector<std::string> options{
-        "run",         "room.world", "--for",          "10",  "--ranks",      "2",     "--threads", "1",
-        "--tile-size", "1",          "--rank-balance", "off", "--distribute", "--json"};
-    options.insert(options.end(), output.begin(), output.end());
-    const Outcome outcome = troupe(options);
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return nlohmann::json::parse(outcome.out).at("ranks_messages_mean").get<double>();
+  const auto messages = [&](const std::vector<std::string>& outputs) {
+    return messages_of_ranks("room.world", 10, outputs);
   };
   const double none = messages({});
   EXPECT_LE(messages({"--size", "64x48", "--snapshot", "end.png"}), none + 0.1);

@@ -1,6 +1,7 @@
 #include "tests/apps/program.hpp"
 
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -101,6 +102,17 @@ Outcome ProgramTest::run(const std::vector<std::string>& arguments, std::optiona
 }
 
 Outcome ProgramTest::troupe(const std::vector<std::string>& arguments) const { return run(arguments); }
+
+double ProgramTest::messages_of_ranks(const std::string& world, int seconds,
+                                      const std::vector<std::string>& outputs) const {
+  std::vector<std::string> arguments{"run",     world, "--for",     std::to_string(seconds),
+                                     "--ranks", "2",   "--threads", "1"};
+  arguments.insert(arguments.end(), {"--tile-size", "1", "--rank-balance", "off", "--distribute", "--json"});
+  arguments.insert(arguments.end(), outputs.begin(), outputs.end());
+  const Outcome outcome = troupe(arguments);
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  return nlohmann::json::parse(outcome.out).at("ranks_messages_mean").get<double>();
+}
 
 Outcome ProgramTest::troupe_with_file_limit(const std::vector<std::string>& arguments,
                                             std::size_t bytes) const {

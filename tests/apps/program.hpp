@@ -38,6 +38,10 @@ class ProgramTest : public ::testing::Test {
 
   /// Runs `troupe ARGUMENTS...` and waits until it ends.
   Outcome troupe(const std::vector<std::string>& arguments) const;
+  /// Runs a world in the temporary folder for `seconds` on two ranks that divide the robots, and returns the
+  /// mean number of messages per rank and tick. outputs: further arguments
+  double messages_of_ranks(const std::string& world, int seconds,
+                           const std::vector<std::string>& outputs) const;
   /// A signal to the program, such as SIGINT.
   struct Signal {
     int number;                  ///< number of the signal

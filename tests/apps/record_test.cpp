@@ -5,7 +5,6 @@
 #include "worldio/results/recording_reader.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -88,14 +87,8 @@ class Record : public ProgramTest {
 
 /// A run on ranks that divide the robots among themselves: only recorded ticks need the robots of all ranks.
 TEST_F(Record, DistributedRanksSendRobotsOnlyForFrames) {
-  const auto messages = [&](const std::vector<std::string>& output) {
-    std::vector<std::string> options{
-        "run",         "mixed.json", "--for",          "20",  "--ranks",      "2",     "--threads", "1",
-        "--tile-size", "1",          "--rank-balance", "off", "--distribute", "--json"};
-    options.insert(options.end(), output.begin(), output.end());
-    const Outcome outcome = troupe(options);
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return nlohmann::json::parse(outcome.out).at("ranks_messages_mean").get<double>();
+  const auto messages = [&](const std::vector<std::string>& outputs) {
+    return messages_of_ranks("mixed.json", 20, outputs);
   };
   const double none = messages({});
   EXPECT_GE(messages({"--record", "all.h5", "--record-fields", "all"}), none + 0.9)

@@ -28,6 +28,7 @@ namespace {
 
 using engine::World;
 using test::box;
+using test::device;
 using test::SceneBuilder;
 using test::Transducer;
 using Layout = engine::DeviceKind::Prepared;
@@ -253,11 +254,6 @@ Form singles(double degrees, int samples) {
 Form backwards(Form form) {
   std::ranges::reverse(form.transducers);
   return form;
-}
-
-engine::DeviceSpec device(const std::string& kind,
-                          std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
-  return {.name = kind, .kind = kind, .params = test::record(test::registry().device(kind)->params, values)};
 }
 
 /// Robots with a ranger and with all else that the controllers want. `crowd`: several in a yard with walls;

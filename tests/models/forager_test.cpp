@@ -15,12 +15,8 @@ namespace {
 
 using engine::World;
 using test::box;
+using test::device;
 using test::SceneBuilder;
-
-engine::DeviceSpec device(const std::string& kind,
-                          std::initializer_list<std::pair<std::string_view, engine::Value>> values) {
-  return {.name = kind, .kind = kind, .params = test::record(test::registry().device(kind)->params, values)};
-}
 
 /// A robot at the origin that is about to charge; a charger 2 m away, and another 6 m away.
 struct Pasture {

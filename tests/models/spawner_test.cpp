@@ -23,17 +23,9 @@ namespace {
 using engine::BirthStatus;
 using engine::World;
 using test::box;
+using test::device;
 using test::SceneBuilder;
 using ::testing::HasSubstr;
-
-using Values = std::initializer_list<std::pair<std::string_view, engine::Value>>;
-
-engine::DeviceSpec device(std::string kind, Values values, const Pose& pose = {}) {
-  return {.name = kind,
-          .kind = kind,
-          .params = test::record(test::registry().device(kind)->params, values),
-          .pose_body_device = pose};
-}
 
 /// A door at x = -1 that bears robots at x = 0, heading up; they drive on at 0.5 m/s.
 struct Door {

@@ -23,19 +23,10 @@ using engine::World;
 using models::BrushCommand;
 using models::LedCommand;
 using test::box;
+using test::device;
 using test::SceneBuilder;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using Params = std::vector<std::pair<std::string_view, engine::Value>>;
-
-engine::DeviceSpec device(std::string kind, const Params& params = {}, const Pose& pose = {}) {
-  return {.name = kind,
-          .kind = kind,
-          .params = test::record(test::registry().device(kind)->params, params),
-          .pose_body_device = pose,
-          .active = true,
-          .where = {}};
-}
 
 engine::Value rgb(double r, double g, double b) { return std::vector<double>{r, g, b}; }
 

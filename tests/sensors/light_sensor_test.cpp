@@ -15,21 +15,13 @@ namespace {
 
 using engine::World;
 using test::box;
+using test::device;
 using test::SceneBuilder;
-using Params = std::initializer_list<std::pair<std::string_view, engine::Value>>;
-
-engine::DeviceSpec device(std::string kind, Params params, const Pose& pose) {
-  return {.name = kind,
-          .kind = kind,
-          .params = test::record(test::registry().device(kind)->params, params),
-          .pose_body_device = pose,
-          .active = true,
-          .where = {}};
-}
+using Params = std::vector<std::pair<std::string_view, engine::Value>>;
 
 struct LightScene : SceneBuilder {
   /// At the origin, looking along +y, 0.3 m high.
-  BodyId robot_with(Params params = {}) {
+  BodyId robot_with(const Params& params = {}) {
     const TypeId id = robot("robot", {box(0.2, 0.2)});
     (*this)[id].devices = {device("light_sensor", params, {0, 0, 0.3, 0})};
     return body("r", id, {0, 0, 0, k_pi / 2});

@@ -60,6 +60,19 @@ inline engine::DeviceSpec ranger(std::string name, const std::vector<Transducer>
   return {.name = std::move(name), .kind = "ranger", .params = engine::to_record(params), .active = true};
 }
 
+/// Returns a device that runs whether a controller uses it or not. Its name is that of its kind. pose: pose
+/// of the device in the body frame.
+inline engine::DeviceSpec device(std::string kind,
+                                 const std::vector<std::pair<std::string_view, engine::Value>>& values = {},
+                                 const Pose& pose = {}) {
+  return {.name = kind,
+          .kind = kind,
+          .params = record(registry().device(kind)->params, values),
+          .pose_body_device = pose,
+          .active = true,
+          .where = {}};
+}
+
 inline engine::DriveSpec drive(
     std::string kind, std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
   return {.kind = kind, .params = record(registry().drive(kind)->params, values)};
