@@ -22,6 +22,15 @@ inline Ring rectangle(double x0, double y0, double x1, double y1) {
   return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
 }
 
+/// A fence along the x axis, centred on the origin: bars of 0.5 m by 1 m, one per metre, each of them a
+/// piece.
+inline partition::ObstacleShape fence_of(int bars) {
+  std::vector<ConvexPrism> pieces;
+  for (int i = 0; i < bars; ++i)
+    pieces.push_back({rectangle(i - bars / 2, -0.5, i - bars / 2 + 0.5, 0.5), {0, 1}});
+  return partition::make_obstacle_shape(pieces);
+}
+
 inline Ring turned(const Ring& ring, double angle, const Vec2& by = Vec2::Zero()) {
   Ring out;
   for (const Vec2& v : ring)

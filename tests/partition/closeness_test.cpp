@@ -58,10 +58,7 @@ TEST(ComeWithin, TestsEveryPiece) {
 // If every piece were compared with every piece, this test would run for minutes.
 TEST(ComeWithin, ComparesOnlyPiecesThatAreNear) {
   constexpr int k_pieces = 40'000;
-  std::vector<ConvexPrism> bars;
-  for (int i = 0; i < k_pieces; ++i)
-    bars.push_back({rectangle(i - k_pieces / 2, -0.5, i - k_pieces / 2 + 0.5, 0.5), {0, 1}});
-  const ObstacleShape fence = make_obstacle_shape(bars);
+  const ObstacleShape fence = oracle::fence_of(k_pieces);
   EXPECT_FALSE(within(fence, {}, fence, {k_pieces, 0, 0, 0}, 0.49));  // the gap at the end is 0.5 m
   EXPECT_TRUE(within(fence, {}, fence, {k_pieces, 0, 0, 0}, 0.51));
 }

@@ -65,10 +65,7 @@ TEST(WayOut, IsThatOfThePiecesThatPenetrateMostDeeply) {
 // If every piece were compared with every piece, this test would run for minutes.
 TEST(WayOut, ComparesOnlyPiecesThatAreNear) {
   constexpr int k_pieces = 40'000;
-  std::vector<ConvexPrism> bars;
-  for (int i = 0; i < k_pieces; ++i)
-    bars.push_back({rectangle(i - k_pieces / 2, -0.5, i - k_pieces / 2 + 0.5, 0.5), {0, 1}});
-  const ObstacleShape fence = make_obstacle_shape(bars);
+  const ObstacleShape fence = oracle::fence_of(k_pieces);
   EXPECT_EQ(way_out(PlacedShape(fence, Pose{}), PlacedShape(fence, Pose{k_pieces - 0.75, 0, 0, 0})),
             Vec2(0.25, 0));
 }
