@@ -1038,6 +1038,10 @@ TEST(JsonWorld, AReserveFollowsItsPopulation) {
   EXPECT_TRUE(loaded.spec.starts(BodyId(5)));
   EXPECT_FALSE(loaded.spec.starts(BodyId(6)));
   EXPECT_FALSE(loaded.spec.starts(BodyId(8)));
+  EXPECT_EQ(loaded.spec.reserve_of(BodyId(5)), nullptr);
+  EXPECT_EQ(loaded.spec.reserve_of(BodyId(6)), &reserve);
+  EXPECT_EQ(loaded.spec.reserve_of(BodyId(8)), &reserve);
+  EXPECT_EQ(loaded.spec.reserve_of(BodyId(9)), nullptr);
   const Loaded plain(k_world);
   for (std::size_t b = 0; b < 6; ++b)
     EXPECT_EQ(plain.spec.bodies[b].pose_world_body, loaded.spec.bodies[b].pose_world_body);
