@@ -2,8 +2,8 @@
 
 #include "base/random.hpp"
 
-#include <algorithm>
 #include <condition_variable>
+#include <map>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -13,16 +13,15 @@ namespace troupe::partition {
 
 struct Mailboxes::Impl {
   struct Letter {
-    unsigned from = 0;
-    std::uint64_t number = 0;  // of the letters from rank `from` to this mailbox, counted from 0
-    unsigned delay = 0;        // how many more times the receiver ignores the letter (tests only)
+    unsigned delay = 0;  // how many more times the receiver ignores the letter (tests only)
     std::shared_ptr<const Message> message;
   };
 
   struct Mailbox {
     std::mutex mutex;
     std::condition_variable changed;
-    std::vector<Letter> letters;
+    // By the sender, and by the number of the letter among those of the sender to this mailbox, from 0.
+    std::map<std::pair<unsigned, std::uint64_t>, Letter> letters;
     std::optional<std::string> closed;  // after close(): the reason
   };
 
@@ -56,17 +55,16 @@ struct Mailboxes::Impl {
 
 void Mailboxes::Impl::Mail::post(unsigned to, std::shared_ptr<const Message> message) {
   Mailbox& box = *all_.boxes[to];
-  Letter letter{.from = rank_, .number = sent_[to]++, .message = std::move(message)};
+  const std::uint64_t number = sent_[to]++;
+  Letter letter{.message = std::move(message)};
+  if (all_.seed) {
+    constexpr unsigned k_longest_delay = 8;
+    Random random(*all_.seed, rank_, to, static_cast<std::uint32_t>(number));
+    letter.delay = random.bits() % (k_longest_delay + 1);
+  }
   {
     const std::lock_guard lock(box.mutex);
-    auto place = box.letters.end();
-    if (all_.seed) {
-      constexpr unsigned k_longest_delay = 8;
-      Random random(*all_.seed, rank_, to, static_cast<std::uint32_t>(letter.number));
-      letter.delay = random.bits() % (k_longest_delay + 1);
-      place = box.letters.begin() + static_cast<std::ptrdiff_t>(random.bits() % (box.letters.size() + 1));
-    }
-    box.letters.insert(place, std::move(letter));
+    box.letters.emplace(std::pair(rank_, number), std::move(letter));
   }
   box.changed.notify_one();
 }
@@ -81,21 +79,18 @@ std::shared_ptr<const Message> Mailboxes::Impl::Mail::receive(unsigned from) {
 std::shared_ptr<const Message> Mailboxes::Impl::Mail::take(unsigned from) {
   Mailbox& box = *all_.boxes[rank_];
   std::unique_lock lock(box.mutex);
-  const auto is_next = [&](const Letter& letter) {
-    return letter.from == from && letter.number == received_[from];
-  };
   while (true) {
-    const auto found = std::ranges::find_if(box.letters, is_next);
+    const auto found = box.letters.find(std::pair(from, received_[from]));
     if (found == box.letters.end()) {
       if (box.closed) throw RankError(*box.closed);
       box.changed.wait(lock);
-    } else if (found->delay > 0) {
-      --found->delay;
+    } else if (found->second.delay > 0) {
+      --found->second.delay;
       lock.unlock();
       std::this_thread::yield();
       lock.lock();
     } else {
-      std::shared_ptr<const Message> message = std::move(found->message);
+      std::shared_ptr<const Message> message = std::move(found->second.message);
       box.letters.erase(found);
       ++received_[from];
       return message;

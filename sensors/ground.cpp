@@ -35,7 +35,11 @@ bool holds(const std::vector<Ring>& contours, const Vec2& point) {
       const Vec2& a = ring[j];
       const Vec2& b = ring[i];
       if ((a.y() > point.y()) == (b.y() > point.y())) continue;
-      const double x = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+      // From the lower end, so that the regions on both sides of an edge compute the same x: then the point
+      // is on the same side of the edge for both.
+      const Vec2& low = a.y() < b.y() ? a : b;
+      const Vec2& high = a.y() < b.y() ? b : a;
+      const double x = low.x() + (point.y() - low.y()) / (high.y() - low.y()) * (high.x() - low.x());
       if (point.x() < x) inside = !inside;
     }
   return inside;

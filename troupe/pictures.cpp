@@ -119,8 +119,6 @@ Result<> check_camera(const std::string& camera) {
   return Error{unknown_name("camera", camera, known)};
 }
 
-std::span<const std::string_view> picture_backgrounds() { return k_backgrounds; }
-
 Result<> check_background(const std::string& background) {
   if (std::ranges::find(k_backgrounds, background) != k_backgrounds.end()) return {};
   return Error{unknown_name("background", background, {k_backgrounds.begin(), k_backgrounds.end()})};

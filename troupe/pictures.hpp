@@ -75,8 +75,6 @@ std::span<const PictureLayer> picture_layers();
 /// Returns success if all names in a list of layers (PictureOptions::layers) are known or the list is empty,
 /// else the error `unknown layer "scan"; known: ...`.
 Result<> check_layers(const std::string& layers);
-/// The names of all backgrounds.
-std::span<const std::string_view> picture_backgrounds();
 /// Returns success if there is a background of this name, else an error that lists the known names.
 Result<> check_background(const std::string& background);
 /// Returns success if this is the name of a camera, else an error that lists the known names. Does not check

@@ -136,15 +136,10 @@ bool Links::hold() const {
         !is_finite(link.pose))
       return false;
   }
-  // Finds cycles of carriers: one walk takes two steps towards the root while the other takes one step. They
-  // only meet in a cycle.
   for (std::uint32_t r = 0; r < state_.row_count(); ++r) {
-    Row slow(r);
-    for (Row fast(r); fast.valid(); slow = carrier_row(slow.value)) {
-      fast = carrier_row(fast.value);
-      if (fast.valid()) fast = carrier_row(fast.value);
-      if (fast.valid() && fast == slow) return false;
-    }
+    std::size_t carriers = 0;  // has no limit in a cycle
+    for (Row by = carrier_row(r); by.valid(); by = carrier_row(by.value))
+      if (++carriers > k_most_carriers) return false;
   }
   return true;
 }
@@ -605,10 +600,22 @@ void Links::carry_cargo_of(Row carrier) {
   }
 }
 
+/// Number of bodies in the longest chain of bodies that the row's body carries, each of which carries the
+/// next.
+std::size_t Links::longest_chain(std::uint32_t row) const {
+  std::size_t longest = 0;
+  for (std::uint32_t c = first_cargo_[row]; c != k_none; c = next_cargo_[c])
+    longest = std::max(longest, 1 + longest_chain(c));
+  return longest;
+}
+
 bool Links::attach(Row cargo, Row carrier, std::int32_t joint) {
   if (!state_.type(carrier).carries || state_.view.carrier(cargo) ||
       state_.roots[carrier.index()] == cargo.value)
     return false;
+  std::size_t carriers = 1 + longest_chain(cargo.value);  // of the last body of the chain
+  for (auto by = state_.view.carrier(carrier); by; by = state_.view.carrier(state_.view.row(*by))) ++carriers;
+  if (carriers > k_most_carriers) return false;
   const Mount hook = state_.view.mount(carrier, joint);
   Carried& link = state_.carried(cargo.value);
   link.carrier = state_.view.body(carrier).value + 1;

@@ -30,6 +30,9 @@ namespace troupe::engine {
 class Links {
  public:
   static constexpr std::uint32_t k_none = ~0u;  ///< no row
+  /// Largest number of bodies that carry a body, directly or through others. Functions that visit the bodies
+  /// of a tree call themselves for each carried body, so a longer chain could exhaust the stack.
+  static constexpr std::size_t k_most_carriers = 1000;
   /// State of the motion of a joint to its goal in this tick.
   enum class Goal : std::uint8_t {
     none,     ///< ask() was not called for the joint
@@ -61,7 +64,7 @@ class Links {
   /// - All poses are finite.
   /// - Each carrier exists, and its type can carry bodies.
   /// - Each joint that holds a body exists.
-  /// - No body carries itself, directly or through others.
+  /// - No body carries itself, and at most k_most_carriers bodies carry a body, directly or through others.
   bool hold() const;
 
   /// Whether any body with a row is composite. Unborn bodies (not yet in the world) and dead bodies count.
@@ -96,6 +99,7 @@ class Links {
   /// - The cargo is already carried.
   /// - The cargo is the carrier itself, or carries it directly or through others.
   /// - The type of the carrier cannot carry bodies.
+  /// - More than k_most_carriers bodies would carry a body, directly or through others.
   bool attach(Row cargo, Row carrier, std::int32_t joint);
   /// Detaches the body of the row `cargo` from its carrier. Does nothing if no body carries it. The pose of
   /// the detached body does not change.
@@ -181,6 +185,7 @@ class Links {
   void link_cargo(std::uint32_t cargo, std::uint32_t carrier);
   void unlink_cargo(std::uint32_t cargo, std::uint32_t carrier);
   void set_root(std::uint32_t row, std::uint32_t root);
+  std::size_t longest_chain(std::uint32_t row) const;
   void add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const;
   Way aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
   double ask_joints(std::size_t c, Row root, std::size_t round);

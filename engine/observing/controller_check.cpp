@@ -144,8 +144,8 @@ std::vector<ControllerFinding> ControllerCheck::start_twice() const {
 
 /// A setting (an intervention `set`, which changes parameters) takes effect between two ticks. A setting at
 /// the end of a tick applies to the decisions of the next tick. As in the world itself, a setting of a
-/// controller makes this controller again, and a setting of the drive makes all controllers of the type again
-/// if one of them may have read the drive.
+/// controller makes this controller again, and a setting of the drive or of a drive device makes all
+/// controllers of the type again if one of them may have read the drive.
 void ControllerCheck::follow_settings(std::uint64_t tick) {
   const WorldSpec& spec = world_.spec();
   const auto in_force = static_cast<std::size_t>(
@@ -163,10 +163,12 @@ void ControllerCheck::follow_settings(std::uint64_t tick) {
     Record& params = params_of(type, setting);
     params = changed(params, setting);
     BodyType& fresh = fresh_types_[setting.type.index()];
+    const bool is_of_drive =
+        setting.of == SettingSpec::Of::drive ||
+        (setting.of == SettingSpec::Of::device && fresh.devices[setting.index].kind->drives);
     for (std::size_t c = 0; c < fresh.controllers.size(); ++c)
-      if (setting.of == SettingSpec::Of::controller
-              ? c == setting.index
-              : setting.of == SettingSpec::Of::drive && fresh.binds_controllers())
+      if (setting.of == SettingSpec::Of::controller ? c == setting.index
+                                                    : is_of_drive && fresh.binds_controllers())
         make_afresh(spec, type, fresh, c);
   }
 }

@@ -295,12 +295,16 @@ struct WorldSpec {
   const TypeSpec& type(BodyId body) const { return types[bodies[body.index()].type.index()]; }
   /// Name of a body, as text.
   std::string name(BodyId body) const { return names.text(bodies[body.index()].name); }
-  /// Whether a body is in the world at tick 0. False if the body belongs to a reserve.
-  bool starts(BodyId body) const {
+  /// The reserve to which a body belongs; null if it belongs to none.
+  const ReserveSpec* reserve_of(BodyId body) const {
     const auto later = std::ranges::upper_bound(
         reserves, body.value, {}, [](const ReserveSpec& reserve) { return reserve.first.value; });
-    return later == reserves.begin() || body.value - std::prev(later)->first.value >= std::prev(later)->count;
+    if (later == reserves.begin()) return nullptr;
+    const ReserveSpec& reserve = *std::prev(later);
+    return body.value - reserve.first.value < reserve.count ? &reserve : nullptr;
   }
+  /// Whether a body is in the world at tick 0. False if the body belongs to a reserve.
+  bool starts(BodyId body) const { return reserve_of(body) == nullptr; }
 };
 
 /// Appends the ground, which must be body 0 of every world: the type `ground` and its body `_ground_model`,

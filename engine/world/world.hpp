@@ -468,6 +468,7 @@ class World {
   /// - The cargo is already carried.
   /// - The cargo is the carrier, or carries the carrier, directly or through others.
   /// - The carrier has no device that can carry bodies (DeviceKind::carries).
+  /// - More than Links::k_most_carriers (1000) bodies would carry a body, directly or through others.
   bool attach(Row cargo, Row carrier, std::int32_t joint) {
     require_carries("attach()");
     return links_.attach(cargo, carrier, joint);

@@ -1,5 +1,7 @@
 #include "engine/observing/controller_check.hpp"
 
+#include "models/drives/wheels.hpp"
+#include "tests/support/devices.hpp"
 #include "tests/support/rogue_controllers.hpp"
 #include "tests/support/scene.hpp"
 
@@ -179,6 +181,34 @@ TEST(ControllerCheck, MakesControllersAfreshOfTheDriveInForce) {
     ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
   }
   EXPECT_EQ(world.commands()[0].x, 0.2);
+}
+
+TEST(ControllerCheck, MakesControllersAfreshOfTheWheelsInForce) {
+  test::SceneBuilder scene;
+  const TypeId base = scene.type("base", {test::box(0.2, 0.2)});
+  scene[base].parts.push_back({.name = "cart", .solids = {test::box(0.1, 0.1)}});
+  const std::size_t wheels = test::add_device(scene[base], "cart", "wheels", {}, {{"drive", "omni"}});
+  scene[base].devices[wheels].part = 1;
+  scene[base].parts[1].joint = scene[base].devices[wheels].moves;
+  const Record far_and_soon{50.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0};  // x, y, z, heading, time, speed, wait
+  scene[base].controllers = {test::controller("waypoints", {{"goals", std::vector<Record>{far_and_soon}}})};
+  scene[base].controllers[0].part = 1;
+  const BodyId body = scene.body("b", base);
+  const FieldTable& table = test::registry().device("wheels")->params;
+  InterventionSpec intervention{.time_s = 0.3, .action = InterventionSpec::Action::set};
+  Record params(table.fields.size());
+  get(table, params, "velocity_max_x") = 0.2;
+  intervention.setting =
+      SettingSpec{base, SettingSpec::Of::device, static_cast<std::uint32_t>(wheels), params};
+  scene.spec.experiment.at.push_back(intervention);
+  World world = scene.world();
+  ControllerCheck check(world, test::registry());
+  for (int tick = 1; tick <= 8; ++tick) {
+    world.step();
+    const std::vector<ControllerFinding> findings = on_another_thread(check);
+    ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
+  }
+  EXPECT_EQ(test::state_of<models::WheelsState>(world, body, wheels).forward, 0.2);
 }
 
 TEST(ControllerCheck, ChangesNoResult) {

@@ -476,6 +476,55 @@ TEST(Links, CyclesAndTakenBodiesAreRefused) {
   EXPECT_EQ(world.carried_count(), 1u);
 }
 
+/// Copies the state of a world to the tables of another world of the same scene.
+void copy_tables(const World& from, std::span<StateTable> tables) {
+  for (std::size_t i = 0; i < tables.size(); ++i)
+    for (std::size_t f = 0; f < tables[i].fields().size(); ++f)
+      for (std::size_t r = 0; r < tables[i].rows(); ++r) {
+        const StateField& field = tables[i].fields()[f];
+        std::copy_n(reinterpret_cast<const std::byte*>(from.tables()[i].cell<std::uint8_t>(r, f).data()),
+                    element_size(field.element) * field.columns,
+                    reinterpret_cast<std::byte*>(tables[i].cell<std::uint8_t>(r, f).data()));
+      }
+}
+
+/// In a longer chain, functions that visit all its bodies would exhaust the stack.
+TEST(Links, AChainOfCarriersHasALimit) {
+  constexpr std::size_t k_most = Links::k_most_carriers;
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.2, 0.2)});
+  test::add_device(scene[type], "hand", "gripper", {0.2, 0, 0, 0});
+  for (std::size_t i = 0; i < k_most + 2; ++i)
+    scene.body(fmt::format("r{}", i), type, {2 * static_cast<double>(i), 0, 0, 0});
+  const auto attach = [](World& world, std::size_t i) {  // body i carries body i + 1
+    return world.attach(world.row(BodyId(i + 1)), world.row(BodyId(i)), k_rigid);
+  };
+  World chain = scene.world();
+  World none = scene.world();
+  // A state hash is a sum over the rows, so that of a state which attach() would refuse can be computed.
+  const auto can_restore_with = [&](std::size_t i) {
+    World link = scene.world();
+    EXPECT_TRUE(attach(link, i));
+    return scene.world().restore(
+        0, none.counters(), chain.hashes().state + link.hashes().state - none.hashes().state,
+        [&](std::span<StateTable> tables) {
+          copy_tables(chain, tables);
+          const auto carrier = std::ranges::find(tables, "carrier", &StateTable::component);
+          const StateTable& linked = link.tables()[static_cast<std::size_t>(carrier - tables.begin())];
+          const std::size_t row = link.row(BodyId(i + 1)).index();
+          carrier->as<Carried>(row) = linked.as<Carried>(row);
+        });
+  };
+  for (std::size_t i = 1; i < k_most; ++i) ASSERT_TRUE(attach(chain, i)) << i;
+  EXPECT_TRUE(can_restore_with(k_most));
+  EXPECT_TRUE(attach(chain, k_most));
+  EXPECT_FALSE(can_restore_with(k_most + 1));
+  EXPECT_FALSE(attach(chain, k_most + 1)) << "behind the last body";
+  World other = scene.world();
+  for (std::size_t i = k_most + 1; i > 1; --i) ASSERT_TRUE(attach(other, i)) << i;
+  EXPECT_FALSE(attach(other, 1)) << "in front of the first body";
+}
+
 /// The whole state comes back, joints and carriers with it; what makes no tree does not.
 TEST(Links, AStoredStateGoesOn) {
   SceneBuilder scene = machines(2);
@@ -487,16 +536,7 @@ TEST(Links, AStoredStateGoesOn) {
   World second = scene.world();
   ASSERT_TRUE(first.attach(first.row(what), first.row(by), 0));
   for (int t = 0; t < 20; ++t) first.step();
-  const auto copy = [&](std::span<StateTable> tables) {
-    for (std::size_t i = 0; i < tables.size(); ++i)
-      for (std::size_t f = 0; f < tables[i].fields().size(); ++f)
-        for (std::size_t r = 0; r < tables[i].rows(); ++r) {
-          const StateField& field = tables[i].fields()[f];
-          std::copy_n(reinterpret_cast<const std::byte*>(first.tables()[i].cell<std::uint8_t>(r, f).data()),
-                      element_size(field.element) * field.columns,
-                      reinterpret_cast<std::byte*>(tables[i].cell<std::uint8_t>(r, f).data()));
-        }
-  };
+  const auto copy = [&](std::span<StateTable> tables) { copy_tables(first, tables); };
   ASSERT_TRUE(second.restore(first.tick(), first.counters(), first.hashes().state, copy));
   EXPECT_EQ(second.carrier(second.row(what)), by);
   for (int t = 0; t < 20; ++t) {

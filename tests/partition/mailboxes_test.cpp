@@ -54,6 +54,17 @@ TEST(Mailboxes, KeepTheOrderOfEachSender) {
   }
 }
 
+// A receiver that searched the waiting messages one by one would need minutes.
+TEST(Mailboxes, FindTheNextOfManyMessagesAtOnce) {
+  constexpr std::uint64_t k_messages = 400'000;
+  Mailboxes boxes(3);
+  const std::shared_ptr<const Message> message = number(7);
+  for (const unsigned from : {1u, 2u})
+    for (std::uint64_t i = 0; i < k_messages; ++i) boxes.of(from).send(0, message);
+  for (const unsigned from : {2u, 1u})
+    for (std::uint64_t i = 0; i < k_messages; ++i) ASSERT_EQ(boxes.of(0).receive(from), message);
+}
+
 TEST(Mailboxes, ThatAreClosedEndAWait) {
   Mailboxes boxes(2, 1);
   boxes.of(1).send(0, number(7));

@@ -133,6 +133,31 @@ TEST(Ground, APointOnABorderLiesInOneTile) {
   for (const BodyId robot : robots) EXPECT_NE(read<std::uint32_t>(world, robot, k_ground_body)[0], 0u);
 }
 
+TEST(Ground, APointOnASlantedBorderLiesInOneOfTwoZones) {
+  for (int i = 1; i <= 9; ++i)
+    for (int j = 1; j <= 9; ++j) {
+      const Vec2 end(0.1 * i, 0.1 * j);  // the border begins at (0, 0)
+      GroundScene scene;
+      const auto zone = [&](const std::string& name, const Ring& ring, double height) {
+        const TypeId id = scene.type(name, {Solid{{ring}, {0, height}}}, {.obstacle = false, .ranger = -1});
+        return scene.body(name, id);
+      };
+      const BodyId left = zone("left", {{0, 0}, end, {-1, 1}}, 0.01);
+      const BodyId right = zone("right", {{0, 0}, {1, -1}, end}, 0.02);
+      std::vector<double> points;
+      for (int k = 1; k <= 9; ++k) points.insert(points.end(), {0.1 * k * end.x(), 0.1 * k * end.y()});
+      engine::DeviceSpec lower = device("ground", {{"points", points}, {"height", 0.015}});
+      lower.name = "lower";
+      const BodyId robot = scene.robot_with({lower, device("ground", {{"points", points}})}, {});
+      World world = scene.world();
+      world.step();
+      const auto only_left = read<std::uint32_t>(world, robot, k_ground_body, 0);
+      const auto both = read<std::uint32_t>(world, robot, k_ground_body, 1);  // the right zone is above
+      for (std::size_t k = 0; k < both.size(); ++k)
+        EXPECT_NE(only_left[k] == left.value, both[k] == right.value) << i << " " << j << " " << k + 1;
+    }
+}
+
 TEST(Ground, AZoneIsSeenThoughARootWithoutSolidsHasAGripperReturn) {
   GroundScene scene;
   const TypeId id = scene.type("zone", {}, {.obstacle = false, .ranger = -1, .gripper = true});

@@ -58,6 +58,28 @@ std::vector<Block> blocks_of(std::string_view file) {
   return blocks;
 }
 
+void put(std::string& file, std::size_t at, std::string_view text) { file.replace(at, text.size(), text); }
+
+void put_number(std::string& file, std::size_t at, std::uint64_t value, std::size_t bytes) {
+  for (std::size_t i = 0; i < bytes; ++i) file[at + i] = static_cast<char>(value >> (8 * i));
+}
+
+/// Puts an object header, whose only message is a layout, at the start of a file. The layout refers to the
+/// header of an extensible array, which follows.
+/// numbers  element size, bits of an index, elements in the index block, least elements of a data block,
+/// least
+///          addresses of a super block, bits of the number of elements of a page
+void put_array(std::string& file, const std::array<std::uint8_t, 6>& numbers, std::uint64_t index_block) {
+  constexpr std::size_t k_array = 64;
+  put(file, 0, std::string_view("OHDR\x02\x00\x17", 7));          // the messages have 23 bytes
+  put(file, 7, std::string_view("\x08\x13\x00\x00\x04\x02", 6));  // layout of 19 bytes, version 4, chunked
+  put_number(file, 16, 4, 1);                                     // its index is an extensible array
+  put_number(file, 22, k_array, 8);
+  put(file, k_array, "EAHD");
+  for (std::size_t i = 0; i < numbers.size(); ++i) put_number(file, k_array + 6 + i, numbers[i], 1);
+  put_number(file, k_array + 60, index_block, 8);
+}
+
 class Hdf5Torn : public test::ScratchTest {
  protected:
   void SetUp() override {
@@ -167,6 +189,52 @@ TEST_F(Hdf5Torn, AddressesThatLeadNowhereAreIgnored) {
   EXPECT_EQ(mend_torn_metadata(file, nowhere), 0u);
   EXPECT_EQ(content(file), closed);
   EXPECT_THROW(mend_torn_metadata(folder_ / "none.h5", nowhere), std::runtime_error);
+}
+
+TEST_F(Hdf5Torn, AnArrayWithFewerElementsThanADataBlockIsIgnored) {
+  std::string file(80'000, '\0');
+  put_array(file, {255, 0, 255, 128, 2, 13}, k_page);  // the number of super blocks would be below 0
+  put(file, k_page, "EAIB");
+  EXPECT_EQ(mend_torn_metadata(write("hostile.h5", file), std::array<std::uint64_t, 1>{0}), 0u);
+}
+
+TEST_F(Hdf5Torn, AnObjectHeaderMayContinueInManyBlocksAndInACircle) {
+  constexpr std::size_t k_blocks = 60'000;
+  constexpr std::size_t k_distance = 32;  // no block crosses a border of pages
+  std::string file(k_blocks * k_distance, '\0');
+  for (std::size_t b = 0; b < k_blocks; ++b) {
+    const std::size_t at = b * k_distance;
+    put(file, at, b == 0 ? std::string_view("OHDR\x02\x00\x14", 7) : std::string_view("OCHK"));
+    const std::size_t message = at + (b == 0 ? 7 : 4);
+    put(file, message, std::string_view("\x10\x10\x00", 3));  // continuation of 16 bytes
+    put_number(file, message + 4, b + 1 < k_blocks ? at + k_distance : k_distance, 8);
+    put_number(file, message + 12, 28, 8);
+  }
+  EXPECT_EQ(mend_torn_metadata(write("hostile.h5", file), std::array<std::uint64_t, 1>{0}), 0u);
+}
+
+// Reading the pages of all 65,536 data blocks would take minutes.
+TEST_F(Hdf5Torn, ASuperBlockThatRefersToOneDataBlockManyTimesIsNotReadInFull) {
+  constexpr std::size_t k_blocks = 65'536;
+  constexpr std::size_t k_pages = 8;
+  constexpr std::size_t k_page_elements = std::size_t{1} << 13;
+  constexpr std::size_t k_element_bytes = 127;
+  constexpr std::size_t k_super_block = 2 * k_page;
+  constexpr std::size_t k_data_block = 200 * k_page;
+  constexpr std::size_t k_head = 18;
+  std::string file(k_data_block + k_head + 4 + k_pages * (k_page_elements * k_element_bytes + 4), '\0');
+  put_array(file, {k_element_bytes, 32, 0, 1, 2, 13}, k_page);
+  put(file, k_page, "EAIB");
+  for (std::size_t i = 0; i < 33; ++i)  // addresses of 2 data blocks and 31 super blocks
+    put_number(file, k_page + 14 + 8 * i, i == 32 ? k_super_block : ~std::uint64_t{0}, 8);
+  put(file, k_super_block, "EASB");
+  for (std::size_t b = 0; b < k_blocks; ++b) {
+    put_number(file, k_super_block + k_head + b, 0xff, 1);  // all pages are in use
+    put_number(file, k_super_block + k_head + k_blocks + 8 * b, k_data_block, 8);
+  }
+  put(file, k_data_block, "EADB");
+  EXPECT_EQ(mend_torn_metadata(write("hostile.h5", file), std::array<std::uint64_t, 1>{0}), 1 + k_pages)
+      << "the super block and the pages have no checksum";
 }
 
 }  // namespace

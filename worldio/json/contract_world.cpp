@@ -220,8 +220,8 @@ ModelDocument WorldContractor::contract_model(std::size_t b) const {
   if (const auto alias = aliases_.find(static_cast<std::uint32_t>(b)); alias != aliases_.end())
     document.alias = spec_.names.text(alias->second);
   document.type = keys_[type];
-  for (const engine::ReserveSpec& reserve : spec_.reserves)
-    if (b - reserve.first.index() < reserve.count) document.reserve_of = reserve.population;
+  if (const engine::ReserveSpec* reserve = spec_.reserve_of(BodyId(b)))
+    document.reserve_of = reserve->population;
   document.pose = body.pose_world_body;
   if (colors_[type] != body.color) document.color = body.color;
   if (body.fiducial != 0) document.fiducial_return = body.fiducial;

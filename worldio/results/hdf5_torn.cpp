@@ -10,7 +10,6 @@
 #include <fstream>
 #include <limits>
 #include <optional>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -27,6 +26,9 @@ constexpr std::size_t k_address_bytes = 8;  // the only size in use
 constexpr std::uint64_t k_no_address = std::numeric_limits<std::uint64_t>::max();
 constexpr std::uint64_t k_page_bytes = 4096;
 constexpr std::size_t k_most_block_bytes = std::size_t{1} << 20;  // larger blocks are not from Troupe
+// No byte of an undamaged file is read more often. This limit ends the search in a file whose blocks refer to
+// one another in circles, or thousands of times to the same block.
+constexpr std::uint64_t k_most_reads = 3;
 
 /// The numbers at the start of the header of an extensible array ("EAHD"), which stores the addresses of the
 /// chunks of a dataset. Its *elements* are in an index block, in data blocks to which the index block points,
@@ -46,6 +48,7 @@ struct ArrayShape {
     const bool is_sound = shape.element_bytes > 0 && shape.bits <= 32 &&
                           std::has_single_bit(shape.least_elements) &&
                           std::has_single_bit(shape.least_addresses) && shape.least_addresses > 1 &&
+                          shape.least_elements <= std::size_t{1} << shape.bits &&
                           shape.super_blocks() > shape.first_super_block();
     return is_sound ? std::optional(shape) : std::nullopt;
   }
@@ -70,6 +73,7 @@ class Mender {
       : file_(file), stream_(file, std::ios::in | std::ios::out | std::ios::binary) {
     if (!stream_.seekg(0, std::ios::end)) fail("read");
     end_ = static_cast<std::uint64_t>(stream_.tellg());
+    unread_ = k_most_reads * end_;
   }
 
   void mend_object(std::uint64_t address) {
@@ -86,18 +90,32 @@ class Mender {
     if (!block) return;
     mend(address, *block);
     take_messages(View(*block).subspan(first_message, bytes), flags);
+    while (!continuations_.empty()) {
+      const Continuation next = continuations_.back();
+      continuations_.pop_back();
+      mend_continuation(next, flags);
+    }
   }
 
   std::size_t mended() const { return mended_; }
 
  private:
+  /// A block in which an object header continues.
+  struct Continuation {
+    std::uint64_t address;
+    std::uint64_t bytes;
+  };
+
   [[noreturn]] void fail(std::string_view action) const {
     throw std::runtime_error(fmt::format("{}: error: cannot be {}", file_.string(), action));
   }
 
-  /// Reads a block. Returns nothing if it is not in the file or does not begin with this signature.
+  /// Reads a block. Returns nothing if the block is not in the file, does not begin with this signature, or
+  /// exceeds the limit k_most_reads.
   std::optional<Bytes> read(std::uint64_t address, std::string_view signature, std::size_t bytes) {
-    if (bytes > k_most_block_bytes || address > end_ || bytes > end_ - address) return std::nullopt;
+    if (bytes > k_most_block_bytes || address > end_ || bytes > end_ - address || bytes > unread_)
+      return std::nullopt;
+    unread_ -= bytes;
     Bytes block(bytes);
     if (!stream_.seekg(static_cast<std::streamoff>(address)) ||
         !stream_.read(reinterpret_cast<char*>(block.data()), static_cast<std::streamsize>(bytes)))
@@ -131,8 +149,8 @@ class Mender {
     ++mended_;
   }
 
-  /// Goes through the messages of an object header: continues in its other blocks, and mends the index of
-  /// the chunks.
+  /// Goes through the messages of an object header: lists its other blocks in continuations_, and mends the
+  /// index of the chunks.
   void take_messages(View messages, std::uint8_t flags) {
     constexpr std::uint8_t k_layout = 8;
     constexpr std::uint8_t k_continuation = 16;
@@ -144,16 +162,16 @@ class Mender {
       const View message = messages.subspan(head, bytes);
       if (type == k_layout) take_layout(message);
       if (type == k_continuation && bytes >= 2 * k_address_bytes)
-        take_continuation(little_endian(message.first(k_address_bytes)),
-                          little_endian(message.subspan(k_address_bytes, k_address_bytes)), flags);
+        continuations_.push_back({little_endian(message.first(k_address_bytes)),
+                                  little_endian(message.subspan(k_address_bytes, k_address_bytes))});
       messages = messages.subspan(head + bytes);
     }
   }
 
-  void take_continuation(std::uint64_t address, std::uint64_t bytes, std::uint8_t flags) {
+  void mend_continuation(const Continuation& continuation, std::uint8_t flags) {
     constexpr std::size_t k_signature = 4;
-    if (bytes < k_signature + k_checksum_bytes || bytes > k_most_block_bytes || !seen_.insert(address).second)
-      return;
+    const auto [address, bytes] = continuation;
+    if (bytes < k_signature + k_checksum_bytes || bytes > k_most_block_bytes) return;
     std::optional<Bytes> block = read(address, "OCHK", bytes);
     if (!block) return;
     mend(address, *block);
@@ -242,8 +260,8 @@ class Mender {
     const std::span<std::uint8_t> all = *block;
     mend(address, all, has_addresses ? all.subspan(head, elements) : std::span<std::uint8_t>());
     const std::size_t page = shape.page_elements * shape.element_bytes;
-    for (std::size_t p = 0; p < pages; ++p) {
-      if (p / 8 >= marks.size() || (marks[p / 8] >> (7 - p % 8) & 1) == 0) continue;
+    for (std::size_t p = 0; p < std::min(pages, 8 * marks.size()); ++p) {
+      if ((marks[p / 8] >> (7 - p % 8) & 1) == 0) continue;
       const std::uint64_t at = address + all.size() + p * (page + k_checksum_bytes);
       std::optional<Bytes> bytes = read(at, "", page + k_checksum_bytes);
       if (bytes) mend(at, *bytes, has_addresses ? std::span(*bytes).first(page) : std::span<std::uint8_t>());
@@ -252,8 +270,9 @@ class Mender {
 
   std::filesystem::path file_;
   std::fstream stream_;
-  std::uint64_t end_ = 0;         // size of the file
-  std::set<std::uint64_t> seen_;  // blocks in which object headers continue
+  std::uint64_t end_ = 0;                    // size of the file
+  std::uint64_t unread_ = 0;                 // bytes that may still be read
+  std::vector<Continuation> continuations_;  // blocks of the present object header that are yet to be read
   std::size_t mended_ = 0;
 };
 
