@@ -372,6 +372,33 @@ class Running(InAFolder):
         self.assertIn("is being used by another thread", refused[0])
         self.assertEqual(world.tick, 300)
 
+    def test_a_tick_waits_for_a_thread_that_began_to_use_the_world_in_a_callback(self):
+        world = troupe.Simulation(ROOM, threads=1)
+        ended = []
+
+        def cast():
+            world.cast_many(np.full((1000000, 4), 0.1), 4)
+            ended.append(True)
+
+        user = threading.Thread(target=cast)
+
+        def begin(simulation):
+            user.start()
+            with self.assertRaisesRegex(RuntimeError, "is being used by another thread"):
+                while user.is_alive():
+                    time.sleep(0.001)
+                    world.tick
+
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(60)  # so that the thread is not interrupted between its cast and its end
+        try:
+            world.run_for(0.2, begin)
+            self.assertEqual(ended, [True])
+        finally:
+            sys.setswitchinterval(interval)
+            user.join()
+        world.step()
+
     def test_control_c_ends_it_between_two_ticks(self):
         code = f"""
 import threading
