@@ -50,6 +50,13 @@ ZInterval united(const ZInterval& a, const ZInterval& b) {
   return {std::min(a.min, b.min), std::max(a.max, b.max)};
 }
 
+/// Returns the name of a device for a warning: `ranger "eye" of "bot"`, or `ranger of "bot"` if the body
+/// itself is the device.
+std::string device_text(std::string_view what, std::string_view name, std::string_view type) {
+  return name.empty() ? fmt::format("{} of \"{}\"", what, type)
+                      : fmt::format("{} \"{}\" of \"{}\"", what, name, type);
+}
+
 /// Counts the solids at each height: at(z) returns the number of solids whose z interval, including both
 /// ends, contains z.
 class Heights {
@@ -237,20 +244,19 @@ void Lint::check_periods() {
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
     if (levels_[t].empty()) continue;
     const engine::BodyType& type = world_.types()[t];
-    const auto check = [&](const std::string& what, std::uint64_t period, Where where) {
+    const auto check = [&](std::string_view what, std::string_view name, std::uint64_t period, Where where) {
       if (period > end)
         diagnostics_.warning(
             where,
-            fmt::format("the {} of \"{}\" never runs unless --for makes the run longer: its period is "
-                        "{:.10g} s, but \"quit_time_s\" ends the run at {:.10g} s",
-                        what, type.name, static_cast<double>(period) * spec_.tick_s, *spec_.quit_time_s));
+            fmt::format("the {} never runs unless --for makes the run longer: its period is {:.10g} s, but "
+                        "\"quit_time_s\" ends the run at {:.10g} s",
+                        device_text(what, name, type.name), static_cast<double>(period) * spec_.tick_s,
+                        *spec_.quit_time_s));
     };
-    if (type.drive)
-      check(fmt::format("drive \"{}\"", type.drive->kind->name), type.drive->period,
-            spec_.types[t].drive->where);
+    if (type.drive) check("drive", type.drive->kind->name, type.drive->period, spec_.types[t].drive->where);
     for (std::size_t d = 0; d < type.devices.size(); ++d)
-      check(fmt::format("{} \"{}\"", type.devices[d].kind->name, type.devices[d].name),
-            type.devices[d].period, spec_.types[t].devices[d].where);
+      check(type.devices[d].kind->name, type.devices[d].name, type.devices[d].period,
+            spec_.types[t].devices[d].where);
   }
 }
 
@@ -304,8 +310,8 @@ void Lint::check_contacts() {
                            : "no other body has a power contact with \"give_W\"";
     if (!why.empty())
       diagnostics_.warning(contact.where,
-                           fmt::format("power contact \"{}\" of \"{}\" exchanges no energy: {}", contact.name,
-                                       spec_.types[t].name, why));
+                           fmt::format("{} exchanges no energy: {}",
+                                       device_text("power contact", contact.name, spec_.types[t].name), why));
   });
 }
 
@@ -543,9 +549,10 @@ void Lint::check_ground() {
     if (!is_of_other(found->second, t))
       diagnostics_.warning(
           sensor.where,
-          fmt::format("sensor \"{}\" of \"{}\" sees only the bare floor: no other body has a part "
-                      "whose top is at most {:.4g} m above the floor, its \"height\"",
-                      sensor.name, spec_.types[t].name, *height));
+          fmt::format(
+              "{} sees only the bare floor: no other body has a part whose top is at most {:.4g} m above the "
+              "floor, its \"height\"",
+              device_text("sensor", sensor.name, spec_.types[t].name), *height));
   });
 }
 

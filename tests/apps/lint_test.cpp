@@ -722,6 +722,15 @@ TEST_F(LintTest, ReportsPowerContactsThatExchangeNothing) {
                       "the part that carries it has no shape, so that nothing touches it: give the part a "
                       "size, or mount the contact on another part",
                   "w.json: 1 finding"));
+  EXPECT_THAT(
+      findings("own.json", R"({ "troupe": 1, "types": {
+    "dock": {"device": {"kind": "power_contact", "give_W": 5}, "devices": [{"kind": "power_pack", "infinite": true}]},
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "devices": [
+      {"kind": "power_pack", "capacity_J": 9}, {"kind": "power_contact", "take_W": 5}]} },
+  "models": [{"name": "d", "type": "dock"}, {"name": "r0", "type": "bot"}] })"),
+      ElementsAre(HasSubstr("power contact of \"dock\" exchanges no energy: the part that carries it has no "
+                            "shape"),
+                  "own.json: 1 finding"));
 }
 
 TEST_F(LintTest, ReportsSensorsWithoutLightsGroundAndColours) {
