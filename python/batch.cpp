@@ -317,8 +317,10 @@ BatchHolder make_batch(const Holder& world, const py::dict& given) {
     spec.teams.push_back(team_of(at, each));
   });
   members.finish();
-  Simulation& simulation = world->use();
-  return std::make_shared<HeldBatch>(BatchEnv(simulation, spec));
+  BatchHolder batch;
+  world->work(
+      [&](Simulation& simulation) { batch = std::make_shared<HeldBatch>(BatchEnv(simulation, spec)); });
+  return batch;
 }
 
 template <class T>
@@ -543,7 +545,8 @@ void bind_batch(py::module_& module) {
       .def(
           "picture",
           [](const BatchHolder& b, std::size_t copy, int width, int height) {
-            const std::vector<std::uint8_t> rgb = b->use().simulation(copy).picture(width, height);
+            std::vector<std::uint8_t> rgb;
+            b->work([&](BatchEnv& batch) { rgb = batch.simulation(copy).picture(width, height); });
             py::array_t<std::uint8_t> out({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
             std::ranges::copy(rgb, out.mutable_data());
             return out;

@@ -118,13 +118,15 @@ class Held {
   /// what: name of the function, for the text of the error.
   Simulation& use_outside(std::string_view what);
   /// Marks that a Python callback of on_tick(), run_for() or run_until() is running, while an object of this
-  /// class exists. Meanwhile use() does not throw, also if work() has called the callback.
+  /// class exists. Meanwhile use() does not throw, also if work() has called the callback. The destructor
+  /// waits until no other thread runs work(), which may have begun during the callback.
   class Calling {
    public:
     explicit Calling(Held& held) : held_(held), was_stepping_(std::exchange(held.stepping_, false)) {
       held_.calling_ = true;
     }
     ~Calling() {
+      held_.wait_for_others();
       held_.calling_ = false;
       held_.stepping_ = was_stepping_;
     }
@@ -138,10 +140,12 @@ class Held {
 
  private:
   class Stepping;
+  void wait_for_others();
 
   Simulation simulation_;
   bool calling_ = false;
   bool stepping_ = false;  // read and written only with the interpreter's lock
+  bool waiting_ = false;   // a thread waits for the end of the task of another one
   std::weak_ptr<void> view_;
 };
 using Holder = std::shared_ptr<Held>;

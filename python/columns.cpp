@@ -159,9 +159,15 @@ py::array rows_for(const engine::StateField& field, const py::handle& value, py:
   return numpy.attr("ascontiguousarray")(numpy.attr("broadcast_to")(made, py::make_tuple(robots, columns)));
 }
 
+std::string_view default_radio(std::span<const std::string_view> radios) {
+  constexpr std::string_view k_usual = "radio";
+  if (radios.empty() || std::ranges::find(radios, k_usual) != radios.end()) return k_usual;
+  return radios.front();
+}
+
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots) {
-  const auto field = std::ranges::find(fields, "payload", &engine::StateField::name);
+  const auto field = std::ranges::find(fields, k_payload, &engine::StateField::name);
   if (field == fields.end()) throw std::out_of_range(fmt::format("the device \"{}\" is not a radio", device));
   const auto columns = static_cast<py::ssize_t>(field->columns);
   const auto require_room = [&](py::ssize_t length) {

@@ -94,6 +94,12 @@ void refuse_nan(const engine::StateField& field, const py::array& rows,
 /// converted().
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
 
+/// The field of the command of a radio by which say() and heard() recognise radios.
+inline constexpr const char* k_payload = "payload";
+/// Returns the name of the radio that say() and heard() use if the caller names none: "radio" if there is a
+/// radio of this name, or no radio at all, else the first one. radios: the names of the radios, in the order
+/// of the devices of a robot.
+std::string_view default_radio(std::span<const std::string_view> radios);
 /// Returns the command that makes radios send `message`, as a dict from names of fields to values. message: a
 /// Python `bytes`, `bytearray` or `memoryview` object, which all robots send, a list of one such object per
 /// robot, or an array with one row per robot. In an array, the bytes of a row are the message of the robot.

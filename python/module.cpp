@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 namespace troupe::python {
@@ -112,8 +113,17 @@ double measured(const py::object& function, Swarm robots) {
   return py::module_::import("troupe._script").attr("number_of")(function, result).cast<double>();
 }
 
+void Held::wait_for_others() {
+  constexpr std::chrono::milliseconds k_patience(1);
+  const Raised waiting(waiting_);  // no further task may begin
+  while (stepping_) {
+    const Unlocked unlocked;
+    std::this_thread::sleep_for(k_patience);
+  }
+}
+
 Simulation& Held::use() {
-  if (stepping_)
+  if (stepping_ || waiting_)
     throw std::logic_error(
         "this simulation is being used by another thread, or by the step that calls this code: only one "
         "thread "

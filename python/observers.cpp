@@ -141,20 +141,35 @@ struct HeldEvents {
   }
 };
 
-struct HeldRecording {
-  Holder held;
-  Recording recording;
-  bool is_closed = false;
+/// A recording. Its functions run as tasks of Held::work(): only one thread at a time may use it, and it may
+/// write much.
+class HeldRecording {
+ public:
+  /// make: makes the recording from a `const Simulation&`
+  template <class Make>
+  HeldRecording(Holder held, Make&& make) : held_(std::move(held)) {
+    held_->work([&](const Simulation& simulation) { recording_.emplace(make(simulation)); });
+  }
 
   /// Recording::observe() does nothing after close(), so that frames would be missing without an error.
   void observe() {
-    if (is_closed) throw std::logic_error("observe(): the recording is closed: make another one");
-    recording.observe(held->use());
+    if (is_closed_) throw std::logic_error("observe(): the recording is closed: make another one");
+    held_->work([&](const Simulation& simulation) { recording_->observe(simulation); });
+  }
+  void flush() {
+    held_->work([&](const Simulation&) { recording_->flush(); });
   }
   void close() {
-    is_closed = true;
-    recording.close();
+    held_->work([&](const Simulation&) {
+      is_closed_ = true;
+      recording_->close();
+    });
   }
+
+ private:
+  Holder held_;
+  std::optional<Recording> recording_;
+  bool is_closed_ = false;
 };
 
 }  // namespace
@@ -225,16 +240,16 @@ void bind_observers(py::module_& module) {
       "object as in `with Recording(...) as recording`, or call close() at the end.")
       .def(py::init([](const std::filesystem::path& file, const Holder& held,
                        const std::vector<std::string>& fields, double every_s, bool replace) {
-             return HeldRecording{
-                 held, Recording(file, held->use(),
-                                 {fields, from_zero("every_s", every_s, engine::k_most_seconds), replace})};
+             const RecordingOptions options{fields, from_zero("every_s", every_s, engine::k_most_seconds),
+                                            replace};
+             return HeldRecording(held, [&](const Simulation& s) { return Recording(file, s, options); });
            }),
            py::arg("file"), py::arg("simulation").none(false), py::arg("fields") = py::tuple(),
            py::arg("every_s") = 0.0, py::arg("replace") = false)
       .def_static(
           "resume",
           [](const std::filesystem::path& file, const Holder& held) {
-            return HeldRecording{held, Recording::resume(file, held->use())};
+            return HeldRecording(held, [&](const Simulation& s) { return Recording::resume(file, s); });
           },
           py::arg("file"), py::arg("simulation").none(false),
           "Continues an existing recording, for a run that was resumed from a checkpoint, from the current "
@@ -246,10 +261,9 @@ void bind_observers(py::module_& module) {
           "step. Raises\nRuntimeError after close() and after a reset of the simulation: make a new "
           "recording "
           "then.")
-      .def(
-          "flush", [](HeldRecording& r) { r.recording.flush(); },
-          "Writes the frames that are still in memory to the file. Readers that opened it in SWMR mode "
-          "(h5py: swmr=True) can\nthen read them.")
+      .def("flush", &HeldRecording::flush,
+           "Writes the frames that are still in memory to the file. Readers that opened it in SWMR mode "
+           "(h5py: swmr=True) can\nthen read them.")
       .def("close", &HeldRecording::close,
            "Writes the frames that are still in memory and closes the file. All HDF5 tools can then read it.")
       .def("__enter__", [](py::object self) { return self; })

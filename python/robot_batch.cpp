@@ -85,6 +85,15 @@ std::size_t RobotBatch::ranger_named(const std::string& name) const {
       "the controller uses no ranger: the robots have no ranger, or `uses` does not list one");
 }
 
+std::string RobotBatch::radio_named(const std::string& name) const {
+  if (!name.empty()) return name;
+  std::vector<std::string_view> radios;
+  for (const UsedDevice& device : prepared_.devices)
+    if (std::ranges::find(device.command, k_payload, &engine::StateField::name) != device.command.end())
+      radios.push_back(device.name);
+  return std::string(default_radio(radios));
+}
+
 py::array RobotBatch::ranges(const std::string& sensor) const {
   const UsedDevice& device = prepared_.devices[ranger_named(sensor)];
   const py::array all = readings("ranges", device.name);
@@ -182,16 +191,19 @@ void bind_robot_batch(py::module_& module) {
            "Headings of the beams of the ranger named `sensor`, rad, in the frame of the ranger. An empty "
            "name means the first\n"
            "ranger.")
-      .def("heard", &RobotBatch::heard, py::arg("dtype"), py::arg("device") = "radio",
-           "The messages that the radios named `device` heard in this tick, as Swarm.heard() returns them.")
+      .def(
+          "heard", &RobotBatch::heard, py::arg("dtype"), py::arg("device") = "",
+          "The messages that the radios named `device` heard in this tick, as Swarm.heard() returns them. An "
+          "empty name means the\nradio called `radio` or, without such a radio, the first radio.")
       .def("commands", &RobotBatch::commands, py::arg("device"),
            "The present commands of the device named `device`, as Swarm.commands() returns them: a dict with "
            "one array per field of\nthe command.")
       .def("command", &RobotBatch::command, py::arg("device"), py::kw_only(), py::arg("where") = py::none(),
            "Sets fields of the commands of the device named `device` by name, as Swarm.command() does.")
-      .def("say", &RobotBatch::say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
+      .def("say", &RobotBatch::say, py::arg("message"), py::arg("device") = "", py::kw_only(),
            py::arg("where") = py::none(),
-           "Sets the messages that the radios named `device` send, as Swarm.say() does.")
+           "Sets the messages that the radios named `device` send, as Swarm.say() does. An empty name means "
+           "the radio called `radio`\nor, without such a radio, the first radio.")
       .def("set_speeds", &RobotBatch::drive<engine::ControlMode::velocity>, py::arg("forward"),
            py::arg("turn"), py::kw_only(), py::arg("left") = 0.0, py::arg("where") = py::none(),
            "Commands speeds in the body frame, as Swarm.set_speeds() does: forward and left in m/s, turn in "

@@ -94,13 +94,15 @@ class RobotBatch {
   py::dict commands(const std::string& device) const;
   void command(const std::string& device, const Where& where, const py::kwargs& values) const;
   void say(const py::object& message, const std::string& device, const Where& where) const {
-    const std::size_t d = device_named(device, true);
-    const py::dict values = message_command(prepared_.devices[d].command, device, message, size());
-    command(device, where, py::reinterpret_borrow<py::kwargs>(values));
+    const std::string radio = radio_named(device);
+    const std::size_t d = device_named(radio, true);
+    const py::dict values = message_command(prepared_.devices[d].command, radio, message, size());
+    command(radio, where, py::reinterpret_borrow<py::kwargs>(values));
   }
   py::tuple heard(const py::object& type, const std::string& device) const {
-    return messages_of(type, device, readings("count", device), readings("length", device),
-                       readings("payload", device));
+    const std::string radio = radio_named(device);
+    return messages_of(type, radio, readings("count", radio), readings("length", radio),
+                       readings(k_payload, radio));
   }
   template <engine::ControlMode k_mode>
   void drive(const py::object& x, const py::object& turn, const py::object& y, const Where& where) const;
@@ -121,6 +123,7 @@ class RobotBatch {
  private:
   std::size_t device_named(const std::string& name, bool takes_commands) const;
   std::size_t ranger_named(const std::string& name) const;
+  std::string radio_named(const std::string& name) const;
 
   const PreparedController& prepared_;
   const engine::DecideBatch* batch_;

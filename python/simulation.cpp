@@ -186,11 +186,9 @@ void bind_run(SimulationClass& simulation) {
       .def(
           "reset",
           [](const Holder& held, const py::object& seed) {
-            Simulation& used = held->use_outside("reset()");
-            if (const std::optional<std::uint64_t> given = optional_seed_of(seed))
-              used.reset(*given);
-            else
-              used.reset();
+            static_cast<void>(held->use_outside("reset()"));
+            const std::optional<std::uint64_t> given = optional_seed_of(seed);
+            held->work([&](Simulation& used) { given ? used.reset(*given) : used.reset(); });
           },
           py::arg("seed") = py::none(),
           "Resets the simulation to tick 0 and to its state after loading, bit for bit. If `seed` is given, "
@@ -220,7 +218,10 @@ py::dict statistics_of(const Holder& held) {
 void bind_state(SimulationClass& simulation) {
   simulation
       .def(
-          "save", [](const Holder& held, const fs::path& checkpoint) { held->use().save(checkpoint); },
+          "save",
+          [](const Holder& held, const fs::path& checkpoint) {
+            held->work([&](const Simulation& simulation) { simulation.save(checkpoint); });
+          },
           py::arg("checkpoint"),
           "Saves the whole state in a checkpoint, an HDF5 file, from which resume() continues the run. An "
           "existing file is replaced\nwhen the new one is complete. Raises RuntimeError if the file cannot "
@@ -260,8 +261,9 @@ void bind_recording(SimulationClass& simulation) {
           "record",
           [](const Holder& held, const fs::path& file, const std::vector<std::string>& fields, double every_s,
              bool replace) {
-            held->use().record(file,
-                               {fields, from_zero("every_s", every_s, engine::k_most_seconds), replace});
+            const RecordingOptions options{fields, from_zero("every_s", every_s, engine::k_most_seconds),
+                                           replace};
+            held->work([&](Simulation& simulation) { simulation.record(file, options); });
           },
           py::arg("file"), py::kw_only(), py::arg("fields") = py::tuple(), py::arg("every_s") = 0.0,
           py::arg("replace") = false,
@@ -274,7 +276,8 @@ void bind_recording(SimulationClass& simulation) {
           "if "
           "the file cannot be\nwritten, and RuntimeError if a recording is already running.")
       .def(
-          "stop_recording", [](const Holder& held) { held->use().stop_recording(); },
+          "stop_recording",
+          [](const Holder& held) { held->work([](Simulation& simulation) { simulation.stop_recording(); }); },
           "Closes the recording that record() started; all HDF5 tools can then read the file. Does nothing "
           "if no recording is\nrunning. Raises RuntimeError if the file cannot be written.");
 }

@@ -102,14 +102,20 @@ void command_device(HeldSwarm& held, const std::string& device, const Where& whe
   for (const auto& [name, rows] : set) swarm.set_commands(const_bytes_of(rows), name, device, mask);
 }
 
+std::string radio_named(HeldSwarm& held, const std::string& name) {
+  return name.empty() ? std::string(default_radio(held.use().devices_with_command(k_payload))) : name;
+}
+
 void say(HeldSwarm& held, const py::object& message, const std::string& device, const Where& where) {
-  const py::dict values = message_command(held.use().command_fields(device), device, message, held.size());
-  command_device(held, device, where, py::reinterpret_borrow<py::kwargs>(values));
+  const std::string radio = radio_named(held, device);
+  const py::dict values = message_command(held.use().command_fields(radio), radio, message, held.size());
+  command_device(held, radio, where, py::reinterpret_borrow<py::kwargs>(values));
 }
 
 py::tuple heard(HeldSwarm& held, const py::object& type, const std::string& device) {
-  return messages_of(type, device, readings_of(held, "count", device), readings_of(held, "length", device),
-                     readings_of(held, "payload", device));
+  const std::string radio = radio_named(held, device);
+  return messages_of(type, radio, readings_of(held, "count", radio), readings_of(held, "length", radio),
+                     readings_of(held, k_payload, radio));
 }
 
 }  // namespace
@@ -229,18 +235,23 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            "zeros. Other fields keep their values. The commands apply from the next step on. Raises "
            "LookupError for an unknown\n"
            "device or field, ValueError for values that do not fit and for NaN, and TypeError for texts.")
-      .def("say", &say, py::arg("message"), py::arg("device") = "radio", py::kw_only(),
+      .def("say", &say, py::arg("message"), py::arg("device") = "", py::kw_only(),
            py::arg("where") = py::none(),
            "Sets the messages that the radios named `device` send in each tick from the next one on, until "
-           "another command\nreplaces them. message: a bytes, bytearray or memoryview object, which is the "
+           "another command\nreplaces them. An empty name means the radio called `radio` or, if the first "
+           "robot "
+           "has no such radio, its first radio.\nmessage: a bytes, bytearray or memoryview object, which is "
+           "the "
            "message of all robots, a list of one such\nobject per robot, or an array with one row per robot, "
            "whose bytes are the message of the robot. command(device, mode=2)\nmakes radios silent. Raises "
            "ValueError for a message of more bytes than the parameter `payload` of the radios allows.")
-      .def("heard", &heard, py::arg("dtype"), py::arg("device") = "radio",
+      .def("heard", &heard, py::arg("dtype"), py::arg("device") = "",
            "The messages that the radios named `device` heard in the last tick, as two arrays of shape (n, "
            "most_heard): the messages\nas elements of the NumPy type `dtype`, and bools, True where there is "
-           "a message of exactly the size of `dtype`.\nmost_heard is a parameter of the radio. readings() "
-           "returns the senders, ranges and bearings of the messages in the same\norder.")
+           "a message of exactly the size of `dtype`. An empty\nname means the same radio as in say(). "
+           "most_heard is a parameter of the radio. readings() returns the senders, ranges\nand bearings of "
+           "the "
+           "messages in the same order.")
       .def("set_poses", &set_poses, py::arg("poses"), py::kw_only(), py::arg("where") = py::none(),
            "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If the pose of "
            "a selected robot is not\nfinite or outside the bounds of the world, or if another body carries "

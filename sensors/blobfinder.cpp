@@ -74,11 +74,6 @@ struct Blob {
   double sum = 0;         ///< sum of the ranges of its rays, m
 };
 
-bool is_same(const Color& a, const Color& b) {
-  constexpr float k_near = 1e-5f;  // as in Stage; opacity is ignored
-  return std::abs(a.r - b.r) < k_near && std::abs(a.g - b.g) < k_near && std::abs(a.b - b.b) < k_near;
-}
-
 /// Computes the first and the last image row of a blob at this range (m). As in Stage, all bodies count as
 /// 0.6 m tall, and a pixel covers a vertical angle of fov / image_height.
 void write_rows(const BlobFinder::Params& params, double range, std::int32_t& top, std::int32_t& bottom) {
@@ -218,6 +213,16 @@ void BlobFinder::draw(const engine::DeviceView& view, engine::Frame& frame) cons
 }
 
 }  // namespace
+
+bool is_same(const Color& a, const Color& b) {
+  constexpr float k_near = 1e-5f;  // as in Stage; opacity is ignored
+  return std::abs(a.r - b.r) < k_near && std::abs(a.g - b.g) < k_near && std::abs(a.b - b.b) < k_near;
+}
+
+const std::vector<Color>* sought_colors(const std::any& prepared) {
+  const auto* finder = std::any_cast<BlobFinder>(&prepared);
+  return finder == nullptr ? nullptr : &finder->params.colors;
+}
 
 DeviceKind blobfinder_kind() {
   return engine::make_device_kind<BlobFinder>(

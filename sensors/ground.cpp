@@ -206,6 +206,12 @@ struct GroundSensor {
 
 }  // namespace
 
+std::optional<double> ground_height(const std::any& prepared) {
+  const auto* sensor = std::any_cast<GroundSensor>(&prepared);
+  if (sensor == nullptr) return {};
+  return sensor->ground.height();
+}
+
 DeviceKind ground_kind() {
   return engine::make_device_kind<GroundSensor>(
       "ground", "reads the colour of the ground below given points of the robot");

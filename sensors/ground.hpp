@@ -6,9 +6,11 @@
 #include "engine/fields/description.hpp"
 #include "engine/kinds/kinds.hpp"
 
+#include <any>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 namespace troupe::sensors {
 
@@ -33,6 +35,10 @@ enum GroundField : std::size_t {
 ///          a size of some millimetres in z. If the model has an LED, the sensor reads the colour of the LED.
 /// edges    A point on the common border of two adjacent zones belongs to exactly one of them.
 engine::DeviceKind ground_kind();
+
+/// Returns the parameter `height` of a ground sensor, m; nothing if the device is not a ground sensor.
+/// prepared: the data of the device (DeviceKind::Prepared::data).
+std::optional<double> ground_height(const std::any& prepared);
 
 /// The parameter that determines which parts of bodies are ground (see ground_kind()). Devices that read or
 /// change the ground include this struct in their own parameters.
@@ -69,6 +75,9 @@ class Ground {
   /// params.height (m) above z = 0 can be ground. floor: the colour where no such part covers the floor.
   explicit Ground(const GroundParams& params, const Color& floor = {})
       : height_(params.height), floor_(floor) {}
+
+  /// The greatest height of the top of a part that can be ground, m.
+  double height() const { return height_; }
 
   /// Collects those parts of static bodies that can be ground. A static body never moves, and has no devices
   /// and no controller. Call this function in the device's hook DeviceKind::bind_world, before the first call

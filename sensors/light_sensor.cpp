@@ -162,4 +162,6 @@ DeviceKind light_sensor_kind() {
       "light_sensor", "a ring of light sensors: reads the brightness in several directions");
 }
 
+bool is_light_sensor(const std::any& prepared) { return std::any_cast<LightSensor>(&prepared) != nullptr; }
+
 }  // namespace troupe::sensors

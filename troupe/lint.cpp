@@ -8,6 +8,12 @@
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "models/controllers/always_turns.hpp"
+#include "models/controllers/waypoints.hpp"
+#include "models/devices/power.hpp"
+#include "sensors/blobfinder.hpp"
+#include "sensors/ground.hpp"
+#include "sensors/light_sensor.hpp"
+#include "sensors/light_source.hpp"
 #include "sensors/radio.hpp"
 #include "sensors/ranger.hpp"
 #include "sensors/ranger_beams.hpp"
@@ -21,10 +27,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <any>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -39,6 +48,13 @@ constexpr ZInterval k_no_heights{std::numeric_limits<double>::infinity(),
 
 ZInterval united(const ZInterval& a, const ZInterval& b) {
   return {std::min(a.min, b.min), std::max(a.max, b.max)};
+}
+
+/// Returns the name of a device for a warning: `ranger "eye" of "bot"`, or `ranger of "bot"` if the body
+/// itself is the device.
+std::string device_text(std::string_view what, std::string_view name, std::string_view type) {
+  return name.empty() ? fmt::format("{} of \"{}\"", what, type)
+                      : fmt::format("{} \"{}\" of \"{}\"", what, name, type);
 }
 
 /// Counts the solids at each height: at(z) returns the number of solids whose z interval, including both
@@ -117,9 +133,15 @@ class Lint {
   void check() {
     check_types();
     check_drives();
+    check_periods();
     check_supplies();
+    check_contacts();
     check_controllers();
+    check_goals();
     check_sensors();
+    check_lights();
+    check_ground();
+    check_blobs();
     check_radios();
     check_grippers();
     check_floor_plans();
@@ -132,10 +154,19 @@ class Lint {
  private:
   void check_types();
   void check_drives();
+  void check_periods();
   void check_supplies();
+  void check_contacts();
   void check_controllers();
+  void check_goals();
   void check_sensors();
   std::size_t others(std::size_t t, std::uint32_t type) const;
+  bool is_of_other(const std::vector<std::uint32_t>& types, std::uint32_t type) const;
+  template <class Visit>
+  void for_devices(Visit&& visit) const;
+  void check_lights();
+  void check_ground();
+  void check_blobs();
   bool can_height_change(std::uint32_t type) const;
   void check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
                     const Heights& visible);
@@ -205,6 +236,30 @@ void Lint::check_drives() {
   }
 }
 
+/// Warns of drives and devices that never run because their first run, at the end of their first period, is
+/// after the end of the run.
+void Lint::check_periods() {
+  if (!spec_.quit_time_s) return;
+  const std::uint64_t end = std::max<std::uint64_t>(engine::ticks_until(*spec_.quit_time_s, spec_.tick_s), 1);
+  for (std::size_t t = 0; t < spec_.types.size(); ++t) {
+    if (levels_[t].empty()) continue;
+    const engine::BodyType& type = world_.types()[t];
+    const auto check = [&](std::string_view what, std::string_view name, std::uint64_t period, Where where) {
+      if (period > end)
+        diagnostics_.warning(
+            where,
+            fmt::format("the {} never runs unless --for makes the run longer: its period is {:.10g} s, but "
+                        "\"quit_time_s\" ends the run at {:.10g} s",
+                        device_text(what, name, type.name), static_cast<double>(period) * spec_.tick_s,
+                        *spec_.quit_time_s));
+    };
+    if (type.drive) check("drive", type.drive->kind->name, type.drive->period, spec_.types[t].drive->where);
+    for (std::size_t d = 0; d < type.devices.size(); ++d)
+      check(type.devices[d].kind->name, type.devices[d].name, type.devices[d].period,
+            spec_.types[t].devices[d].where);
+  }
+}
+
 /// Warns of power supplies that can hold no energy and therefore stop everything that they serve.
 void Lint::check_supplies() {
   for (std::size_t t = 0; t < spec_.types.size(); ++t)
@@ -221,6 +276,43 @@ void Lint::check_supplies() {
                                        "everything that it supplies is stopped for the whole run",
                                        device.name, world_.types()[t].name));
     }
+}
+
+/// Warns of power contacts that can exchange no energy.
+void Lint::check_contacts() {
+  std::set<std::uint32_t> changed;  // types with parameters that interventions change, such as `take`
+  for (const engine::InterventionSpec& at : spec_.experiment.at)
+    if (at.setting) changed.insert(at.setting->type.value);
+  const auto for_contacts = [&](auto&& visit) {
+    for_devices([&](std::uint32_t t, const engine::DeviceSpec& device, const std::any& data) {
+      if (const std::optional<models::Contact> contact = models::power_contact(data))
+        visit(t, device, contact->give > 0, contact->take > 0 || changed.contains(t), contact->has_outline);
+    });
+  };
+  std::vector<std::uint32_t> givers;  // types with such a contact
+  std::vector<std::uint32_t> takers;
+  for_contacts([&](std::uint32_t t, const engine::DeviceSpec&, bool gives, bool takes, bool) {
+    if (gives) givers.push_back(t);
+    if (takes) takers.push_back(t);
+  });
+  for_contacts([&](std::uint32_t t, const engine::DeviceSpec& contact, bool gives, bool takes,
+                   bool has_outline) {
+    std::string_view why;
+    if (!gives && !takes)
+      why = "it has neither \"give_W\" nor \"take_W\"";
+    else if (!has_outline)
+      why =
+          "the part that carries it has no shape, so that nothing touches it: give the part a size, or mount "
+          "the contact on another part";
+    else if (!(gives && is_of_other(takers, t)) && !(takes && is_of_other(givers, t)))
+      why = gives && takes ? "no other body has a power contact"
+            : gives        ? "no other body has a power contact with \"take_W\""
+                           : "no other body has a power contact with \"give_W\"";
+    if (!why.empty())
+      diagnostics_.warning(contact.where,
+                           fmt::format("{} exchanges no energy: {}",
+                                       device_text("power contact", contact.name, spec_.types[t].name), why));
+  });
 }
 
 /// Warns of controllers that have a period but run with another one: that of their first device or of the
@@ -252,6 +344,23 @@ void Lint::check_controllers() {
   }
 }
 
+/// Warns of goals that are outside of the bounds of the world. Odometry may place a goal anywhere.
+void Lint::check_goals() {
+  if (!spec_.bounds) return;
+  for (std::size_t t = 0; t < spec_.types.size(); ++t) {
+    const engine::BodyType& type = world_.types()[t];
+    if (levels_[t].empty() || !type.drive || type.drive->localization.kind != engine::Localization::Kind::gps)
+      continue;
+    const Pose origin = type.drive->localization.origin.value_or(Pose());
+    for (std::size_t c = 0; c < type.controllers.size(); ++c)
+      if (const std::string text = models::goal_outside(type.controllers[c].data, origin, *spec_.bounds);
+          !text.empty())
+        diagnostics_.warning(spec_.types[t].controllers[c].where,
+                             fmt::format("the controller \"{}\" of \"{}\" {}",
+                                         spec_.types[t].controllers[c].kind, type.name, text));
+  }
+}
+
 void Lint::check_sensors() {
   Heights visible;
   for (std::size_t t = 0; t < spec_.types.size(); ++t)
@@ -274,6 +383,20 @@ std::size_t Lint::others(std::size_t t, std::uint32_t type) const {
   std::size_t bodies = 0;
   for (const auto& [z, count] : levels_[t]) bodies += count;
   return bodies - (t == type ? 1 : 0);
+}
+
+/// Whether one of `types` is the type of another body than a body of type `type` itself. A body of type
+/// `type` must exist.
+bool Lint::is_of_other(const std::vector<std::uint32_t>& types, std::uint32_t type) const {
+  return std::ranges::any_of(types, [&](std::uint32_t t) { return others(t, type) > 0; });
+}
+
+/// Calls visit(type, device, data) for each device of each type that has bodies. data: its prepared data
+template <class Visit>
+void Lint::for_devices(Visit&& visit) const {
+  for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
+    for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d)
+      visit(t, spec_.types[t].devices[d], world_.types()[t].devices[d].prepared.data);
 }
 
 /// Whether a joint, such as a lift, may raise an outline that rangers of a body of type `type` see.
@@ -388,6 +511,74 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
     }
   diagnostics_.warning(where, called + missed_text(visible, looks, "no other body that rangers see",
                                                    "bodies that rangers see"));
+}
+
+/// Warns of light sensors in worlds in which no other body has a light.
+void Lint::check_lights() {
+  const auto is_light = [](const engine::BodyType::Device& device) {
+    return sensors::light_source(device.prepared) != nullptr;
+  };
+  std::vector<std::uint32_t> lit;  // types with a light
+  for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
+    if (std::ranges::any_of(world_.types()[t].devices, is_light)) lit.push_back(t);
+  for_devices([&](std::uint32_t t, const engine::DeviceSpec& sensor, const std::any& data) {
+    if (sensors::is_light_sensor(data) && !is_of_other(lit, t))
+      diagnostics_.warning(sensor.where, called_text(sensor.name, spec_.types[t].name) +
+                                             "no other body has a light, such as a \"blinkenlight\"");
+  });
+}
+
+/// Warns of ground sensors in worlds in which no part of another body can be ground. A joint may lower a
+/// part.
+void Lint::check_ground() {
+  const auto is_ground = [&](std::uint32_t t, double height) {
+    return !levels_[t].empty() &&
+           std::ranges::any_of(spec_.types[t].parts, [&](const engine::PartSpec& part) {
+             return std::ranges::any_of(part.solids, [&](const Solid& solid) {
+               return part.joint != engine::k_rigid || solid.z.max + levels_[t].begin()->first <= height;
+             });
+           });
+  };
+  std::map<double, std::vector<std::uint32_t>> zones;  // per height: the types that can be ground
+  for_devices([&](std::uint32_t t, const engine::DeviceSpec& sensor, const std::any& data) {
+    const std::optional<double> height = sensors::ground_height(data);
+    if (!height) return;
+    const auto [found, is_new] = zones.try_emplace(*height);
+    for (std::uint32_t other = 0; is_new && other < spec_.types.size(); ++other)
+      if (is_ground(other, *height)) found->second.push_back(other);
+    if (!is_of_other(found->second, t))
+      diagnostics_.warning(
+          sensor.where,
+          fmt::format(
+              "{} sees only the bare floor: no other body has a part whose top is at most {:.4g} m above the "
+              "floor, its \"height\"",
+              device_text("sensor", sensor.name, spec_.types[t].name), *height));
+  });
+}
+
+/// Warns of blob finders that look for colours that no body has. LEDs and similar devices may show any
+/// colour.
+void Lint::check_blobs() {
+  for (std::size_t t = 0; t < spec_.types.size(); ++t)
+    for (const engine::BodyType::Device& device : world_.types()[t].devices)
+      if (device.kind->shows_color && !levels_[t].empty()) return;
+  const auto is_less = [](const Color& a, const Color& b) {
+    return std::tie(a.r, a.g, a.b) < std::tie(b.r, b.g, b.b);
+  };
+  std::set<Color, decltype(is_less)> shown(is_less);
+  for (const engine::BodySpec& body : spec_.bodies)
+    for (const engine::PartSpec& part : spec_.types[body.type.index()].parts)
+      if (!part.solids.empty()) shown.insert(part.color.value_or(body.color));
+  for_devices([&](std::uint32_t t, const engine::DeviceSpec& sensor, const std::any& data) {
+    const std::vector<Color>* sought = sensors::sought_colors(data);
+    if (sought == nullptr || sought->empty()) return;
+    const auto is_sought = [&](const Color& color) {
+      return std::ranges::any_of(*sought, [&](const Color& one) { return sensors::is_same(one, color); });
+    };
+    if (std::ranges::none_of(shown, is_sought))
+      diagnostics_.warning(sensor.where, called_text(sensor.name, spec_.types[t].name) +
+                                             "no body has one of the colours in its \"colors\"");
+  });
 }
 
 /// Warns of radios on channels on which no other body has a radio.

@@ -18,8 +18,9 @@ namespace troupe {
 /// - bodies that overlap at the start, and robots that start inside walls;
 /// - sensors that can never detect anything;
 /// - floor plans (walls from an image, a ROS map or a list of points) that block no robot;
-/// - drives that cannot stand still, power packs that can hold no energy, and controllers that react to
-///   obstacles beyond the range of their ranger;
+/// - drives that cannot stand still, drives and devices that never run, power packs that can hold no energy,
+///   and power contacts that exchange none;
+/// - controllers that react to obstacles beyond the range of their ranger, or whose goals are out of bounds;
 /// - conditions in `stop_when` that do not have the parameters which the list `measures` gives their measure;
 /// - unused definitions, and properties, interventions and faults without effect.
 ///

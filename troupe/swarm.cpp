@@ -308,6 +308,15 @@ std::span<const engine::StateField> Swarm::command_fields(std::string_view devic
   return commanded_device(*world_, row(0), device).prepared.commands;
 }
 
+std::vector<std::string_view> Swarm::devices_with_command(std::string_view field) const {
+  if (ids_.empty()) throw std::logic_error("a swarm without robots has no commands");
+  std::vector<std::string_view> names;
+  for (const engine::BodyType::Device& device : world_->type(row(0)).devices)
+    if (index_of(device.prepared.commands, field) < device.prepared.commands.size())
+      names.push_back(device.name);
+  return names;
+}
+
 void Swarm::commands(std::span<std::byte> out, std::string_view field, std::string_view device) const {
   for_cells(&Swarm::commands_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
     std::memcpy(out.data() + i * cells.field->bytes(),

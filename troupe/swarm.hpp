@@ -112,6 +112,9 @@ class Swarm {
   /// The other robots are not checked. Throws std::out_of_range if the first robot has no device of this name
   /// that takes commands, and std::logic_error for a swarm without robots.
   std::span<const engine::StateField> command_fields(std::string_view device) const;
+  /// Returns the names of those devices of the first robot whose command has the field `field`, in the order
+  /// of its devices. The other robots are not checked. Throws std::logic_error for a swarm without robots.
+  std::vector<std::string_view> devices_with_command(std::string_view field) const;
   /// Copies the field `field` of the current command of each robot's device named `device` to `out`. The
   /// values are robots x columns, row-major, and have the type that command_fields() states. Does nothing for
   /// a swarm without robots. Throws

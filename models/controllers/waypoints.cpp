@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <any>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -258,6 +259,23 @@ struct Waypoints {
 };
 
 }  // namespace
+
+std::string goal_outside(const std::any& prepared, const Pose& origin, const Box& bounds) {
+  const auto* controller = std::any_cast<Waypoints>(&prepared);
+  if (controller == nullptr) return {};
+  const std::vector<Goal>& goals = controller->params.goals;
+  const Box reached = bounds.expanded(controller->params.near);
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const Vec2 at = compose(origin, goals[i].pose).position();
+    if (!reached.contains(at))
+      return fmt::format(
+          "never reaches its goal {} (counted from 1): the goal is at ({:.4g}, {:.4g}) m, outside of the "
+          "bounds "
+          "of the world, ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m",
+          i + 1, at.x(), at.y(), bounds.min.x(), bounds.min.y(), bounds.max.x(), bounds.max.y());
+  }
+  return {};
+}
 
 engine::ControllerKind waypoints_controller() {
   engine::ControllerKind kind =

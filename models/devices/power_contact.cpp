@@ -6,6 +6,8 @@
 #include "partition/closeness.hpp"
 
 #include <algorithm>
+#include <any>
+#include <optional>
 #include <stdexcept>
 
 namespace troupe::models {
@@ -138,6 +140,12 @@ void PowerContact::apply(World& world, const Effect& effect) const {
 }
 
 }  // namespace
+
+std::optional<Contact> power_contact(const std::any& prepared) {
+  const auto* contact = std::any_cast<PowerContact>(&prepared);
+  if (contact == nullptr) return {};
+  return Contact{contact->params.give, contact->params.take, !contact->shape.empty()};
+}
 
 DeviceKind power_contact_kind() {
   return engine::make_device_kind<PowerContact>(

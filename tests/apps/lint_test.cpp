@@ -592,13 +592,13 @@ TEST_F(LintTest, ReportsInterventionsThatAddSeveralBodiesAtOnePose) {
 
 TEST_F(LintTest, ReportsControllersThatReactBeyondTheRangeOfTheirRanger) {
   const auto world = [](const std::string& controller) {
-    return R"({ "troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
-  "sensors": [{"name": "eye", "kind": "ranger", "pose": {"z_m": 0.1},
+    return R"({ "troupe": 1, "types": {"zone": {"size_m": [1, 1, 0.001], "obstacle": false, "ranger_return": -1},
+  "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "sensors": [{"name": "eye", "kind": "ranger", "pose": {"z_m": 0.1},
     "transducers": [{"range_max_m": 0.5, "fov_deg": 180, "samples": 11}]},
     {"name": "radio", "kind": "radio", "range_m": 5}, {"name": "floor", "kind": "ground"}],
   "controller": {"kind": )" +
            controller + R"(} }},
-  "models": [{"name": "r0", "type": "bot"}, {"name": "r1", "type": "bot", "pose": {"x_m": 3}}] })";
+  "models": [{"name": "z", "type": "zone"}, {"name": "r0", "type": "bot"}, {"name": "r1", "type": "bot", "pose": {"x_m": 3}}] })";
   };
   for (const std::string kind : {"beeclust", "chain", "clustering", "collective_perception", "gradient",
                                  "informed_aggregation", "wander"}) {
@@ -672,6 +672,143 @@ TEST_F(LintTest, ReportsPowerPacksThatCanHoldNoEnergy) {
   expect_nothing("empty.json", world(R"(, "capacity_J": 100, "stored_J": 0)"));  // it may be charged
   expect_nothing("infinite.json", world(R"(, "infinite": true)"));
   expect_nothing("stage.json", world(R"(, "when_empty": "nothing")"));
+}
+
+TEST_F(LintTest, ReportsPowerContactsThatExchangeNothing) {
+  const auto world = [](const std::string& dock, const std::string& bot, const std::string& keys = "") {
+    return R"({ "troupe": 1, "tick_s": 0.1, "types": {
+    "dock": {"size_m": [0.4, 0.4, 0.1], "obstacle": false, "devices": [{"name": "mains", "kind": "power_pack", "infinite": true}
+      )" + dock +
+           R"(]},
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "devices": [{"name": "pack", "kind": "power_pack", "capacity_J": 9}],
+      "parts": [{"name": "tip")" +
+           bot + R"(}]} },
+  "models": [{"name": "d", "type": "dock", "pose": {"x_m": 3}}, {"name": "r0", "type": "bot"}])" +
+           keys + " }";
+  };
+  const auto contact = [](const std::string& powers) {
+    return R"({"name": "contact", "kind": "power_contact")" + powers + "}";
+  };
+  const auto on_tip = [&](const std::string& powers,
+                          const std::string& size = R"(, "size_m": [0.1, 0.1, 0.1])") {
+    return size + R"(, "devices": [)" + contact(powers) + "]";
+  };
+  const std::string gives = ", " + contact(R"(, "give_W": 5)");
+  const std::string takes = R"(, "take_W": 5)";
+  expect_nothing("right.json", world(gives, on_tip(takes)));
+  const std::string of_dock =
+      "w.json:3: warning: power contact \"contact\" of \"dock\" exchanges no energy: ";
+  const std::string of_bot = "w.json:5: warning: power contact \"contact\" of \"bot\" exchanges no energy: ";
+  EXPECT_THAT(
+      findings("w.json", world(gives, "")),
+      ElementsAre(of_dock + "no other body has a power contact with \"take_W\"", "w.json: 1 finding"));
+  EXPECT_THAT(findings("w.json", world("", on_tip(takes))),
+              ElementsAre(of_bot + "no other body has a power contact with \"give_W\"", "w.json: 1 finding"));
+  EXPECT_THAT(findings("w.json", world("", on_tip(takes + R"(, "give_W": 5)"))),
+              ElementsAre(of_bot + "no other body has a power contact", "w.json: 1 finding"));
+  EXPECT_THAT(
+      findings("w.json", world(gives + R"(, {"name": "more", "kind": "power_contact"})", on_tip(takes))),
+      ElementsAre("w.json:3: warning: power contact \"more\" of \"dock\" exchanges no energy: it has neither "
+                  "\"give_W\" nor \"take_W\"",
+                  "w.json: 1 finding"));
+  expect_nothing(
+      "later.json",
+      world(
+          gives, on_tip(""),
+          R"(, "at": [{"time_s": 1, "set": {"type": "bot", "device": {"name": "contact", "take_W": 5}}}])"));
+  EXPECT_THAT(
+      findings("w.json", world(gives, on_tip(takes, ""))),
+      ElementsAre(of_bot +
+                      "the part that carries it has no shape, so that nothing touches it: give the part a "
+                      "size, or mount the contact on another part",
+                  "w.json: 1 finding"));
+  EXPECT_THAT(
+      findings("own.json", R"({ "troupe": 1, "types": {
+    "dock": {"device": {"kind": "power_contact", "give_W": 5}, "devices": [{"kind": "power_pack", "infinite": true}]},
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, "devices": [
+      {"kind": "power_pack", "capacity_J": 9}, {"kind": "power_contact", "take_W": 5}]} },
+  "models": [{"name": "d", "type": "dock"}, {"name": "r0", "type": "bot"}] })"),
+      ElementsAre(HasSubstr("power contact of \"dock\" exchanges no energy: the part that carries it has no "
+                            "shape"),
+                  "own.json: 1 finding"));
+}
+
+TEST_F(LintTest, ReportsSensorsWithoutLightsGroundAndColours) {
+  const auto world = [](const std::string& other, const std::string& z = "0") {
+    return R"({ "troupe": 1, "types": {
+    "other": {"size_m": [0.4, 0.4, 0.05], )" +
+           other + R"(},
+    "bot": {"size_m": [0.4, 0.4, 0.3], "color": "red", "drive": {"kind": "diff"}, "sensors": [
+      {"name": "bright", "kind": "light_sensor"},
+      {"name": "floor", "kind": "ground"},
+      {"name": "eye", "kind": "blobfinder", "colors": ["blue"]} ]} },
+  "models": [{"name": "o", "type": "other", "pose": {"x_m": 3, "z_m": )" +
+           z + R"(}}, {"name": "r0", "type": "bot"}] })";
+  };
+  const std::string light = R"(, "devices": [{"kind": "blinkenlight"}])";
+  expect_nothing("right.json", world(R"("color": "blue")" + light));
+  EXPECT_THAT(
+      findings("w.json", world(R"("color": "blue")")),
+      ElementsAre("w.json:4: warning: sensor \"bright\" of \"bot\" sees nothing: no other body has a light, "
+                  "such as a \"blinkenlight\"",
+                  "w.json: 1 finding"));
+  EXPECT_THAT(
+      findings("w.json", world(R"("color": "blue")" + light, "0.01")),
+      ElementsAre(
+          "w.json:5: warning: sensor \"floor\" of \"bot\" sees only the bare floor: no other body has a "
+          "part whose top is at most 0.05 m above the floor, its \"height\"",
+          "w.json: 1 finding"));
+  EXPECT_THAT(
+      findings("w.json", world(R"("color": "green")" + light)),
+      ElementsAre(
+          "w.json:6: warning: sensor \"eye\" of \"bot\" sees nothing: no body has one of the colours in "
+          "its \"colors\"",
+          "w.json: 1 finding"));
+  expect_nothing("led.json",
+                 world(R"("color": "green", "devices": [{"kind": "blinkenlight"}, {"kind": "led"}])"));
+}
+
+TEST_F(LintTest, ReportsDevicesThatNeverRun) {
+  const auto world = [](const std::string& drive, const std::string& eye) {
+    return R"({ "troupe": 1, "tick_s": 0.1, "quit_time_s": 60, "types": {"bot": {"size_m": [0.4, 0.4, 0.3],
+  "drive": {"kind": "diff")" +
+           drive + R"(},
+  "sensors": [{"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 5}])" +
+           eye + R"(}] }},
+  "models": [{"name": "r0", "type": "bot"}, {"name": "r1", "type": "bot", "pose": {"x_m": 3}}] })";
+  };
+  expect_nothing("once.json", world(R"(, "period_s": 60)", R"(, "period_s": 60)"));
+  const std::string end = "is 100 s, but \"quit_time_s\" ends the run at 60 s";
+  EXPECT_THAT(
+      findings("never.json", world(R"(, "period_s": 100)", R"(, "period_s": 100)")),
+      ElementsAre(
+          "never.json:2: warning: the drive \"diff\" of \"bot\" never runs unless --for makes the run "
+          "longer: its period " +
+              end,
+          "never.json:3: warning: the ranger \"eye\" of \"bot\" never runs unless --for makes the run "
+          "longer: its period " +
+              end,
+          "never.json: 2 findings"));
+}
+
+TEST_F(LintTest, ReportsGoalsOutOfBounds) {
+  const auto world = [](const std::string& goal, const std::string& drive = "") {
+    return R"({ "troupe": 1, "bounds_m": [[-5, -5], [5, 5]], "types": {"bot": {"size_m": [0.4, 0.4, 0.3],
+  "drive": {"kind": "diff")" +
+           drive + R"(},
+  "controller": {"kind": "waypoints", "goals": [{"x_m": 1}, )" +
+           goal + R"(]} }},
+  "models": [{"name": "r0", "type": "bot"}] })";
+  };
+  expect_nothing("near.json", world(R"({"x_m": 5.1})"));
+  EXPECT_THAT(
+      findings("far.json", world(R"({"x_cm": 512, "y_m": 2})")),
+      ElementsAre(
+          "far.json:3: warning: the controller \"waypoints\" of \"bot\" never reaches its goal 2 (counted "
+          "from 1): the goal is at (5.12, 2) m, outside of the bounds of the world, (-5, -5) to (5, 5) m",
+          "far.json: 1 finding"));
+  expect_nothing("odom.json", world(R"({"x_m": 6})", R"(, "localization": "odom")"));
+  expect_nothing("origin.json", world(R"({"x_m": 6})", R"(, "localization_origin_m": [-2, 0])"));
 }
 
 TEST_F(LintTest, ReportsAConditionWithOtherParametersThanTheListedMeasure) {

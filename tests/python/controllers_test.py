@@ -95,6 +95,18 @@ class Controllers(InAFolder):
     def hashes(self, log):
         return [line.split()[:2] for line in (self.folder / log).read_text().splitlines() if not line.startswith("#")]
 
+    def test_the_only_radio_needs_no_name(self):
+        heard = []
+
+        class Talk(troupe.Controller):
+            def decide(self, robots):
+                robots.say(b"ab")
+                heard.append(robots.heard("S2")[1].sum())
+
+        world = troupe.Simulation(json.loads(WORLD.replace('"name": "radio"', '"name": "ear"')), controllers=Talk)
+        world.step(3)
+        self.assertGreater(heard[-1], 0)
+
     def test_a_run_a_simulation_and_a_resumed_run_have_one_hash(self):
         self.troupe("run", "w.json", "--controller", "roam.py", "--hash-log", "run.log")
         hashes = self.hashes("run.log")

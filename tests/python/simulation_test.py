@@ -372,6 +372,33 @@ class Running(InAFolder):
         self.assertIn("is being used by another thread", refused[0])
         self.assertEqual(world.tick, 300)
 
+    def test_a_tick_waits_for_a_thread_that_began_to_use_the_world_in_a_callback(self):
+        world = troupe.Simulation(ROOM, threads=1)
+        ended = []
+
+        def cast():
+            world.cast_many(np.full((1000000, 4), 0.1), 4)
+            ended.append(True)
+
+        user = threading.Thread(target=cast)
+
+        def begin(simulation):
+            user.start()
+            with self.assertRaisesRegex(RuntimeError, "is being used by another thread"):
+                while user.is_alive():
+                    time.sleep(0.001)
+                    world.tick
+
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(60)  # so that the thread is not interrupted between its cast and its end
+        try:
+            world.run_for(0.2, begin)
+            self.assertEqual(ended, [True])
+        finally:
+            sys.setswitchinterval(interval)
+            user.join()
+        world.step()
+
     def test_control_c_ends_it_between_two_ticks(self):
         code = f"""
 import threading
@@ -1400,21 +1427,63 @@ class Looking(InAFolder):
 
     def test_other_threads_run_while_a_picture_is_drawn_or_rays_are_cast(self):
         world = troupe.Simulation(ROOM, threads=1)
+        team = {"name": "r", "robots": "r", "actions": [{"command": "forward", "low": 0, "high": 1}]}
+        batch = troupe.BatchEnv(world, {"copies": 1, "threads": 1, "ticks": 1, "seconds": 9.0, "teams": [team]})
         with skipped_where_lacking():
             world.picture(16, 16)
-        for use in (lambda: world.picture(800, 600), lambda: world.snapshot("room.png", 800, 600),
-                    lambda: world.cast_many(np.full((50000, 4), 0.1), 4)):
+        for use, look in ((lambda: world.picture(800, 600), lambda: world.tick),
+                          (lambda: world.snapshot("room.png", 800, 600), lambda: world.tick),
+                          (lambda: world.cast_many(np.full((50000, 4), 0.1), 4), lambda: world.tick),
+                          (lambda: batch.picture(0, 800, 600), lambda: batch.copies)):
             refused = []
             user = threading.Thread(target=lambda: [use() for _ in range(10)])
             user.start()
             while user.is_alive():
                 try:
-                    world.tick
+                    look()
                 except RuntimeError as error:
                     refused.append(str(error))
                 time.sleep(0.001)
             user.join()
-            self.assertRegex(" ".join(refused), "is being used by another thread")
+            self.assertRegex(" ".join(refused), "is being (used|stepped) by another thread")
+
+    def test_other_threads_run_while_files_are_written_and_worlds_are_copied_or_reset(self):
+        world = troupe.Simulation(HOSPITAL, robots=2000, threads=1)
+        team = {"name": "r", "robots": "minibot", "actions": [{"command": "forward", "low": 0, "high": 1}]}
+        recordings = []
+        calls = {
+            "save": lambda: world.save("c.h5"),
+            "record": lambda: world.record("own.h5", fields=["all"], replace=True),
+            "reset": lambda: [world.reset(seed) for seed in range(20)],  # one takes less than a millisecond
+            "Recording": lambda: recordings.append(troupe.Recording("other.h5", world, ["all"], replace=True)),
+            "BatchEnv": lambda: troupe.BatchEnv(world, {"copies": 2, "threads": 1, "ticks": 1, "seconds": 9.0, "teams": [team]}),
+        }
+        with skipped_where_lacking():
+            world.save("c.h5")
+        present, seen = [None], set()
+
+        def call_all():
+            for _ in range(20):
+                for name, call in calls.items():
+                    present[0] = name
+                    call()
+                present[0] = None
+                world.stop_recording()
+                recordings.pop().close()
+                if seen == set(calls):
+                    return
+
+        user = threading.Thread(target=call_all)
+        user.start()
+        while user.is_alive():
+            name = present[0]
+            try:
+                world.tick  # raises only during one of the calls: between them, the simulation is free
+            except RuntimeError:
+                if name is not None and name == present[0]:
+                    seen.add(name)
+        user.join()
+        self.assertEqual(seen, set(calls))
 
     def test_statistics(self):
         world = troupe.Simulation(ROOM)

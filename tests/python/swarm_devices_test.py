@@ -88,6 +88,27 @@ class Devices(unittest.TestCase):
         self.world.step(2)
         self.assertEqual(self.swarm.readings("count").tolist(), [0] * 6)
 
+    def test_without_a_name_the_first_radio_is_used_unless_another_is_called_radio(self):
+        def radio(name, channel):
+            return {"name": name, "kind": "radio", "channel": channel, "payload": 8, "most_heard": 3}
+
+        for names, used in ((["ear"], "ear"), (["ear", "mouth"], "ear"), (["ear", "radio"], "radio")):
+            finder = {"name": "finder", "kind": "fiducial"}  # its readings have the field `count`, too
+            bot = {**TALKERS["types"]["bot"], "fiducial_return": 1,
+                   "sensors": [finder] + [radio(name, f"channel {name}") for name in names]}
+            world = troupe.Simulation({**TALKERS, "types": {"bot": bot}})
+            swarm = world.swarm("r")
+            swarm.say(b"hello")
+            self.assertEqual([name for name in names if swarm.commands(name)["length"].any()], [used])
+            world.step(2)
+            for given, there in zip(swarm.heard("S5"), swarm.heard("S5", used)):
+                np.testing.assert_array_equal(given, there)
+            self.assertTrue(swarm.heard("S5")[1].any())
+        silent = troupe.Simulation({**TALKERS, "types": {"bot": {**TALKERS["types"]["bot"], "sensors": []}}}).swarm()
+        for use in (lambda: silent.say(b"hello"), lambda: silent.heard("S5")):
+            with self.assertRaisesRegex(LookupError, 'unknown device .*"radio"'):
+                use()
+
     def test_what_is_wrong_changes_nothing(self):
         for error, text, call in (
             (LookupError, r'device "radio": unknown field "cuont"; known: ', lambda: self.swarm.readings("cuont", "radio")),

@@ -334,6 +334,14 @@ TEST(SwarmDevices, AreReadAndCommandedInTheOrderOfTheSwarm) {
   EXPECT_TRUE(std::ranges::equal(one.bytes, std::as_bytes(std::span(heard)).subspan(20, 20)));
 }
 
+TEST(SwarmDevices, AreFoundByAFieldOfTheirCommand) {
+  Simulation simulation = yard(k_talkers);
+  const Swarm all = simulation.swarm();
+  EXPECT_THAT(all.devices_with_command("payload"), ElementsAre("radio"));
+  EXPECT_THAT(all.devices_with_command("red"), ElementsAre("lamp"));
+  EXPECT_THAT(all.devices_with_command("ranges"), testing::IsEmpty());
+}
+
 TEST(SwarmDevices, SayWhatIsWrong) {
   Simulation simulation = yard(k_talkers);
   Swarm all = simulation.swarm();

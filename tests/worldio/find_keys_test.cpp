@@ -87,6 +87,40 @@ TEST(FindKeys, ParametersOfKindsAreKeys) {
   EXPECT_THAT(paths("faults.rate"), Each(StartsWith("faults[].")));
 }
 
+TEST(FindKeys, KeysOfParametersFollowTheirKind) {
+  for (const char* name : {"ranger.transducers.samples", "ranger.samples"})
+    EXPECT_THAT(paths(name), ElementsAre("types{}.sensors[].transducers[].samples (kind ranger)",
+                                         "types{}.parts[].sensors[].transducers[].samples (kind ranger)"))
+        << name;
+  EXPECT_THAT(paths("ranger.payload"), IsEmpty()) << "it is a parameter of radios";
+  EXPECT_THAT(paths("expand_swarm.clearance"), Not(IsEmpty()));
+  EXPECT_THAT(paths("expand_swarm.clearance"), Each(EndsWith(" (kind expand)")));
+  for (const char* name : {"slow_wheels.factor", "faults.slow_wheels.factor", "/faults/0/slow_wheels/factor"})
+    EXPECT_THAT(paths(name), ElementsAre("faults[].slow_wheels.factor")) << name;
+  EXPECT_THAT(names_near(registry(), "ranger.smaples"), Contains("ranger.samples"));
+  EXPECT_THAT(names_near(registry(), "ranger.smaples"), Not(Contains("ranger.payload")));
+
+  std::size_t nested = 0;
+  const auto expect_found = [&](const auto& kinds) {
+    for (const auto& kind : kinds)
+      for (const engine::Field& field : kind.params.fields) {
+        const std::string outer = std::string(kind.name) + "." + std::string(field.name);
+        EXPECT_THAT(paths(outer), Contains(EndsWith(" (kind " + std::string(kind.name) + ")"))) << outer;
+        if (field.record == nullptr) continue;
+        for (const engine::Field& inner : field.record->fields) {
+          const std::string inner_name = "." + std::string(inner.name);
+          EXPECT_THAT(paths(outer + inner_name), Not(IsEmpty())) << outer << inner_name;
+          EXPECT_THAT(paths(std::string(kind.name) + inner_name), Not(IsEmpty())) << kind.name << inner_name;
+          ++nested;
+        }
+      }
+  };
+  expect_found(registry().devices);
+  expect_found(registry().drives);
+  expect_found(registry().controllers);
+  EXPECT_GT(nested, 5u);
+}
+
 TEST(FindKeys, KeysWithTheSameDescriptionHaveSeveralPaths) {
   EXPECT_THAT(find_keys(registry(), "types.color").size(), 1u);
   EXPECT_THAT(paths("alias"), Contains("types{}.parts[].alias"));

@@ -148,6 +148,39 @@ TEST(JsonJoints, DevicesAreOrderedAsListed) {
               error("\"beam\" is not a device of the type"));
 }
 
+TEST(JsonJoints, DevicesInARingStandOnThoseOfTheirOwnCopy) {
+  Read read(R"({"troupe": 1, "types": {"bot": {"size_m": [1, 1, 0.1],
+  "devices": [
+    {"name": "lift", "kind": "actuator", "type": "linear", "axis": [0, 0, 1], "max_position": 1, "size_m": [0.1, 0.1, 0.1]},
+    {"name": "lamp", "kind": "led", "on": "lift", "ring": {"count": 2, "radius_m": 0.2}}],
+  "parts": [
+    {"name": "arm", "size_m": [0.1, 0.1, 0.1], "joint": "lift", "ring": {"count": 2, "radius_m": 2}, "obstacle": false,
+     "devices": [
+       {"name": "boom", "kind": "actuator", "type": "rotational", "size_m": [1, 0.04, 0.05]},
+       {"name": "hand", "kind": "gripper", "on": "boom", "pose": {"x_m": 1}, "size_m": [0.2, 0.4, 0.1]}],
+     "sensors": [{"name": "eye", "kind": "compass", "on": "boom"},
+                 {"name": "nail", "kind": "compass", "joint": "hand/left"}],
+     "controller": {"kind": "operate", "orders": [{"at_s": 0, "device": "boom", "order": "go_to", "value": 1}]},
+     "parts": [{"name": "own", "device": {"name": "turret", "kind": "actuator", "type": "rotational"},
+                "size_m": [0.1, 0.1, 0.1]}]}]}},
+  "models": [{"name": "b", "type": "bot"}]})");
+  ASSERT_THAT(read.found, IsEmpty());
+  const engine::TypeSpec& type = read.spec.types.back();
+  std::map<std::string, std::string> stands;  // device -> joint
+  for (const engine::DeviceSpec& device : type.devices)
+    stands[device.name] =
+        device.joint == engine::k_rigid ? "" : type.joints[static_cast<std::size_t>(device.joint)].name;
+  for (const std::string copy : {"0", "1"}) {
+    EXPECT_EQ(stands.at("lamp" + copy), "lift") << "all copies stand on the device outside of the ring";
+    EXPECT_EQ(stands.at("eye" + copy), "boom" + copy);
+    EXPECT_EQ(stands.at("hand" + copy), "boom" + copy);
+    EXPECT_EQ(stands.at("nail" + copy), "hand" + copy + "/left");
+    EXPECT_TRUE(stands.contains("turret" + copy));
+  }
+  engine::World world(read.spec, read.registry, {}, read.diagnostics);
+  EXPECT_THAT(findings(read.diagnostics), IsEmpty());
+}
+
 TEST(JsonJoints, WhatIsWrongIsTold) {
   EXPECT_THAT(Read(changed(R"("on": "boom"},)", R"("on": "bom"},)")).found,
               ElementsAre("gate.json:12: error: /types/gate/devices/1/on: unknown device with a joint "

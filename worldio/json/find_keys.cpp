@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -60,11 +61,14 @@ bool is_index(std::string_view name) {
   return name == "-" || name.find_first_not_of("0123456789") == name.npos;
 }
 
+/// Whether faults are keys of the objects: the value of such a key has the parameters of the fault.
+bool have_faults(const Objects& objects) {
+  return objects.table != nullptr && std::ranges::find(objects.table->keys, Form::faults,
+                                                       &DocumentKey::form) != objects.table->keys.end();
+}
+
 bool have_kinds(const Objects& objects) {
-  return objects.table != nullptr && (objects.table->kinds != nullptr ||
-                                      std::ranges::any_of(objects.table->keys, [](const DocumentKey& key) {
-                                        return key.form == Form::faults;
-                                      }));
+  return objects.table != nullptr && (objects.table->kinds != nullptr || have_faults(objects));
 }
 
 /// The keys of all objects of the worlds that a registry allows.
@@ -132,6 +136,24 @@ class Keys {
       else if (std::ranges::all_of(rest, is_index))
         found.push_back(key);
     }
+    if (const engine::FaultKind* fault = registry_.fault(names.front());
+        fault != nullptr && names.size() > 1 && have_faults(objects))
+      find({.path = joined(objects, fault->name), .fields = &fault->params}, names.subspan(1), is_pointer,
+           found);
+  }
+
+  /// Returns the parameters of the kind or preset `kind`, and the keys of the objects in their values. If
+  /// `names` is not empty, only those to which the names refer; they may leave out the keys of outer objects.
+  std::vector<Key> of_kind(std::string_view kind, std::span<const std::string_view> names = {}) const {
+    if (const engine::Registry::Preset* preset = registry_.preset(kind)) kind = preset->kind;
+    std::vector<Key> found;
+    for (const Objects& objects : sorts_)
+      if (names.empty())
+        std::ranges::move(keys_of(objects), std::back_inserter(found));
+      else
+        find(objects, names, false, found);
+    std::erase_if(found, [kind](const Key& key) { return key.kind != kind; });
+    return found;
   }
 
   FoundKey description(const Key& key) const {
@@ -188,10 +210,14 @@ Path path_of(std::string_view text) {
 std::vector<Key> keys_at(const Keys& keys, const Path& path) {
   std::vector<Key> found;
   if (path.names.empty()) return found;
-  if (path.is_pointer)
+  if (path.is_pointer) {
     keys.find(keys.sorts().front(), path.names, true, found);
-  else
-    for (const Objects& objects : keys.sorts()) keys.find(objects, path.names, false, found);
+    return found;
+  }
+  for (const Objects& objects : keys.sorts()) keys.find(objects, path.names, false, found);
+  if (path.names.size() > 1)
+    std::ranges::move(keys.of_kind(path.names.front(), std::span(path.names).subspan(1)),
+                      std::back_inserter(found));
   return found;
 }
 
@@ -253,9 +279,12 @@ std::vector<std::string> names_near(const engine::Registry& registry, std::strin
   std::vector<std::string> names;
   if (path.names.size() > 1) {
     const auto last = static_cast<std::size_t>(path.names.back().data() - name.data());
-    for (const Objects& objects : objects_around(keys, path))
-      for (const Key& key : keys.keys_of(objects))
+    const auto add = [&](const std::vector<Key>& near) {
+      for (const Key& key : near)
         names.push_back(fmt::format("{}{}", name.substr(0, last), key_of(key.name())));
+    };
+    for (const Objects& objects : objects_around(keys, path)) add(keys.keys_of(objects));
+    if (path.names.size() == 2 && !path.is_pointer) add(keys.of_kind(path.names.front()));
   }
   return names.empty() ? key_names(registry) : sorted(std::move(names));
 }

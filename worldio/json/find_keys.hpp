@@ -31,6 +31,8 @@ struct FoundKey {
 /// - the name of a key, with or without the unit: "populations", "pitch_cm", "pitch"
 /// - several names, separated by dots; each is a key of the objects in the value of the key before it:
 ///   "populations.place", "populations[].place.pitch_m", "sensors.range_m"
+/// - the name of a kind or of a preset, followed by keys of its parameters; keys of outer objects may be left
+///   out: "ranger.transducers.samples", "ranger.samples", "diff.turn_max"
 /// - a JSON pointer, as in errors and in the option --set: "/types/bot/sensors/0/range_m"
 std::vector<FoundKey> find_keys(const engine::Registry& registry, std::string_view name);
 

@@ -13,23 +13,58 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <set>
+#include <string>
+#include <string_view>
 #include <utility>
 
 namespace troupe::worldio {
 namespace {
 
-/// Appends a number to the name of an entry, and to the names of the entries of its lists of sensors, devices
-/// and parts, because all devices of a type must have different names.
-void number_names(JsonNode& entry, std::size_t number) {
+/// Calls visit(name) for the name of an entry, of its own device, and of each entry of its lists of sensors,
+/// devices and parts. Node: JsonNode or const JsonNode
+template <class Node, class Visit>
+void for_each_name(Node& entry, const Visit& visit) {
   auto* members = std::get_if<JsonNode::Object>(&entry.value);
   if (!members) return;
-  for (JsonMember& member : *members) {
-    if (auto* name = std::get_if<std::string>(&member.node.value); name && member.key == "name")
-      *name += fmt::format("{}", number);
+  for (auto& member : *members) {
+    if (auto* name = std::get_if<std::string>(&member.node.value); name && member.key == "name") visit(*name);
+    if (member.key == "device") for_each_name(member.node, visit);
     auto* list = std::get_if<JsonNode::List>(&member.node.value);
     if (!list || !is_named_list(member.key)) continue;
-    for (JsonNode& inner : *list) number_names(inner, number);
+    for (auto& inner : *list) for_each_name(inner, visit);
   }
+}
+
+/// Calls visit(text) for each text in a value that is the name of a device or of a joint of a device.
+template <class Visit>
+void for_each_reference(JsonNode& node, const Visit& visit) {
+  constexpr std::array<std::string_view, 3> k_references{"on", "joint", "device"};
+  if (auto* list = std::get_if<JsonNode::List>(&node.value))
+    for (JsonNode& entry : *list) for_each_reference(entry, visit);
+  auto* members = std::get_if<JsonNode::Object>(&node.value);
+  if (!members) return;
+  for (JsonMember& member : *members) {
+    auto* text = std::get_if<std::string>(&member.node.value);
+    if (text && std::ranges::find(k_references, member.key) != k_references.end())
+      visit(*text);
+    else
+      for_each_reference(member.node, visit);
+  }
+}
+
+/// Appends a number to the names in a copy of an entry, because all devices of a type must have different
+/// names, and to the references to these names in the copy. The keys `on` and `joint` of the entry itself
+/// refer to devices outside of the copy. names: the names in the entry
+void number_names(JsonNode& copy, const std::set<std::string>& names, std::size_t number) {
+  const std::string digits = fmt::format("{}", number);
+  const auto add_to = [&](std::string& reference) {
+    // A joint of a gripper is called GRIPPER/left or GRIPPER/right.
+    const std::size_t end = names.contains(reference) ? reference.size() : reference.rfind('/');
+    if (names.contains(reference.substr(0, end))) reference.insert(std::min(end, reference.size()), digits);
+  };
+  for (JsonMember& member : std::get<JsonNode::Object>(copy.value)) for_each_reference(member.node, add_to);
+  for_each_name(copy, [&](std::string& name) { name += digits; });
 }
 
 Pose pose_of(const JsonCursor& at) {
@@ -113,6 +148,8 @@ std::vector<JsonNode> expand_ring(const JsonCursor& at) {
   const auto ring = read_document<RingDocument>(JsonCursor(at, "ring", described), {no_kinds, 0});
   const Pose center = pose_of(at);
   if (at.diagnostics().findings().size() > before) return {};
+  std::set<std::string> names;
+  for_each_name(at.node(), [&](const std::string& name) { names.insert(name); });
   std::vector<JsonNode> copies;
   for (std::int64_t i = 0; i < ring.count; ++i) {
     const double angle = ring.start + 2 * k_pi * static_cast<double>(i) / static_cast<double>(ring.count);
@@ -123,7 +160,7 @@ std::vector<JsonNode> expand_ring(const JsonCursor& at) {
     std::erase_if(members,
                   [](const JsonMember& member) { return member.key == "ring" || member.key == "pose"; });
     add_node(members, "pose", pose_node(pose, described.where));
-    number_names(copy, static_cast<std::size_t>(i));
+    number_names(copy, names, static_cast<std::size_t>(i));
   }
   return copies;
 }

@@ -28,7 +28,9 @@ bool is_named_list(std::string_view key);
 /// (0, -1) m, with the headings 0, 90, 180 and 270 degrees.
 ///
 /// The number of a copy is appended to the name of the copy, and to the names of all sensors, devices and
-/// parts in the copy. A copy does not have the key `ring`.
+/// parts in the copy. A key `on`, `joint` or `device` inside the copy that names one of these, or a joint of
+/// one of these, gets the number, too: it refers to the device in the same copy. A copy does not have the key
+/// `ring`.
 std::vector<JsonNode> expand_ring(const JsonCursor& at);
 
 /// Greatest number of JSON objects that the rings of a document may create. Each copy counts, and so does
