@@ -3,6 +3,7 @@
 #include "apps/command_table.hpp"
 #include "apps/commands.hpp"
 #include "apps/exit_code.hpp"
+#include "apps/messages.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "apps/ranks/ranks.hpp"
@@ -178,22 +179,21 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     }
     return told(run_command(app, commands, limit));
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr,
-               "troupe: error: not enough memory: use fewer robots, outputs or layers, or a machine with "
-               "more memory\n");
+    print_message(
+        "troupe: error: not enough memory: use fewer robots, outputs or layers, or a machine with "
+        "more memory\n");
     return k_failed;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}", error_line(exception_text(error)));
+    print_message(error_line(exception_text(error)));
     return k_failed;
   } catch (...) {  // a plug-in may throw anything
-    fmt::print(
-        stderr,
+    print_message(
         "troupe: error: unknown exception (not derived from std::exception); a plug-in may have thrown it\n");
     return k_failed;
   }

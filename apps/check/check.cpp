@@ -1,6 +1,7 @@
 #include "apps/check/check.hpp"
 
 #include "apps/check/filled_storage.hpp"
+#include "apps/messages.hpp"
 #include "apps/numbers.hpp"
 #include "apps/progress.hpp"
 #include "base/diagnostics.hpp"
@@ -275,7 +276,7 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
         "numbers of ranks, as in --ranks 2,3");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
-  for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);
+  for (const std::string& warning : first.warnings()) print_message(fmt::format("{}\n", warning));
   const double end_s = end_of(options, first);
   std::optional<Decisions> decisions;
   if (options.controllers) decisions.emplace(variants.front());
@@ -312,7 +313,7 @@ ExitCode check(const CheckOptions& options, const engine::Registry& registry) {
   try {
     return check_checked(options, registry);
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;
   }
 }

@@ -1,6 +1,7 @@
 #include "apps/sweep/parallel_runs.hpp"
 
 #include "apps/interrupt.hpp"
+#include "apps/messages.hpp"
 #include "apps/sweep/one_run.hpp"
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
@@ -44,7 +45,7 @@ class Count {
 
  private:
   void show() const {
-    if (visible_) fmt::print(stderr, "\r\x1b[K{} of {} runs", done_, all_);
+    if (visible_) print_message(fmt::format("\r\x1b[K{} of {} runs", done_, all_));
   }
   std::size_t done_;
   std::size_t all_;

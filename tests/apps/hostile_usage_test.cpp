@@ -6,6 +6,8 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -82,6 +84,44 @@ TEST_F(HostileUsage, ClosedStreamsDoNotEndInOutputs) {
   ASSERT_EQ(shell("run warned.world --for 0.3 --threads 1 --hash-log right.log --quiet 2>/dev/null"), 0);
   shell("run warned.world --for 0.3 --threads 1 --hash-log err.log --quiet 2>&-");
   EXPECT_EQ(read("err.log"), read("right.log"));
+}
+
+// A message that cannot be printed, for example because the disk of the log of a job is full, ends no run and
+// changes no exit code.
+TEST_F(HostileUsage, LostMessagesChangeNoExitCode) {
+  write("wrong.json", "{");
+  write("warned.world", "colour \"red\"\n" + std::string(k_room));
+  for (const auto& [command, code] : std::vector<std::pair<std::string, int>>{
+           {"--nonsense", 2},
+           {"run wrong.json --for 1", 2},
+           {"lint wrong.json", 2},
+           {"check wrong.json --for 1", 2},
+           {"repair none.h5", 2},
+           {"convert warned.world room.json", 0},
+           {"run warned.world --for 20 --threads 1 --clock --hash-log run.log", 0},
+           {"run room.world --for 0.1 --hash-log /dev/full", 1}})
+    for (const char* lost : {" 2>/dev/full", " 2>&-"}) {
+      EXPECT_EQ(shell(command + " >/dev/null" + lost), code) << command << lost;
+      fs::remove(path("room.json"));
+    }
+  EXPECT_EQ(lines_of(read("run.log")).back().substr(0, 4), "200 ");
+}
+
+TEST_F(HostileUsage, TheLastPictureIsDrawnIfTheSummaryIsLost) {
+  const Outcome drawn = troupe({"run", "room.world", "--for", "0.1", "--snapshot", "last.svg"});
+  if (lacks_pictures(drawn)) GTEST_SKIP() << "no pictures here: " << drawn.err;
+  fs::remove(path("last.svg"));
+  EXPECT_EQ(shell("run room.world --for 0.1 --snapshot last.svg >/dev/full 2>err.txt"), 1);
+  EXPECT_THAT(read("err.txt"), HasSubstr("troupe: error: cannot write to standard output"));
+  EXPECT_THAT(read("last.svg"), HasSubstr("</svg>"));
+}
+
+TEST_F(HostileUsage, APipeWhoseReaderEndsIsAnErrorOfWriting) {
+  ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
+  EXPECT_EQ(shell("run room.world --for 1000 --threads 1 --hash-log pipe --quiet 2>err.txt & "
+                  "head -n 2 pipe >/dev/null; wait $!"),
+            1);
+  EXPECT_THAT(read("err.txt"), ::testing::StartsWith("pipe: error: writing failed at tick "));
 }
 
 TEST_F(HostileUsage, DevicesAreWrittenIntoAndNotReplaced) {
