@@ -201,13 +201,26 @@ void write_output(const fs::path& file, std::initializer_list<std::string_view> 
   }
 }
 
-void open_output(std::ofstream& stream, const fs::path& file, std::optional<std::uintmax_t> kept) {
+worldio::Descriptor lock_output(const fs::path& file) {
+  constexpr unsigned k_mode = 0666;  // permissions of a new file, before the umask
+  std::error_code ignored;
+  if (fs::is_other(file, ignored)) return {};
+  worldio::Descriptor lock(file, O_RDONLY | O_CREAT, k_mode);
+  if (lock.get() >= 0 && worldio::lock_file(lock.get()) == worldio::FileLock::held)
+    refuse_output(file, "another process is writing the file: choose another file, or wait until it ends");
+  return lock;
+}
+
+worldio::Descriptor open_output(std::ofstream& stream, const fs::path& file,
+                                std::optional<std::uintmax_t> kept) {
+  worldio::Descriptor lock = lock_output(file);
   stream.open(file, std::ios::binary | (kept ? std::ios::app : std::ios::trunc));  // before the file is cut
   if (!stream) refuse_output(file, std::strerror(errno));
-  if (!kept) return;
+  if (!kept) return lock;
   std::error_code error;
   fs::resize_file(file, *kept, error);
   if (error) refuse_output(file, error.message());
+  return lock;
 }
 
 void throw_write_error(std::ofstream& stream, const fs::path& file, std::uintmax_t bytes,
@@ -285,21 +298,8 @@ HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(fil
   written_ = simulation.tick();
 }
 
-HashLog::~HashLog() {
-  if (lock_ >= 0) close(lock_);
-}
-
 void HashLog::open() {
-  stream_.open(file_, std::ios::app);  // the file is locked before it is cut
-  if (!stream_) refuse_output(file_, std::strerror(errno));
-  std::error_code error;
-  if (fs::is_regular_file(file_, error)) {
-    lock_ = ::open(file_.c_str(), O_RDONLY | O_CLOEXEC);
-    if (lock_ >= 0 && worldio::lock_file(lock_) == worldio::FileLock::held)
-      refuse_output(file_, "another process is writing the file: choose another file, or wait until it ends");
-    fs::resize_file(file_, whole_bytes_, error);
-    if (error) refuse_output(file_, error.message());
-  }
+  lock_ = open_output(stream_, file_, header_.empty() ? std::optional(whole_bytes_) : std::nullopt);
   stream_ << header_;
 }
 
