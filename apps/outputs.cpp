@@ -25,15 +25,24 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
+/// Returns the status of a file or folder. Throws OutputError for `output`, with the reason that the system
+/// gives, if the system cannot tell the status: for example, a folder on the path may not be searched.
+fs::file_status status_of(const fs::path& file, const fs::path& output) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::none) refuse_output(output, error.message());
+  return status;
+}
+
 /// Throws OutputError if the file cannot be written. Creates nothing.
 void check_output(const fs::path& file) {
   std::error_code ignored;
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  if (!fs::is_directory(folder, ignored))
+  // A link to a file that does not exist yet may lead to a folder that does not exist or is not writable.
+  const fs::path target = fs::is_symlink(file, ignored) ? worldio::resolved_path(file) : file;
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  if (!fs::is_directory(status_of(folder, file)))
     refuse_output(file, fmt::format("there is no folder {}", folder.string()));
-  if (fs::is_directory(file, ignored)) refuse_output(file, "it is a folder");
-  std::error_code error;
-  if (fs::status(file, error).type() == fs::file_type::none) refuse_output(file, error.message());
+  if (fs::is_directory(status_of(file, file))) refuse_output(file, "it is a folder");
   const fs::path& written = fs::exists(file, ignored) ? file : folder;
   if (access(written.c_str(), W_OK) != 0) refuse_output(file, std::strerror(errno));
 }
@@ -280,8 +289,11 @@ void add_inputs(std::span<const std::shared_ptr<const Script>> scripts, std::vec
 void check_folder(const fs::path& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
-  const bool is_there = fs::exists(folder, ignored);
-  if (is_there && !fs::is_directory(folder, ignored)) refuse_output(folder, "it is not a folder");
+  const fs::file_status status = status_of(folder, folder);
+  const bool is_there = fs::exists(status);
+  if (is_there && !fs::is_directory(status)) refuse_output(folder, "it is not a folder");
+  if (!is_there && fs::is_symlink(folder, ignored))
+    refuse_output(folder, "it is a symbolic link to a folder that does not exist");
   const fs::path above = folder.has_parent_path() ? folder.parent_path() : ".";
   if (!is_there && !fs::is_directory(above, ignored))
     refuse_output(folder, fmt::format("there is no folder {}", above.string()));

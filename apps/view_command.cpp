@@ -192,7 +192,8 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
 }
 
 ExitCode view_world(const ViewOptions& options) {
-  if (!options.folder.empty() && !fs::is_directory(options.folder))
+  std::error_code ignored;
+  if (!options.folder.empty() && !fs::is_directory(options.folder, ignored))
     throw InputError(
         fmt::format("{}: error: there is no such folder: create it, or name an existing folder with --out",
                     options.folder.string()));

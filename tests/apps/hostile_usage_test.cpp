@@ -210,6 +210,45 @@ TEST_F(HostileUsage, SweepsRefuseWhatCannotBeWrittenBeforeTheirRuns) {
   EXPECT_FALSE(fs::exists(path("o2")));
 }
 
+// No output is changed if another one cannot be written.
+TEST_F(HostileUsage, LinksOfOutputsThatLeadNowhereAreRefusedBeforeTheRun) {
+  study("study.json");
+  const std::string log = "# troupe hash log 1\n# of an earlier run\n";
+  write("h.log", log);
+  fs::create_symlink("loop", path("loop"));
+  fs::create_symlink("none/m.csv", path("m.csv"));  // the folder none does not exist
+  fs::create_symlink("none", path("results"));
+  const auto before = files();
+  const std::string long_name(300, 'x');
+  const std::string none = (fs::canonical(path("")) / "none").string();
+  for (const auto& [arguments, message] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"run", "room.world", "--for", "1", "--hash-log", "h.log", "--measures", "m.csv"},
+            "m.csv: error: cannot be written: there is no folder " + none},
+           {{"run", "room.world", "--for", "1", "--hash-log", "h.log", "--measures", "loop/m.csv"},
+            "loop/m.csv: error: cannot be written: Too many levels of symbolic links"},
+           {{"run", "room.world", "--for", "1", "--hash-log", "h.log", "--camera-png", "results"},
+            "results: error: cannot be written: it is a symbolic link to a folder that does not exist"},
+           {{"sweep", "study.json", "-o", "loop"},
+            "loop: error: cannot be written: Too many levels of symbolic links"},
+           {{"sweep", "study.json", "-o", "results"},
+            "results: error: cannot be written: it is a symbolic link to a folder that does not exist"},
+           {{"sweep", "study.json", "-o", long_name},
+            long_name + ": error: cannot be written: File name too long"},
+           {{"view", "room.world", "--out", "loop"},
+            "loop: error: there is no such folder: create it, or name an existing folder with --out"}}) {
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, 2) << message;
+    EXPECT_THAT(lines_of(outcome.err), ElementsAre(message));
+    EXPECT_EQ(read("h.log"), log);
+    EXPECT_EQ(files(), before);
+  }
+}
+
+TEST_F(HostileUsage, AFolderMayEndInASlash) {
+  EXPECT_EQ(troupe({"sweep", study("study.json"), "-o", "new/", "--quiet"}).code, 0);
+  EXPECT_TRUE(fs::exists(path("new/table.csv")));
+}
+
 TEST_F(HostileUsage, FilmsHaveRatesThatCanBePlayed) {
   for (const auto& [option, value] :
        {std::pair("--fps", "1e-300"), std::pair("--film-speed", "1e-300"), std::pair("--fps", "nan")}) {
