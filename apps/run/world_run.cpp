@@ -6,6 +6,7 @@
 #include "apps/observers/pacer.hpp"
 #include "apps/run/dry_run.hpp"
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 
@@ -232,7 +233,8 @@ void WorldRun::open_view(const std::function<bool()>& is_over) {
 void WorldRun::print_options() const {
   fmt::print("{}\n", options_.dry_run ? "options" : "running");
   for (const auto& [key, value] : report_.options)
-    fmt::print("  {:<18} {}\n", key, key == "tile_m" ? four_digits(std::stod(value)) : value);
+    fmt::print("  {:<18} {}\n", key,
+               key == "tile_m" ? four_digits(number_of<double>(value).value_or(0)) : value);
   if (options_.simulation.rank_seed && simulation_.ranks() > 1)
     fmt::print("  {:<18} {} (random {}division of the robots)\n", "rank_seed", *options_.simulation.rank_seed,
                options_.simulation.processes ? "" : "delays and order of messages, random ");

@@ -15,7 +15,7 @@ import unittest
 
 import numpy as np
 import troupe
-from support import InAFolder, is_lacking
+from support import InAFolder, is_lacking, variables_of_locale
 
 PACKAGES = pathlib.Path(os.environ["PYTHONPATH"].split(":")[0])
 PROGRAM = PACKAGES.parents[2] / "bin" / "troupe"
@@ -93,7 +93,7 @@ class Controllers(InAFolder):
         return made
 
     def hashes(self, log):
-        return [line.split()[:2] for line in (self.folder / log).read_text().splitlines() if not line.startswith("#")]
+        return [line.split()[:2] for line in (self.folder / log).read_text(errors="replace").splitlines() if not line.startswith("#")]
 
     def test_a_run_a_simulation_and_a_resumed_run_have_one_hash(self):
         self.troupe("run", "w.json", "--controller", "roam.py", "--hash-log", "run.log")
@@ -302,6 +302,12 @@ class Controllers(InAFolder):
         made = self.troupe("run", "w.json", "--for", "0.1", "--controller", "roam.py", "--hash-log", "roam.py", code=2)
         self.assertIn("roam.py: error: cannot be written: it is a script, which this command reads", made.stderr)
         self.assertEqual((self.folder / "roam.py").read_text(), ROAM)
+
+    def test_printed_numbers_do_not_depend_on_the_locale_that_a_script_sets(self):
+        variables = variables_of_locale("de_DE", self.folder)
+        self.write("comma.py", "import locale\nlocale.setlocale(locale.LC_ALL, '')\n" + ROAM.replace("class roam", "class comma"))
+        made = self.troupe("run", "w.json", "--controller", "comma.py", "--tile-size", "2.5", "--dry-run", **variables)
+        self.assertRegex(made.stdout, r"\n  tile_m +2\.5\n")
 
     def test_a_sweep_uses_both(self):
         self.write("study.json", '{"troupe_study": 1, "world": "w.json", "seeds": {"from": 1, "count": 3}, "measures": ["roam:reach"]}')
