@@ -13,7 +13,9 @@
 #include "troupe/version.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <any>
@@ -41,6 +43,15 @@ Examples:
   troupe convert worlds/minimal.world minimal.json
   troupe describe ranger
   troupe run --help)";
+
+/// Opens standard streams that the caller has closed, in a mode in which using them fails. Otherwise the
+/// first file that the program opens for writing would get the file descriptor of standard output, and the
+/// summary would be written into this file.
+void fill_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0)
+      static_cast<void>(open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+}
 
 std::vector<std::string> words_of(const CLI::App& app) {
   std::vector<std::string> words;
@@ -158,6 +169,7 @@ std::vector<Command> known_commands() {
 }
 
 int run_command_line(int argc, const char* const* argv, const std::function<void(std::any&)>& limit) {
+  fill_closed_streams();
   try {
     CLI::App app(k_about, "troupe");
     std::vector<ProgramCommand> commands = program_commands();

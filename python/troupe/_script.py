@@ -11,6 +11,7 @@ import hashlib
 import importlib.util
 import inspect
 import os
+import stat
 import sys
 import traceback
 import warnings
@@ -370,8 +371,14 @@ def _execute(file: str) -> ModuleType:
 
 
 def _of_file(source: Union[str, os.PathLike[str]]) -> Dict[str, Any]:
-    file = os.fspath(source)
+    file = os.fsdecode(source)
+    name = os.fsencode(file).decode(errors="backslashreplace")
+    if name != file:
+        raise InputError(f"{name}: error: the name of a script must be UTF-8: rename the file")
     try:
+        mode = os.stat(file).st_mode
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # opening a pipe could block for ever
+            raise InputError(f"{file}: error: this is a pipe or a device, not a regular file")
         with open(file, "rb") as stream:
             contents = hashlib.sha256(stream.read()).hexdigest()
     except FileNotFoundError:
