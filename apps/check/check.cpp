@@ -11,6 +11,7 @@
 #include "engine/observing/remade_world.hpp"
 #include "engine/observing/state_difference.hpp"
 #include "engine/spec/ticks.hpp"
+#include "partition/job_thread.hpp"
 
 #include <fmt/format.h>
 
@@ -18,7 +19,6 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -149,7 +149,11 @@ class Decisions {
     }
     // The decisions are repeated on a thread that has never run a controller, because thread_local variables
     // of a controller then have their initial values.
-    return texts(std::async(std::launch::async, [this] { return check_->repeat(); }).get());
+    std::vector<engine::ControllerFinding> findings;
+    partition::JobThread other(1);
+    other.add([&] { findings = check_->repeat(); });
+    other.finish();
+    return texts(findings);
   }
   std::uint64_t count() const { return check_->decisions(); }
   bool differ() const { return differ_; }

@@ -2,6 +2,9 @@
 
 #include "tests/apps/program.hpp"
 
+#include "tests/support/slow_build.hpp"
+#include "worldio/results/hdf5_file.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
@@ -247,6 +250,31 @@ TEST_F(HostileUsage, LinksOfOutputsThatLeadNowhereAreRefusedBeforeTheRun) {
 TEST_F(HostileUsage, AFolderMayEndInASlash) {
   EXPECT_EQ(troupe({"sweep", study("study.json"), "-o", "new/", "--quiet"}).code, 0);
   EXPECT_TRUE(fs::exists(path("new/table.csv")));
+}
+
+// The stack of a further thread, 4 GB, does not fit into the address space that the limits allow.
+TEST_F(HostileUsage, TooFewThreadsAreAnErrorThatSaysSo) {
+  if (test::k_slow_build) GTEST_SKIP() << "sanitizers reserve more address space";
+  study("study.json");
+  const auto limited = [&](int most_kilobytes, const std::string& command) {
+    return shell("--version >/dev/null; ulimit -s 4000000 && ulimit -v " + std::to_string(most_kilobytes) +
+                 " || exit 9; '" TROUPE_PROGRAM "' " + command + " 2>err.txt");
+  };
+  constexpr int k_no_thread = 3'000'000, k_one_thread = 6'000'000;
+  if (limited(k_no_thread, "--version >/dev/null") != 0) GTEST_SKIP() << "the limits cannot be set";
+  std::vector<std::string> commands{"sweep study.json -o none",
+                                    "check room.world --for 0.1 --threads 1 --controllers"};
+  if (worldio::has_hdf5()) commands.push_back("run room.world --for 0.1 --threads 1 --record run.h5");
+  for (const std::string& command : commands) {
+    EXPECT_EQ(limited(k_no_thread, command + " >/dev/null"), 1) << command;
+    EXPECT_THAT(read("err.txt"), HasSubstr("error: "));
+    EXPECT_THAT(
+        read("err.txt"),
+        HasSubstr("the system allows no further thread (raise the limits on threads and memory of this "
+                  "process): Resource temporarily unavailable\n"));
+  }
+  EXPECT_EQ(limited(k_one_thread, "sweep study.json -o one --threads 2 --quiet"), 0) << read("err.txt");
+  EXPECT_TRUE(fs::exists(path("one/table.csv")));
 }
 
 TEST_F(HostileUsage, FilmsHaveRatesThatCanBePlayed) {
