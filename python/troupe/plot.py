@@ -36,6 +36,8 @@ class PlotError(ValueError):
 
 
 def _read(file: str) -> Tuple[List[str], List[List[str]]]:
+    if os.path.exists(file) and not os.path.isfile(file):  # opening a pipe could block for ever
+        raise PlotError(f"{file}: error: cannot be read: this is not a regular file")
     longest = csv.field_size_limit(sys.maxsize)  # an error of a run may be longer than the default limit
     try:
         with open(file, newline="", encoding="utf-8") as stream:

@@ -429,6 +429,9 @@ class Plot(unittest.TestCase):
         self.assertIn("this is not the series of the sweep", message())
         with unittest.mock.patch.object(troupe.plot.csv, "reader", side_effect=troupe.plot.csv.Error("line contains NUL")):
             self.assertIn("table.csv: error: cannot be read: line contains NUL", message())
+        table.unlink()
+        os.mkfifo(table)
+        self.assertIn("table.csv: error: cannot be read: this is not a regular file", message())
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_the_command_does_not_depend_on_variables_of_python(self):
