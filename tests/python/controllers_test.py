@@ -328,6 +328,15 @@ class Controllers(InAFolder):
         self.assertTrue(done.stderr.startswith("troupe: error: cannot write to standard output"), done.stderr)
         self.assertEqual((self.folder / "b.log").read_text(), (self.folder / "a.log").read_text())
 
+    def test_an_error_of_a_script_is_told_in_a_working_folder_that_was_removed(self):
+        self.write("bad.py", "import troupe\nraise ValueError('no')\n")
+        gone = self.folder / "gone"
+        gone.mkdir()
+        command = [PROGRAM, "run", self.folder / "w.json", "--controller", self.folder / "bad.py"]
+        done = subprocess.run(["sh", "-c", 'rmdir "$PWD" && exec "$@"', "sh", *command], cwd=gone, capture_output=True, text=True,
+                              env={**os.environ, "TROUPE_PYTHON": sys.executable})
+        self.assertEqual((done.returncode, done.stderr), (2, f"{self.folder}/bad.py:2: error: ValueError: no\n"))
+
     def test_a_script_that_is_a_pipe_is_refused_at_once(self):
         os.mkfifo(self.folder / "pipe.py")
         found = self.troupe("run", "w.json", "--controller", "pipe.py", code=2).stderr
