@@ -3,6 +3,7 @@
 #include "apps/command_table.hpp"
 #include "apps/commands.hpp"
 #include "apps/exit_code.hpp"
+#include "apps/messages.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
 #include "apps/ranks/ranks.hpp"
@@ -12,7 +13,9 @@
 #include "troupe/version.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <any>
@@ -40,6 +43,15 @@ Examples:
   troupe convert worlds/minimal.world minimal.json
   troupe describe ranger
   troupe run --help)";
+
+/// Opens standard streams that the caller has closed, in a mode in which using them fails. Otherwise the
+/// first file that the program opens for writing would get the file descriptor of standard output, and the
+/// summary would be written into this file.
+void fill_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0)
+      static_cast<void>(open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+}
 
 std::vector<std::string> words_of(const CLI::App& app) {
   std::vector<std::string> words;
@@ -157,6 +169,7 @@ std::vector<Command> known_commands() {
 }
 
 int run_command_line(int argc, const char* const* argv, const std::function<void(std::any&)>& limit) {
+  fill_closed_streams();
   try {
     CLI::App app(k_about, "troupe");
     std::vector<ProgramCommand> commands = program_commands();
@@ -178,22 +191,21 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     }
     return told(run_command(app, commands, limit));
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr,
-               "troupe: error: not enough memory: use fewer robots, outputs or layers, or a machine with "
-               "more memory\n");
+    print_message(
+        "troupe: error: not enough memory: use fewer robots, outputs or layers, or a machine with "
+        "more memory\n");
     return k_failed;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "{}", error_line(exception_text(error)));
+    print_message(error_line(exception_text(error)));
     return k_failed;
   } catch (...) {  // a plug-in may throw anything
-    fmt::print(
-        stderr,
+    print_message(
         "troupe: error: unknown exception (not derived from std::exception); a plug-in may have thrown it\n");
     return k_failed;
   }

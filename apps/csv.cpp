@@ -43,7 +43,8 @@ CsvFile::CsvFile(const fs::path& file, std::string_view header, const std::optio
 }
 
 void CsvFile::open() {
-  open_output(stream_, file_, goes_on_ ? std::optional<std::uintmax_t>(written_.bytes) : std::nullopt);
+  lock_ =
+      open_output(stream_, file_, goes_on_ ? std::optional<std::uintmax_t>(written_.bytes) : std::nullopt);
 }
 
 void CsvFile::count(std::string_view text) {

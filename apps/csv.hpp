@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/hash.hpp"
+#include "worldio/results/descriptor.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -41,7 +42,8 @@ class CsvFile {
   CsvFile(const std::filesystem::path& file, std::string_view header, const std::optional<Start>& start);
 
   /// Creates or empties the file of a new table, or removes the later lines of a continued table. Call it
-  /// once, before flush(). Throws OutputError if the file cannot be written.
+  /// once, before flush(). Throws OutputError if the file cannot be written, or if another process is writing
+  /// it.
   void open();
 
   /// Appends a number as a cell to the current line, a double as number_cell() writes it.
@@ -67,6 +69,7 @@ class CsvFile {
   std::filesystem::path file_;
   bool goes_on_ = false;  // whether the table is continued
   std::ofstream stream_;
+  worldio::Descriptor lock_;
   std::string pending_;
   bool line_begun_ = false;
   HashStream hash_;  // hash of the lines in the file

@@ -7,7 +7,8 @@ namespace troupe::apps {
 
 /// Installs the signal handlers of the program. The first Ctrl-C or SIGTERM only makes stop_requested()
 /// return true; runs then end after their current tick (simulation step). The second one ends the program
-/// immediately.
+/// immediately. SIGPIPE is ignored: if the reader of a pipe ends, writing to the pipe is an error, after
+/// which a run can still save its state.
 void stop_on_signals();
 /// Whether Ctrl-C or SIGTERM has arrived since the start of the program.
 bool stop_requested();

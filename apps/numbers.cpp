@@ -1,10 +1,11 @@
 #include "apps/numbers.hpp"
 
+#include "base/number_text.hpp"
+
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 
 namespace troupe::apps {
 
@@ -21,7 +22,7 @@ std::string four_digits(double x) {
   constexpr double k_largest = 1e15;
   const double size = std::abs(x);
   if (!(size >= k_first_exponent && size < k_largest)) return fmt::format("{:.4g}", x);
-  const double rounded = std::strtod(fmt::format("{:.3e}", size).c_str(), nullptr);
+  const double rounded = number_of<double>(fmt::format("{:.3e}", size)).value_or(size);
   return (x < 0 ? "-" : "") + grouped(static_cast<std::uint64_t>(rounded));
 }
 

@@ -25,15 +25,24 @@ namespace troupe::apps {
 namespace fs = std::filesystem;
 namespace {
 
+/// Returns the status of a file or folder. Throws OutputError for `output`, with the reason that the system
+/// gives, if the system cannot tell the status: for example, a folder on the path may not be searched.
+fs::file_status status_of(const fs::path& file, const fs::path& output) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::none) refuse_output(output, error.message());
+  return status;
+}
+
 /// Throws OutputError if the file cannot be written. Creates nothing.
 void check_output(const fs::path& file) {
   std::error_code ignored;
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  if (!fs::is_directory(folder, ignored))
+  // A link to a file that does not exist yet may lead to a folder that does not exist or is not writable.
+  const fs::path target = fs::is_symlink(file, ignored) ? worldio::resolved_path(file) : file;
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
+  if (!fs::is_directory(status_of(folder, file)))
     refuse_output(file, fmt::format("there is no folder {}", folder.string()));
-  if (fs::is_directory(file, ignored)) refuse_output(file, "it is a folder");
-  std::error_code error;
-  if (fs::status(file, error).type() == fs::file_type::none) refuse_output(file, error.message());
+  if (fs::is_directory(status_of(file, file))) refuse_output(file, "it is a folder");
   const fs::path& written = fs::exists(file, ignored) ? file : folder;
   if (access(written.c_str(), W_OK) != 0) refuse_output(file, std::strerror(errno));
 }
@@ -201,13 +210,26 @@ void write_output(const fs::path& file, std::initializer_list<std::string_view> 
   }
 }
 
-void open_output(std::ofstream& stream, const fs::path& file, std::optional<std::uintmax_t> kept) {
+worldio::Descriptor lock_output(const fs::path& file) {
+  constexpr unsigned k_mode = 0666;  // permissions of a new file, before the umask
+  std::error_code ignored;
+  if (fs::is_other(file, ignored)) return {};
+  worldio::Descriptor lock(file, O_RDONLY | O_CREAT, k_mode);
+  if (lock.get() >= 0 && worldio::lock_file(lock.get()) == worldio::FileLock::held)
+    refuse_output(file, "another process is writing the file: choose another file, or wait until it ends");
+  return lock;
+}
+
+worldio::Descriptor open_output(std::ofstream& stream, const fs::path& file,
+                                std::optional<std::uintmax_t> kept) {
+  worldio::Descriptor lock = lock_output(file);
   stream.open(file, std::ios::binary | (kept ? std::ios::app : std::ios::trunc));  // before the file is cut
   if (!stream) refuse_output(file, std::strerror(errno));
-  if (!kept) return;
+  if (!kept) return lock;
   std::error_code error;
   fs::resize_file(file, *kept, error);
   if (error) refuse_output(file, error.message());
+  return lock;
 }
 
 void throw_write_error(std::ofstream& stream, const fs::path& file, std::uintmax_t bytes,
@@ -267,8 +289,11 @@ void add_inputs(std::span<const std::shared_ptr<const Script>> scripts, std::vec
 void check_folder(const fs::path& folder) {
   if (folder.empty()) return;
   std::error_code ignored;
-  const bool is_there = fs::exists(folder, ignored);
-  if (is_there && !fs::is_directory(folder, ignored)) refuse_output(folder, "it is not a folder");
+  const fs::file_status status = status_of(folder, folder);
+  const bool is_there = fs::exists(status);
+  if (is_there && !fs::is_directory(status)) refuse_output(folder, "it is not a folder");
+  if (!is_there && fs::is_symlink(folder, ignored))
+    refuse_output(folder, "it is a symbolic link to a folder that does not exist");
   const fs::path above = folder.has_parent_path() ? folder.parent_path() : ".";
   if (!is_there && !fs::is_directory(above, ignored))
     refuse_output(folder, fmt::format("there is no folder {}", above.string()));
@@ -285,21 +310,8 @@ HashLog::HashLog(const fs::path& file, const Simulation& simulation) : file_(fil
   written_ = simulation.tick();
 }
 
-HashLog::~HashLog() {
-  if (lock_ >= 0) close(lock_);
-}
-
 void HashLog::open() {
-  stream_.open(file_, std::ios::app);  // the file is locked before it is cut
-  if (!stream_) refuse_output(file_, std::strerror(errno));
-  std::error_code error;
-  if (fs::is_regular_file(file_, error)) {
-    lock_ = ::open(file_.c_str(), O_RDONLY | O_CLOEXEC);
-    if (lock_ >= 0 && worldio::lock_file(lock_) == worldio::FileLock::held)
-      refuse_output(file_, "another process is writing the file: choose another file, or wait until it ends");
-    fs::resize_file(file_, whole_bytes_, error);
-    if (error) refuse_output(file_, error.message());
-  }
+  lock_ = open_output(stream_, file_, header_.empty() ? std::optional(whole_bytes_) : std::nullopt);
   stream_ << header_;
 }
 

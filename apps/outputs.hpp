@@ -4,6 +4,7 @@
 #include "apps/run/run_output.hpp"
 #include "troupe/script.hpp"
 #include "troupe/simulation.hpp"
+#include "worldio/results/descriptor.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -35,11 +36,17 @@ void refuse_existing(const std::filesystem::path& file);
 /// Writes a file with worldio::write_whole(). Throws OutputError if it cannot be written.
 void write_output(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
 
-/// Opens an output for writing. kept: if set, the file exists and is continued: its first `kept` bytes
-/// remain, and the others are cut off; else a new file replaces it. Throws OutputError if the file cannot be
-/// written.
-void open_output(std::ofstream& stream, const std::filesystem::path& file,
-                 std::optional<std::uintmax_t> kept);
+/// Locks an output before it is opened, so that no two processes write their lines into one file. Creates the
+/// file if it does not exist. Returns the descriptor that holds the lock; it is not open if the file is a
+/// device or a pipe, or cannot be opened. Throws OutputError if another process holds the lock.
+[[nodiscard]] worldio::Descriptor lock_output(const std::filesystem::path& file);
+
+/// Opens an output for writing, and locks it as lock_output() does. kept: if set, the file exists and is
+/// continued: its first `kept` bytes remain, and the others are cut off; else a new file replaces it. Returns
+/// the descriptor that holds the lock. Throws OutputError if the file cannot be written, or if another
+/// process is writing it.
+[[nodiscard]] worldio::Descriptor open_output(std::ofstream& stream, const std::filesystem::path& file,
+                                              std::optional<std::uintmax_t> kept);
 
 /// Throws std::runtime_error after a write to an output has failed: `file: error: writing failed at tick 5:
 /// reason`, with the reason that errno gives. Before, closes `stream` if it is open, and cuts the file to its
@@ -98,9 +105,6 @@ class HashLog : public Observer {
   ///
   /// Throws InputError if the file to continue is not a hash log or is damaged.
   HashLog(const std::filesystem::path& file, const Simulation& simulation);
-  HashLog(const HashLog&) = delete;
-  HashLog& operator=(const HashLog&) = delete;
-  ~HashLog() override;
   /// Opens the file and writes the header. If the run continues a log, keeps its lines up to the tick of the
   /// checkpoint instead, and removes the later lines. Call it once, before observe(). Throws OutputError if
   /// the file cannot be written, or if another process is writing it as a hash log.
@@ -115,8 +119,8 @@ class HashLog : public Observer {
  private:
   std::filesystem::path file_;
   std::ofstream stream_;
-  int lock_ = -1;       // descriptor that holds the lock of the file; -1: not open, or not a regular file
-  std::string header_;  // of a new log, until it is in the file
+  worldio::Descriptor lock_;
+  std::string header_;                    // of a new log, until it is in the file
   std::optional<std::uint64_t> written_;  // the last tick of a continued log
   std::uintmax_t whole_bytes_ = 0;  // length of the lines in the file, or of those that a continued log keeps
 };

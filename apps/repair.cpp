@@ -1,5 +1,6 @@
 #include "apps/repair.hpp"
 
+#include "apps/messages.hpp"
 #include "apps/numbers.hpp"
 #include "apps/options.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -42,7 +43,7 @@ ExitCode repair(const std::filesystem::path& recording) {
                counted(done.frames, "frame"));
     return k_finished;
   } catch (const std::runtime_error& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;
   }
 }

@@ -1,5 +1,6 @@
 #include "apps/replay.hpp"
 
+#include "apps/messages.hpp"
 #include "apps/numbers.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
@@ -132,16 +133,16 @@ std::string write_replay_page(const ReplayOptions& options) {
   try {
     const worldio::RecordingReader recording(options.recording);
     if (recording.unfinished())
-      fmt::print(stderr,
-                 "{}: warning: the recording is unfinished (still being written, or its run was killed): {} "
-                 "complete frames\n",
-                 options.recording.string(), recording.frames());
+      print_message(fmt::format(
+          "{}: warning: the recording is unfinished (still being written, or its run was killed): {} "
+          "complete frames\n",
+          options.recording.string(), recording.frames()));
     for (const std::string& name : options.fields)
       if (const auto present = worldio::present_name(name, recording))
-        fmt::print(stderr,
-                   "{}: warning: --fields: \"{}\" is a name of an earlier version of Troupe; the name is now "
-                   "\"{}\"\n",
-                   options.recording.string(), name, *present);
+        print_message(fmt::format(
+            "{}: warning: --fields: \"{}\" is a name of an earlier version of Troupe; the name is now "
+            "\"{}\"\n",
+            options.recording.string(), name, *present));
     data = worldio::replay_data(recording, {.most_bytes = room(options.max_mb), .fields = options.fields});
   } catch (const worldio::Hdf5Error& error) {
     throw InputError(error.what());
@@ -157,7 +158,7 @@ ExitCode replay(const ReplayOptions& options) {
     fmt::print("{}", write_replay_page(options));
     return k_finished;
   } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_failed;
   }
 }

@@ -1,6 +1,7 @@
 #include "apps/view_command.hpp"
 
 #include "apps/interrupt.hpp"
+#include "apps/messages.hpp"
 #include "base/diagnostics.hpp"
 #include "base/number_text.hpp"
 #include "engine/spec/ticks.hpp"
@@ -110,8 +111,7 @@ class Redirect {
     const int error = posix_spawnp(&child, "xdg-open", nullptr, &attributes, words, environ);
     posix_spawnattr_destroy(&attributes);
     if (error != 0) {
-      fmt::print(stderr,
-                 "troupe view: warning: xdg-open was not found: open the printed address in a browser\n");
+      print_message("troupe view: warning: xdg-open was not found: open the printed address in a browser\n");
       return;
     }
     std::thread([child] {
@@ -192,25 +192,27 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
 }
 
 ExitCode view_world(const ViewOptions& options) {
-  if (!options.folder.empty() && !fs::is_directory(options.folder))
+  std::error_code ignored;
+  if (!options.folder.empty() && !fs::is_directory(options.folder, ignored))
     throw InputError(
         fmt::format("{}: error: there is no such folder: create it, or name an existing folder with --out",
                     options.folder.string()));
   Simulation simulation = load(options);
   if (options.for_s) check_end(options, simulation, *options.for_s);
-  for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+  for (const std::string& warning : simulation.warnings()) print_message(fmt::format("{}\n", warning));
   stop_on_signals();
   const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())
                                                : std::numeric_limits<std::uint64_t>::max();
   const auto is_over = [&] { return stop_requested() || simulation.tick() >= end_tick; };
-  live::View view(simulation,
-                  {.port = options.port,
-                   .bind = options.bind,
-                   .hosts = options.hosts,
-                   .rate = options.rate,
-                   .folder = options.folder,
-                   .is_over = is_over,
-                   .report = [](const std::string& text) { fmt::print(stderr, "troupe view: {}\n", text); }});
+  live::View view(simulation, {.port = options.port,
+                               .bind = options.bind,
+                               .hosts = options.hosts,
+                               .rate = options.rate,
+                               .folder = options.folder,
+                               .is_over = is_over,
+                               .report = [](const std::string& text) {
+                                 print_message(fmt::format("troupe view: {}\n", text));
+                               }});
   fmt::print("{}\n  view          {}\n  read-only     {}\n  session       {}\n", simulation.title(),
              view.address(), view.look_address(), view.session().string());
   std::fflush(stdout);

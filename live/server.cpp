@@ -2,6 +2,7 @@
 
 #include "live/server.hpp"
 #include "live/host_name.hpp"
+#include "partition/job_thread.hpp"
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -22,6 +23,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -450,7 +452,11 @@ ViewServer::~ViewServer() { stop(); }
 
 void ViewServer::start() {
   for (const auto& listener : impl_->listeners) impl_->accept(*listener);
-  impl_->thread = std::thread([this] { impl_->context.run(); });
+  try {
+    impl_->thread = std::thread([this] { impl_->context.run(); });
+  } catch (const std::system_error& error) {
+    partition::throw_no_thread(error);
+  }
 }
 
 void ViewServer::stop() {

@@ -65,7 +65,16 @@ struct JobThread::Impl {
   std::thread thread;  // last member, so that it starts after the members that it uses are constructed
 };
 
-JobThread::JobThread(std::size_t most_waiting) : impl_(std::make_unique<Impl>(most_waiting)) {}
+void throw_no_thread(const std::system_error& error) {
+  throw std::system_error(
+      error.code(),
+      "the system allows no further thread (raise the limits on threads and memory of this process)");
+}
+
+JobThread::JobThread(std::size_t most_waiting) try : impl_(std::make_unique<Impl>(most_waiting)) {
+} catch (const std::system_error& error) {
+  throw_no_thread(error);
+}
 
 JobThread::~JobThread() = default;
 

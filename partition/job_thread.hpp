@@ -3,8 +3,13 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <system_error>
 
 namespace troupe::partition {
+
+/// Throws a std::system_error with the code of `error` and a text that says which limits to raise. For an
+/// error of starting a thread, whose own text is only "Resource temporarily unavailable".
+[[noreturn]] void throw_no_thread(const std::system_error& error);
 
 /// A thread that runs jobs, such as drawing and writing files, in the order in which they were added. The
 /// thread that adds the jobs continues meanwhile. The time steps of a simulated world do not use this class;
@@ -14,8 +19,9 @@ namespace troupe::partition {
 /// rethrow(), add() and finish() throws the exception of that job.
 class JobThread {
  public:
-  /// Starts the thread. most_waiting: largest number of jobs that wait for their start, at least 1. This
-  /// number limits the memory in use, because each waiting job may hold a large copy of the state of a world.
+  /// Starts the thread. Throws the error of throw_no_thread() if this fails. most_waiting: largest number of
+  /// jobs that wait for their start, at least 1. This number limits the memory in use, because each waiting
+  /// job may hold a large copy of the state of a world.
   explicit JobThread(std::size_t most_waiting);
   /// Drops the waiting jobs and waits for the running job. Discards the exception of a job that has thrown.
   ~JobThread();

@@ -1,3 +1,4 @@
+#include "apps/messages.hpp"
 #include "base/raised.hpp"
 #include "live/view.hpp"
 #include "python/bindings.hpp"
@@ -130,7 +131,7 @@ class HeldBatchView {
     options.is_over = [held = held_.get(), state = state_.get()] {
       return state->is_closed || held->is_cancelled() || is_interrupted();
     };
-    options.report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); };
+    options.report = [](const std::string& text) { apps::print_message(fmt::format("view: {}\n", text)); };
     state_->view.emplace(batch.simulation(copy), options);
     held_->keep_while_stepping(state_);
   }

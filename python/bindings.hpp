@@ -166,6 +166,10 @@ std::string json_of(const py::object& value, const py::object& indent = py::none
 /// Returns the text of a Python value for the text of an error: that of repr(), shortened if it is long.
 std::string short_repr(const py::handle& value);
 
+/// Returns a text that may contain the name of a file, which need not be UTF-8, as os.fsdecode() returns it
+/// for UTF-8.
+py::str decoded(std::string_view text);
+
 /// Two numbers, or None.
 using Two = std::optional<std::array<double, 2>>;
 /// Returns the options of a picture, made from the arguments of Simulation.picture() in Python. Throws

@@ -1,3 +1,4 @@
+#include "apps/messages.hpp"
 #include "live/view.hpp"
 
 #include "engine/spec/ticks.hpp"
@@ -37,7 +38,7 @@ class HeldView {
     options.is_over = [held = held_.get(), state = state_.get()] {
       return state->is_closed || held->use_while_stepping().tick() >= state->end_tick || is_interrupted();
     };
-    options.report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); };
+    options.report = [](const std::string& text) { apps::print_message(fmt::format("view: {}\n", text)); };
     state_->view.emplace(held_->use(), options);
     held_->keep_while_stepping(state_);
     held_->use().on_tick(

@@ -249,7 +249,8 @@ void bind_loading(SimulationClass& simulation) {
                   "run is missing.")
       .def("__repr__", [](const Holder& held) {
         Simulation& s = held->use();
-        return fmt::format("<Simulation \"{}\": {} robots, {:g} s>", s.title(), s.robots(), s.time_s());
+        return decoded(
+            fmt::format("<Simulation \"{}\": {} robots, {:g} s>", s.title(), s.robots(), s.time_s()));
       });
 }
 

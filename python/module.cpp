@@ -102,6 +102,11 @@ std::string short_repr(const py::handle& value) {
   return py::str(py::module_::import("reprlib").attr("repr")(value));
 }
 
+py::str decoded(std::string_view text) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape"));
+}
+
 double measured(const py::object& function, Swarm robots) {
   const py::object argument = py::cast(HeldSwarm{nullptr, std::move(robots)});
   struct End {

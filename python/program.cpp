@@ -93,7 +93,7 @@ void bind_program(py::module_& module) {
         apps::set_script_reader([](const std::filesystem::path& file) {
           const py::gil_scoped_acquire lock;
           try {
-            return scripts_of(py::str(file.string())).front();
+            return scripts_of(py::cast(file)).front();
           } catch (const py::error_already_set& error) {
             // Exceptions that are not derived from Exception, such as KeyboardInterrupt, are not replaced by
             // an InputError, which names the file.

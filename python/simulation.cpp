@@ -57,13 +57,19 @@ namespace fs = std::filesystem;
 void bind_properties(SimulationClass& simulation) {
   simulation
       .def_property_readonly(
-          "warnings", [](const Holder& held) { return held->use().warnings(); },
+          "warnings",
+          [](const Holder& held) {
+            py::list warnings;
+            for (const std::string& warning : held->use().warnings()) warnings.append(decoded(warning));
+            return warnings;
+          },
           "Warnings about the world file, the checkpoint and plug-ins, one text each.")
       .def_property_readonly(
           "options",
           [](const Holder& held) {
             py::dict options;
-            for (const auto& [key, value] : held->use().effective_options()) options[py::str(key)] = value;
+            for (const auto& [key, value] : held->use().effective_options())
+              options[decoded(key)] = decoded(value);
             return options;
           },
           "The options that the simulation uses (world, seed, threads, ...): a dict of texts, for logs.")
@@ -77,7 +83,7 @@ void bind_properties(SimulationClass& simulation) {
           "robots", [](const Holder& held) { return held->use().robots(); },
           "Number of robots that are in the world now.")
       .def_property_readonly(
-          "title", [](const Holder& held) { return held->use().title(); },
+          "title", [](const Holder& held) { return decoded(held->use().title()); },
           "Title in the world file, or else the name of the file.")
       .def_property_readonly(
           "threads", [](const Holder& held) { return held->use().threads(); },

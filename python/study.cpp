@@ -43,8 +43,8 @@ py::dict read_study(const std::filesystem::path& file, const std::optional<std::
     worldio::check_columns(study, measures, found);
     found.throw_if_errors();
   });
-  return py::dict("world"_a = study.world.string(), "for_s"_a = study.for_s, "parameters"_a = parameters,
-                  "measures"_a = study.measures, "statistics"_a = statistics,
+  return py::dict("world"_a = decoded(study.world.string()), "for_s"_a = study.for_s,
+                  "parameters"_a = parameters, "measures"_a = study.measures, "statistics"_a = statistics,
                   "measure_every_s"_a = study.measure_every_s, "series"_a = study.series, "runs"_a = runs,
                   "check_columns"_a = check);
 }

@@ -642,6 +642,13 @@ class Attacked(unittest.TestCase):
             self.assertEqual(self.get(host=host)[0], 200, host)
         self.assert_said_once("whose Host header names neither this machine nor a host given with --allow-host")
 
+    def test_a_refusal_that_cannot_be_printed_does_not_end_the_view(self):
+        with View(errors="/dev/full") as view:
+            self.assertIn(b" 403 ", request(view.port, "GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n"))
+            with view.open() as viewer:
+                viewer.state()
+            view.end()
+
     def test_other_addresses(self):
         with View("--bind", "127.0.0.2", "--allow-host", "Proxy.Example:8443") as view:
             self.assertTrue(view.address.startswith(f"http://127.0.0.2:{view.port}/#"))

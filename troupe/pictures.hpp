@@ -145,9 +145,9 @@ class Pictures {
   /// take() of the same Pictures.
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
-  /// Checks that a file of this name, a picture or a film of pictures, can be written: writes a small picture
-  /// to another file in the same folder, and removes that file. Throws as write() and draw() do. Call it
-  /// before a long run, to find errors early.
+  /// Checks that a file of this name, a picture or a film of pictures, can be written and can replace an
+  /// existing one: writes a small picture to another file in the same folder, and removes that file. Throws
+  /// as write() and draw() do. Call it before a long run, to find errors early.
   void rehearse(const std::filesystem::path& file);
   /// Returns a picture of width() x height() pixels: 8-bit RGBA, four bytes per pixel, row by row from the
   /// top. Throws std::runtime_error if the library OSMesa is missing (the text names the package to install),

@@ -87,12 +87,15 @@ std::vector<std::string> load_plugins(const worldio::Checkpoint& checkpoint, Plu
 /// an earlier one, except that each value for a pointer that appends to a list has its own number.
 void add_setting(std::vector<std::pair<std::string, std::string>>& changes, const std::string& pointer,
                  const std::string& when, const std::string& value) {
-  const std::string first = "set " + pointer + when;
-  std::string key = first;
-  const auto is_same = [&](const auto& change) { return change.first == key; };
-  if (pointer.ends_with("/-"))
-    for (std::size_t i = 2; std::ranges::any_of(changes, is_same); ++i) key = fmt::format("{} #{}", first, i);
-  std::erase_if(changes, is_same);
+  std::string key = "set " + pointer + when;
+  if (pointer.ends_with("/-")) {
+    const auto appends = std::ranges::count_if(changes, [&, numbered = key + " #"](const auto& change) {
+      return change.first == key || change.first.starts_with(numbered);
+    });
+    if (appends > 0) key += fmt::format(" #{}", appends + 1);
+  } else {
+    std::erase_if(changes, [&key](const auto& change) { return change.first == key; });
+  }
   changes.emplace_back(key, value);
 }
 

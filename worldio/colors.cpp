@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -187,7 +186,8 @@ std::string canonical(std::string_view name) {
     if (c == ' ') {
       start = true;
     } else {
-      out += start ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+      // std::toupper() depends on the locale: in a Turkish one, the capital of i is not I.
+      out += start && c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
       start = false;
     }
   }

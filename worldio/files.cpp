@@ -57,7 +57,9 @@ std::filesystem::path resolved_path(const std::filesystem::path& file) {
     path = path.parent_path() / target;  // the target alone, if it is absolute
   }
   // The path is absolute, because weakly_canonical() does not change a relative name that does not exist yet.
-  return std::filesystem::weakly_canonical(path, ignored);
+  std::filesystem::path resolved = std::filesystem::weakly_canonical(path, ignored);
+  if (resolved.empty()) resolved = (path.empty() ? file : path).lexically_normal();
+  return resolved;
 }
 
 bool has_ending_of_other_format(const std::filesystem::path& file) {

@@ -32,7 +32,8 @@ std::string error_about(std::string_view message, const std::filesystem::path& f
 std::string write_failure(const std::filesystem::path& file, const std::string& reason);
 
 /// Returns the absolute path of a file without symbolic links, also if the file or the file to which a link
-/// points does not exist.
+/// points does not exist. If the system cannot resolve the path, for example because it is too long, its
+/// links remain; if the working folder has been removed, the result is relative.
 std::filesystem::path resolved_path(const std::filesystem::path& file);
 
 /// Whether the ending of a file name is that of another format of results than HDF5: `.csv`, `.html`,

@@ -20,10 +20,13 @@ namespace troupe::worldio {
 ///
 /// If NAME is a symbolic link to an existing file, that file is NAME everywhere in this class: the partial
 /// file is in its folder and replaces it, and the link remains. A link to a file that does not exist is
-/// replaced. A file that replaces another has the same permission bits.
+/// replaced. A file that replaces another has the same permission bits and, if the system allows it, the same
+/// owner and group.
 ///
 /// The constructor, write(), sync() and both commits throw std::system_error on failure; the error has the
-/// reason, but no path. The constructor also throws if NAME exists and is not a regular file.
+/// reason, but no path. The constructor also throws if NAME exists and is not a regular file, or if commit()
+/// could not replace it: it is a mount point, or belongs to another user in a folder such as /tmp (with the
+/// sticky bit).
 class PartialFile {
  public:
   /// Creates an empty partial file for the file NAME with the path `file`. `ending`, such as ".mp4", is
@@ -62,7 +65,9 @@ class PartialFile {
 
   std::filesystem::path file_;
   std::filesystem::path partial_;
-  std::optional<std::filesystem::perms> permissions_;  // of the replaced file
+  std::optional<unsigned> mode_;  // permission bits of the replaced file
+  unsigned owner_ = 0;            // of the replaced file
+  unsigned group_ = 0;            // of the replaced file
   int descriptor_ = -1;
 };
 

@@ -1,6 +1,7 @@
 #include "apps/check/check.hpp"
 
 #include "apps/check/filled_storage.hpp"
+#include "apps/messages.hpp"
 #include "apps/numbers.hpp"
 #include "apps/progress.hpp"
 #include "base/diagnostics.hpp"
@@ -10,6 +11,7 @@
 #include "engine/observing/remade_world.hpp"
 #include "engine/observing/state_difference.hpp"
 #include "engine/spec/ticks.hpp"
+#include "partition/job_thread.hpp"
 
 #include <fmt/format.h>
 
@@ -17,7 +19,6 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -148,7 +149,11 @@ class Decisions {
     }
     // The decisions are repeated on a thread that has never run a controller, because thread_local variables
     // of a controller then have their initial values.
-    return texts(std::async(std::launch::async, [this] { return check_->repeat(); }).get());
+    std::vector<engine::ControllerFinding> findings;
+    partition::JobThread other(1);
+    other.add([&] { findings = check_->repeat(); });
+    other.finish();
+    return texts(findings);
   }
   std::uint64_t count() const { return check_->decisions(); }
   bool differ() const { return differ_; }
@@ -275,7 +280,7 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
         "numbers of ranks, as in --ranks 2,3");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
-  for (const std::string& warning : first.warnings()) fmt::print(stderr, "{}\n", warning);
+  for (const std::string& warning : first.warnings()) print_message(fmt::format("{}\n", warning));
   const double end_s = end_of(options, first);
   std::optional<Decisions> decisions;
   if (options.controllers) decisions.emplace(variants.front());
@@ -312,7 +317,7 @@ ExitCode check(const CheckOptions& options, const engine::Registry& registry) {
   try {
     return check_checked(options, registry);
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;
   }
 }

@@ -1,5 +1,6 @@
 #include "apps/observers/clock.hpp"
 
+#include "apps/messages.hpp"
 #include "apps/numbers.hpp"
 
 #include <fmt/format.h>
@@ -16,10 +17,10 @@ void ClockLines::observe(const Simulation& simulation) {
   const double simulated_s = simulation.time_s() - first_s_;
   const double wall_s = std::chrono::duration<double>(WallClock::now() - start_).count();
   if (simulated_s > 0 && wall_s > 0)
-    fmt::print(stderr, "{}: {:.10g} s, {} x real time\n", simulation.title(), simulation.time_s(),
-               four_digits(simulated_s / wall_s));
+    print_message(fmt::format("{}: {:.10g} s, {} x real time\n", simulation.title(), simulation.time_s(),
+                              four_digits(simulated_s / wall_s)));
   else
-    fmt::print(stderr, "{}: {:.10g} s\n", simulation.title(), simulation.time_s());
+    print_message(fmt::format("{}: {:.10g} s\n", simulation.title(), simulation.time_s()));
 }
 
 }  // namespace troupe::apps

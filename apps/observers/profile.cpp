@@ -31,6 +31,7 @@ double microseconds(std::chrono::steady_clock::duration d) {
 
 Profile::Profile(const std::filesystem::path& file, const Simulation& simulation, const ProfileLimits& limits)
     : file_(file),
+      lock_(lock_output(file)),
       stream_(file, std::ios::binary),
       limits_(limits),
       tasks_left_(limits.most_tasks),

@@ -4,6 +4,7 @@
 #include "apps/per_thread.hpp"
 #include "apps/run/run_output.hpp"
 #include "troupe/simulation.hpp"
+#include "worldio/results/descriptor.hpp"
 
 #include <array>
 #include <chrono>
@@ -107,6 +108,7 @@ class Profile : public Observer, public TickWatcher {
   void flush();
 
   std::filesystem::path file_;
+  worldio::Descriptor lock_;
   std::ofstream stream_;
   std::streamoff end_ = 0;  // position of the next event, where the closing brackets are now
   std::string pending_;

@@ -2,6 +2,7 @@
 
 #include "apps/diff/diff_recordings.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/messages.hpp"
 #include "apps/observers/filming.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
@@ -212,10 +213,10 @@ void render_recording(const RenderOptions& options) {
   RecordedRun run(options.world);
   const std::string& value = options.pictures.look.color_by;
   if (const auto present = run.present_name(value))
-    fmt::print(stderr,
-               "{}: warning: --color-by: \"{}\" is a name of an earlier version of Troupe; the name is now "
-               "\"{}\"\n",
-               options.world.string(), value, *present);
+    print_message(fmt::format(
+        "{}: warning: --color-by: \"{}\" is a name of an earlier version of Troupe; the name is now "
+        "\"{}\"\n",
+        options.world.string(), value, *present));
   run.go_to_frame(0);
   const std::unique_ptr<Filming> film = open_film(options, run);
   if (!options.pictures.snapshot.empty()) draw_recording(options, run);

@@ -1,5 +1,6 @@
 #include "apps/plot/plot.hpp"
 
+#include "apps/messages.hpp"
 #include "apps/options.hpp"
 #include "apps/plot/plot_script.hpp"
 #include "apps/scripts.hpp"
@@ -79,11 +80,10 @@ ExitCode plot(const PlotOptions& options) {
   arguments.push_back(nullptr);
   std::fflush(nullptr);
   execvp(python.c_str(), arguments.data());
-  fmt::print(
-      stderr,
+  print_message(fmt::format(
       "troupe plot: error: {} cannot be started: {} (Debian, Ubuntu: apt install python3-matplotlib; the "
       "environment variable TROUPE_PYTHON can name another Python interpreter)\n",
-      python, std::strerror(errno));
+      python, std::strerror(errno)));
   return k_failed;
 }
 

@@ -1,6 +1,7 @@
 #include "apps/ranks/ranks.hpp"
 
 #include "apps/interrupt.hpp"
+#include "apps/messages.hpp"
 #include "apps/ranks/rank_place.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
@@ -118,7 +119,7 @@ unsigned nodes_of(std::vector<std::string> hosts) {
 }
 
 void print_error(unsigned rank, std::string_view error) {
-  fmt::print(stderr, "troupe: error: rank {} on {}: {}\n", rank, host(), error);
+  print_message(fmt::format("troupe: error: rank {} on {}: {}\n", rank, host(), error));
   std::fflush(nullptr);
 }
 
@@ -284,22 +285,20 @@ unsigned threads_of_rank(const Peers& peers, unsigned rank) {
       // srun ignores the option -c of sbatch but passes on its variable, which may then exceed the processors
       // that srun gives the process.
       if (rank == 0 && *cpus > allowed)
-        fmt::print(
-            stderr,
+        print_message(fmt::format(
             "troupe: warning: SLURM_CPUS_PER_TASK is {}, but rank 0 on {} may use only {} processor{}: "
             "rank 0 computes with {} thread{}; give srun the option -c {}, or mpirun the option --bind-to "
             "none\n",
-            *cpus, hosts[rank], allowed, allowed == 1 ? "" : "s", allowed, allowed == 1 ? "" : "s", *cpus);
+            *cpus, hosts[rank], allowed, allowed == 1 ? "" : "s", allowed, allowed == 1 ? "" : "s", *cpus));
       return std::min(*cpus, allowed);
     }
   const unsigned all = std::thread::hardware_concurrency();
   const auto here = static_cast<unsigned>(std::ranges::count(hosts, hosts[rank]));
   if (rank == 0 && allowed == 1 && all > here)
-    fmt::print(
-        stderr,
+    print_message(fmt::format(
         "troupe: warning: each rank may use 1 of the {} processors of {}: for several threads per rank, "
         "give mpirun the option --bind-to none\n",
-        all, hosts[rank]);
+        all, hosts[rank]));
   return std::max(1u, allowed / peers.sharing);
 }
 
@@ -352,7 +351,7 @@ ExitCode on_processes(MpiTransport& transport, const Peers& peers, const WorldOp
 /// because a launcher ends all processes, also rank 0, as soon as one of them has ended with an error.
 void print_common_error(unsigned rank, std::string_view text) {
   if (rank == 0)
-    fmt::print(stderr, "{}", text);
+    print_message(text);
   else
     std::this_thread::sleep_for(std::chrono::seconds(2));
 }
@@ -363,7 +362,7 @@ void print_common_error(unsigned rank, std::string_view text) {
 void print_error_of_host(const Launcher& launcher, std::string_view text) {
   print_common_error(launcher.rank, text);
   if (launcher.rank > 0 && launcher.is_first_here)
-    fmt::print(stderr, "rank {} on {}: {}", launcher.rank, host(), text);
+    print_message(fmt::format("rank {} on {}: {}", launcher.rank, host(), text));
 }
 
 /// Throws InputError if the launcher started more processes than Transport allows.
@@ -459,7 +458,7 @@ void print_usage_error(std::string_view text) {
   if (const std::optional<Launcher> launcher = find_launcher())
     print_error_of_host(*launcher, text);
   else
-    fmt::print(stderr, "{}", text);
+    print_message(text);
 }
 
 }  // namespace troupe::apps

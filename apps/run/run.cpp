@@ -1,6 +1,7 @@
 #include "apps/run/run.hpp"
 
 #include "apps/interrupt.hpp"
+#include "apps/messages.hpp"
 #include "apps/outputs.hpp"
 #include "apps/progress.hpp"
 #include "apps/run/world_run.hpp"
@@ -10,7 +11,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <iterator>
@@ -161,6 +162,19 @@ void step_or_save(const Runs& runs, const std::function<bool()>& is_over, bool i
   }
 }
 
+/// Prints the summaries and then draws the last pictures. If a summary cannot be printed, for example on a
+/// full disk, draws the pictures before it throws the error.
+void summarise(const Runs& runs) {
+  std::exception_ptr lost;
+  try {
+    for (const auto& run : runs) run->print_summary(runs.size() > 1);
+  } catch (const std::runtime_error&) {
+    lost = std::current_exception();
+  }
+  for (const auto& run : runs) run->after_summary();
+  if (lost) std::rethrow_exception(lost);
+}
+
 ExitCode run_checked(const RunOptions& options) {
   const auto start = Clock::now();
   check_combinations(options);
@@ -179,7 +193,7 @@ ExitCode run_checked(const RunOptions& options) {
   };
   // The exit code k_bad_input would say that nothing was written.
   const auto failed = [](const std::runtime_error& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_failed;
   };
   try {
@@ -193,12 +207,8 @@ ExitCode run_checked(const RunOptions& options) {
   } catch (const OutputError& error) {
     return failed(error);
   }
-  bool stopped = false;
-  for (const auto& run : runs) {
-    run->print_summary(runs.size() > 1);
-    stopped = stopped || run->report().stopped;
-  }
-  for (const auto& run : runs) run->after_summary();
+  summarise(runs);
+  const bool stopped = std::ranges::any_of(runs, [](const auto& run) { return run->report().stopped; });
   return stopped ? k_stopped : k_finished;
 }
 
@@ -208,10 +218,10 @@ ExitCode run(const RunOptions& options) {
   try {
     return run_checked(options);
   } catch (const InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;
   } catch (const OutputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;
   }
 }

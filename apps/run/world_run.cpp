@@ -1,10 +1,12 @@
 #include "apps/run/world_run.hpp"
 
+#include "apps/messages.hpp"
 #include "apps/numbers.hpp"
 #include "apps/observers/clock.hpp"
 #include "apps/observers/pacer.hpp"
 #include "apps/run/dry_run.hpp"
 #include "base/diagnostics.hpp"
+#include "base/number_text.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 
@@ -160,12 +162,12 @@ double rate_of(const RunOptions& options, const Simulation& simulation) {
 WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulation_(load(options_)) {
   report_.load_s = std::chrono::duration<double>(Clock::now() - start_).count();
   if (!options_.quiet)
-    for (const std::string& warning : simulation_.warnings()) fmt::print(stderr, "{}\n", warning);
+    for (const std::string& warning : simulation_.warnings()) print_message(fmt::format("{}\n", warning));
   if (!options_.session.empty()) {
     session_ = std::make_unique<SessionReplay>(options_.session, simulation_);
     simulation_.before_tick([this](Simulation& simulation) { session_->act(simulation); });
     if (!options_.quiet)
-      for (const std::string& warning : session_->warnings()) fmt::print(stderr, "{}\n", warning);
+      for (const std::string& warning : session_->warnings()) print_message(fmt::format("{}\n", warning));
   }
   report_.options = simulation_.effective_options();
   report_.world = report_.options.front().second;
@@ -215,22 +217,24 @@ void WorldRun::open_outputs(std::function<bool()> is_over) {
 }
 
 void WorldRun::open_view(const std::function<bool()>& is_over) {
-  view_ = std::make_unique<live::View>(
-      simulation_,
-      live::View::Options{.bind = {},
-                          .hosts = {},
-                          .rate = 0,  // --rate limits the run
-                          .folder = {},
-                          .is_over = is_over,
-                          .report = [](const std::string& text) { fmt::print(stderr, "view: {}\n", text); }});
-  fmt::print(stderr, "view       {}\nread-only  {}\nsession    {}\n", view_->address(), view_->look_address(),
-             view_->session().string());
+  view_ = std::make_unique<live::View>(simulation_,
+                                       live::View::Options{.bind = {},
+                                                           .hosts = {},
+                                                           .rate = 0,  // --rate limits the run
+                                                           .folder = {},
+                                                           .is_over = is_over,
+                                                           .report = [](const std::string& text) {
+                                                             print_message(fmt::format("view: {}\n", text));
+                                                           }});
+  print_message(fmt::format("view       {}\nread-only  {}\nsession    {}\n", view_->address(),
+                            view_->look_address(), view_->session().string()));
 }
 
 void WorldRun::print_options() const {
   fmt::print("{}\n", options_.dry_run ? "options" : "running");
   for (const auto& [key, value] : report_.options)
-    fmt::print("  {:<18} {}\n", key, key == "tile_m" ? four_digits(std::stod(value)) : value);
+    fmt::print("  {:<18} {}\n", key,
+               key == "tile_m" ? four_digits(number_of<double>(value).value_or(0)) : value);
   if (options_.simulation.rank_seed && simulation_.ranks() > 1)
     fmt::print("  {:<18} {} (random {}division of the robots)\n", "rank_seed", *options_.simulation.rank_seed,
                options_.simulation.processes ? "" : "delays and order of messages, random ");
@@ -287,11 +291,10 @@ void WorldRun::step() {
   is_intact_ = true;
   observe();
   if (options_.checkpoint.empty() && requests_.has_new(simulation_) && !options_.quiet)
-    fmt::print(
-        stderr,
+    print_message(fmt::format(
         "{}: warning: SIGUSR1 requests a checkpoint, but the run has no checkpoint file: give one with "
         "--checkpoint FILE.h5\n",
-        options_.world.string());
+        options_.world.string()));
   report_.wall_s += std::chrono::duration<double>(Clock::now() - start).count();
 }
 
@@ -331,14 +334,14 @@ void WorldRun::save_at_least() const {
 void WorldRun::print_summary(bool is_one_of_several) const {
   for (const auto& observer : observers_)
     if (const std::string warning = observer->warning(); !warning.empty() && !options_.quiet)
-      fmt::print(stderr, "{}\n", warning);
+      print_message(fmt::format("{}\n", warning));
   if (!options_.quiet && report_.ticks_here() > 1)  // the first commands take effect in the second tick
     for (const std::string& warning : standstill_warnings(simulation_, report_.world))
-      fmt::print(stderr, "{}\n", warning);
+      print_message(fmt::format("{}\n", warning));
   if (session_ && session_->left() > 0 && !options_.quiet)
-    fmt::print(stderr,
-               "{}: warning: the run ended before all actions of the session were applied: {} remained\n",
-               options_.session.string(), session_->left());
+    print_message(fmt::format(
+        "{}: warning: the run ended before all actions of the session were applied: {} remained\n",
+        options_.session.string(), session_->left()));
   if (options_.json)
     fmt::print("{}", summary_json(report_));
   else if (!options_.quiet) {

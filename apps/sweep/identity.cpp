@@ -1,5 +1,6 @@
 #include "apps/sweep/identity.hpp"
 
+#include "apps/messages.hpp"
 #include "apps/options.hpp"
 #include "apps/sweep/one_run.hpp"
 #include "base/hash.hpp"
@@ -91,7 +92,7 @@ SweepIdentity unchecked_identity(const Study& study, const SweepOptions& options
   const Measures measures(simulation, study.measures);
   end_time_s(study, simulation);
   if (shows_warnings)
-    for (const std::string& warning : simulation.warnings()) fmt::print(stderr, "{}\n", warning);
+    for (const std::string& warning : simulation.warnings()) print_message(fmt::format("{}\n", warning));
   const std::string text =
       fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""), contents_of(simulation),
                   hash_of_choices(study, options), version_line());

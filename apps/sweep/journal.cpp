@@ -172,7 +172,11 @@ void SweepJournal::append(std::size_t run, std::string line) {
 
 SweepResults read_journals(const fs::path& folder, std::string_view study, const SweepSize& size) {
   SweepResults results;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+  std::error_code error;
+  const fs::directory_iterator entries(folder, error);
+  if (error)
+    throw OutputError(fmt::format("{}: error: cannot be read: {}", folder.string(), error.message()));
+  for (const fs::directory_entry& entry : entries) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(k_prefix) || !name.ends_with(k_ending)) continue;
     const std::vector<std::string> lines = whole_lines(entry.path());

@@ -1,9 +1,11 @@
 #include "apps/sweep/parallel_runs.hpp"
 
 #include "apps/interrupt.hpp"
+#include "apps/messages.hpp"
 #include "apps/sweep/one_run.hpp"
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
+#include "partition/job_thread.hpp"
 #include "worldio/partial_file.hpp"
 
 #include <fmt/format.h>
@@ -44,7 +46,7 @@ class Count {
 
  private:
   void show() const {
-    if (visible_) fmt::print(stderr, "\r\x1b[K{} of {} runs", done_, all_);
+    if (visible_) print_message(fmt::format("\r\x1b[K{} of {} runs", done_, all_));
   }
   std::size_t done_;
   std::size_t all_;
@@ -109,13 +111,19 @@ std::map<std::size_t, std::string> make_runs(const worldio::Study& study,
   std::size_t working = std::min<std::size_t>(deal.threads(), runs.size());
   std::condition_variable ended;
   std::vector<std::jthread> workers;
-  for (std::size_t w = working; w > 0; --w)
-    workers.emplace_back([&] {
-      work();
+  for (std::size_t w = working; w > 0; --w) try {
+      workers.emplace_back([&] {
+        work();
+        const std::lock_guard lock(mutex);
+        working -= 1;
+        ended.notify_one();
+      });
+    } catch (const std::system_error& error) {
+      if (workers.empty()) partition::throw_no_thread(error);
       const std::lock_guard lock(mutex);
-      working -= 1;
-      ended.notify_one();
-    });
+      working -= w;  // the threads that the system allows make all runs
+      break;
+    }
   try {
     for (std::unique_lock lock(mutex);
          !ended.wait_for(lock, deal.interval(), [&] { return working == 0; });) {

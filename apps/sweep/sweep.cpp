@@ -2,6 +2,7 @@
 
 #include "apps/csv.hpp"
 #include "apps/interrupt.hpp"
+#include "apps/messages.hpp"
 #include "apps/numbers.hpp"
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
@@ -138,7 +139,8 @@ void print_errors(const std::map<std::size_t, std::string>& failed) {
   for (const auto& [run, error] : failed) runs[error].push_back(run);
   for (const auto& [run, error] : failed)
     if (const std::vector<std::size_t>& same = runs[error]; same.front() == run)
-      fmt::print(stderr, "run{} {}: {}\n", same.size() == 1 ? "" : "s", worldio::runs_text(same), error);
+      print_message(
+          fmt::format("run{} {}: {}\n", same.size() == 1 ? "" : "s", worldio::runs_text(same), error));
 }
 
 void print_result(const SweepTable& table, bool is_complete, const fs::path& folder) {
@@ -272,7 +274,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
   try {
     return finish(study, identity, options, list, ended, deal.ranks());
   } catch (const OutputError& error) {  // thrown further, it would say that nothing was written
-    fmt::print(stderr, "{}\n", error.what());
+    print_message(fmt::format("{}\n", error.what()));
     return k_failed;
   }
 }
@@ -289,7 +291,7 @@ ExitCode sweep(const SweepOptions& options) {
       throw;
     } catch (const OutputError& error) {
       if (deal.ranks() > 1 && deal.has_shared()) throw;  // an error of this rank alone
-      fmt::print(stderr, "{}\n", error.what());
+      print_message(fmt::format("{}\n", error.what()));
       return k_bad_input;
     }
   });

@@ -40,6 +40,7 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
             [&options](const std::string& text) {
               if (text.empty() || text.starts_with('-')) refuse("--out", text, "the name of a folder");
               options.folder = text;
+              if (!options.folder.has_filename()) options.folder = options.folder.parent_path();
             });
   add_value(command, "--threads", "N", "Number of parallel runs (default: one per available processor)",
             [&options](const std::string& text) { options.runs_at_once = thread_count(text); });

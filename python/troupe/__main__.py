@@ -12,7 +12,7 @@ def main() -> int:
     """Runs the program with the arguments of this process and returns its exit code."""
     if not os.environ.get("TROUPE_PYTHON") and sys.executable:
         os.environ["TROUPE_PYTHON"] = sys.executable  # for commands that start Python, such as troupe plot
-    return _run_program(["troupe", *sys.argv[1:]])
+    return _run_program([b"troupe", *map(os.fsencode, sys.argv[1:])])  # names of files need not be UTF-8
 
 
 if __name__ == "__main__":

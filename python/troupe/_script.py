@@ -11,6 +11,7 @@ import hashlib
 import importlib.util
 import inspect
 import os
+import stat
 import sys
 import traceback
 import warnings
@@ -114,11 +115,18 @@ def _attribute_hint(error: BaseException) -> str:
             + (f' (did you mean "{near[0]}"?)' if near else ""))
 
 
+def _absolute(file: str) -> str:
+    try:
+        return os.path.abspath(file)
+    except FileNotFoundError:  # the working folder has been removed
+        return file
+
+
 def _line_and_text(file: str, error: BaseException, trace: Optional[TracebackType]) -> Tuple[int, str]:
-    path = os.path.abspath(file)
-    if isinstance(error, SyntaxError) and error.filename and os.path.abspath(error.filename) == path:
+    path = _absolute(file)
+    if isinstance(error, SyntaxError) and error.filename and _absolute(error.filename) == path:
         return error.lineno or 0, f"{type(error).__name__}: {error.msg}"
-    lines = [frame.lineno for frame in traceback.extract_tb(trace) if os.path.abspath(frame.filename) == path]
+    lines = [frame.lineno for frame in traceback.extract_tb(trace) if _absolute(frame.filename) == path]
     if not lines and isinstance(error, ResultError):
         return error.lineno, str(error)
     text = f": {error}{_attribute_hint(error)}" if str(error) else ""
@@ -370,8 +378,14 @@ def _execute(file: str) -> ModuleType:
 
 
 def _of_file(source: Union[str, os.PathLike[str]]) -> Dict[str, Any]:
-    file = os.fspath(source)
+    file = os.fsdecode(source)
+    name = os.fsencode(file).decode(errors="backslashreplace")
+    if name != file:
+        raise InputError(f"{name}: error: the name of a script must be UTF-8: rename the file")
     try:
+        mode = os.stat(file).st_mode
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # opening a pipe could block for ever
+            raise InputError(f"{file}: error: this is a pipe or a device, not a regular file")
         with open(file, "rb") as stream:
             contents = hashlib.sha256(stream.read()).hexdigest()
     except FileNotFoundError:

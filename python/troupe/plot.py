@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import csv
 import difflib
+import io
 import math
 import os
 import sys
@@ -35,6 +36,8 @@ class PlotError(ValueError):
 
 
 def _read(file: str) -> Tuple[List[str], List[List[str]]]:
+    if os.path.exists(file) and not os.path.isfile(file):  # opening a pipe could block for ever
+        raise PlotError(f"{file}: error: cannot be read: this is not a regular file")
     longest = csv.field_size_limit(sys.maxsize)  # an error of a run may be longer than the default limit
     try:
         with open(file, newline="", encoding="utf-8") as stream:
@@ -303,6 +306,9 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     file = os.fspath(out) if out else os.path.join(folder, default)
     if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):
         raise PlotError(f'error: "{file}" is not the name of a picture: it must end in .png, .svg or .pdf')
+    tables = [os.path.join(folder, name) for name in ("table.csv", "series.csv")]
+    if any(os.path.exists(file) and os.path.exists(table) and os.path.samefile(file, table) for table in tables):
+        raise PlotError(f"{file}: error: cannot be written: it is a table of the sweep: choose another file name")
     import matplotlib
 
     matplotlib.use("Agg")
@@ -357,7 +363,10 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
-    parser = argparse.ArgumentParser(prog="troupe plot", description=__doc__.splitlines()[0])
+    os.environ["MPLBACKEND"] = "Agg"  # the import of matplotlib fails if the variable names an unknown backend
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="surrogateescape")  # names of files need not be UTF-8
+    parser = argparse.ArgumentParser(prog="troupe plot")
     parser.add_argument("folder")
     parser.add_argument("--measure")
     parser.add_argument("--over")
@@ -367,6 +376,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     given = parser.parse_args(arguments)
     try:
         with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", RuntimeWarning)  # PYTHONWARNINGS may hide warnings, or make them errors
             file = draw(given.folder, given.measure, given.by, given.out, given.title, given.over)
         for warning in caught:
             print(warning.message, file=sys.stderr)

@@ -2,10 +2,15 @@
 
 #include "tests/apps/program.hpp"
 
+#include "tests/support/slow_build.hpp"
+#include "worldio/results/hdf5_file.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -82,6 +87,44 @@ TEST_F(HostileUsage, ClosedStreamsDoNotEndInOutputs) {
   ASSERT_EQ(shell("run warned.world --for 0.3 --threads 1 --hash-log right.log --quiet 2>/dev/null"), 0);
   shell("run warned.world --for 0.3 --threads 1 --hash-log err.log --quiet 2>&-");
   EXPECT_EQ(read("err.log"), read("right.log"));
+}
+
+// A message that cannot be printed, for example because the disk of the log of a job is full, ends no run and
+// changes no exit code.
+TEST_F(HostileUsage, LostMessagesChangeNoExitCode) {
+  write("wrong.json", "{");
+  write("warned.world", "colour \"red\"\n" + std::string(k_room));
+  for (const auto& [command, code] : std::vector<std::pair<std::string, int>>{
+           {"--nonsense", 2},
+           {"run wrong.json --for 1", 2},
+           {"lint wrong.json", 2},
+           {"check wrong.json --for 1", 2},
+           {"repair none.h5", 2},
+           {"convert warned.world room.json", 0},
+           {"run warned.world --for 20 --threads 1 --clock --hash-log run.log", 0},
+           {"run room.world --for 0.1 --hash-log /dev/full", 1}})
+    for (const char* lost : {" 2>/dev/full", " 2>&-"}) {
+      EXPECT_EQ(shell(command + " >/dev/null" + lost), code) << command << lost;
+      fs::remove(path("room.json"));
+    }
+  EXPECT_EQ(lines_of(read("run.log")).back().substr(0, 4), "200 ");
+}
+
+TEST_F(HostileUsage, TheLastPictureIsDrawnIfTheSummaryIsLost) {
+  const Outcome drawn = troupe({"run", "room.world", "--for", "0.1", "--snapshot", "last.svg"});
+  if (lacks_pictures(drawn)) GTEST_SKIP() << "no pictures here: " << drawn.err;
+  fs::remove(path("last.svg"));
+  EXPECT_EQ(shell("run room.world --for 0.1 --snapshot last.svg >/dev/full 2>err.txt"), 1);
+  EXPECT_THAT(read("err.txt"), HasSubstr("troupe: error: cannot write to standard output"));
+  EXPECT_THAT(read("last.svg"), HasSubstr("</svg>"));
+}
+
+TEST_F(HostileUsage, APipeWhoseReaderEndsIsAnErrorOfWriting) {
+  ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
+  EXPECT_EQ(shell("run room.world --for 1000 --threads 1 --hash-log pipe --quiet 2>err.txt & "
+                  "head -n 2 pipe >/dev/null; wait $!"),
+            1);
+  EXPECT_THAT(read("err.txt"), ::testing::StartsWith("pipe: error: writing failed at tick "));
 }
 
 TEST_F(HostileUsage, DevicesAreWrittenIntoAndNotReplaced) {
@@ -168,6 +211,70 @@ TEST_F(HostileUsage, SweepsRefuseWhatCannotBeWrittenBeforeTheirRuns) {
   EXPECT_THAT(troupe({"sweep", "study.json", "-o", "o2", "--part", "2/18446744073709551615"}).err,
               HasSubstr("is not a part I/N, with I from 1 to N and N at most 1000000"));
   EXPECT_FALSE(fs::exists(path("o2")));
+}
+
+// No output is changed if another one cannot be written.
+TEST_F(HostileUsage, LinksOfOutputsThatLeadNowhereAreRefusedBeforeTheRun) {
+  study("study.json");
+  const std::string log = "# troupe hash log 1\n# of an earlier run\n";
+  write("h.log", log);
+  fs::create_symlink("loop", path("loop"));
+  fs::create_symlink("none/m.csv", path("m.csv"));  // the folder none does not exist
+  fs::create_symlink("none", path("results"));
+  const auto before = files();
+  const std::string long_name(300, 'x');
+  const std::string none = (fs::canonical(path("")) / "none").string();
+  for (const auto& [arguments, message] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"run", "room.world", "--for", "1", "--hash-log", "h.log", "--measures", "m.csv"},
+            "m.csv: error: cannot be written: there is no folder " + none},
+           {{"run", "room.world", "--for", "1", "--hash-log", "h.log", "--measures", "loop/m.csv"},
+            "loop/m.csv: error: cannot be written: Too many levels of symbolic links"},
+           {{"run", "room.world", "--for", "1", "--hash-log", "h.log", "--camera-png", "results"},
+            "results: error: cannot be written: it is a symbolic link to a folder that does not exist"},
+           {{"sweep", "study.json", "-o", "loop"},
+            "loop: error: cannot be written: Too many levels of symbolic links"},
+           {{"sweep", "study.json", "-o", "results"},
+            "results: error: cannot be written: it is a symbolic link to a folder that does not exist"},
+           {{"sweep", "study.json", "-o", long_name},
+            long_name + ": error: cannot be written: File name too long"},
+           {{"view", "room.world", "--out", "loop"},
+            "loop: error: there is no such folder: create it, or name an existing folder with --out"}}) {
+    const Outcome outcome = troupe(arguments);
+    EXPECT_EQ(outcome.code, 2) << message;
+    EXPECT_THAT(lines_of(outcome.err), ElementsAre(message));
+    EXPECT_EQ(read("h.log"), log);
+    EXPECT_EQ(files(), before);
+  }
+}
+
+TEST_F(HostileUsage, AFolderMayEndInASlash) {
+  EXPECT_EQ(troupe({"sweep", study("study.json"), "-o", "new/", "--quiet"}).code, 0);
+  EXPECT_TRUE(fs::exists(path("new/table.csv")));
+}
+
+// The stack of a further thread, 4 GB, does not fit into the address space that the limits allow.
+TEST_F(HostileUsage, TooFewThreadsAreAnErrorThatSaysSo) {
+  if (test::k_slow_build) GTEST_SKIP() << "sanitizers reserve more address space";
+  study("study.json");
+  const auto limited = [&](int most_kilobytes, const std::string& command) {
+    return shell("--version >/dev/null; ulimit -s 4000000 && ulimit -v " + std::to_string(most_kilobytes) +
+                 " || exit 9; '" TROUPE_PROGRAM "' " + command + " 2>err.txt");
+  };
+  constexpr int k_no_thread = 3'000'000, k_one_thread = 6'000'000;
+  if (limited(k_no_thread, "--version >/dev/null") != 0) GTEST_SKIP() << "the limits cannot be set";
+  std::vector<std::string> commands{"sweep study.json -o none",
+                                    "check room.world --for 0.1 --threads 1 --controllers"};
+  if (worldio::has_hdf5()) commands.push_back("run room.world --for 0.1 --threads 1 --record run.h5");
+  for (const std::string& command : commands) {
+    EXPECT_EQ(limited(k_no_thread, command + " >/dev/null"), 1) << command;
+    EXPECT_THAT(read("err.txt"), HasSubstr("error: "));
+    EXPECT_THAT(
+        read("err.txt"),
+        HasSubstr("the system allows no further thread (raise the limits on threads and memory of this "
+                  "process): Resource temporarily unavailable\n"));
+  }
+  EXPECT_EQ(limited(k_one_thread, "sweep study.json -o one --threads 2 --quiet"), 0) << read("err.txt");
+  EXPECT_TRUE(fs::exists(path("one/table.csv")));
 }
 
 TEST_F(HostileUsage, FilmsHaveRatesThatCanBePlayed) {

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 namespace troupe::apps {
 namespace {
@@ -615,22 +616,26 @@ TEST_F(Run, OutputsThatBecomeOneFileAreRefusedBeforeTheRun) {
             0);
 }
 
-TEST_F(Run, AHashLogThatAnotherRunWritesStays) {
-  const std::vector<std::string> run = {"run",     "room.world", "--for",  "1",
-                                        "--quiet", "--hash-log", "run.log"};
-  ASSERT_EQ(troupe(run).code, 0);
-  const std::string whole = read("run.log");
-  const int other = open(path("run.log").c_str(), O_RDONLY | O_CLOEXEC);
-  ASSERT_EQ(worldio::lock_file(other), worldio::FileLock::taken);
-  const Outcome refused = troupe(run);
-  close(other);
-  EXPECT_EQ(refused.code, 1);
-  EXPECT_EQ(
-      refused.err,
-      "run.log: error: cannot be written: another process is writing the file: choose another file, or wait "
-      "until it ends\n");
-  EXPECT_EQ(read("run.log"), whole);
-  EXPECT_EQ(troupe(run).code, 0);
+TEST_F(Run, AnOutputThatAnotherRunWritesStays) {
+  for (const auto& [option, file] : {std::pair<std::string, std::string>("--hash-log", "run.log"),
+                                     {"--measures", "m.csv"},
+                                     {"--events", "e.csv"},
+                                     {"--profile", "p.json"}}) {
+    const std::vector<std::string> run = {"run", "room.world", "--for", "1", "--quiet", option, file};
+    ASSERT_EQ(troupe(run).code, 0);
+    const std::string whole = read(file);
+    const int other = open(path(file).c_str(), O_RDONLY | O_CLOEXEC);
+    ASSERT_EQ(worldio::lock_file(other), worldio::FileLock::taken);
+    const Outcome refused = troupe(run);
+    close(other);
+    EXPECT_EQ(refused.code, 1);
+    EXPECT_EQ(refused.err,
+              file +
+                  ": error: cannot be written: another process is writing the file: choose another file, or "
+                  "wait until it ends\n");
+    EXPECT_EQ(read(file), whole);
+    EXPECT_EQ(troupe(run).code, 0);
+  }
 }
 
 TEST_F(Run, TooLittleMemoryIsAnErrorThatSaysSo) {

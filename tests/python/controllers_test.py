@@ -15,7 +15,7 @@ import unittest
 
 import numpy as np
 import troupe
-from support import InAFolder, is_lacking
+from support import InAFolder, is_lacking, variables_of_locale
 
 PACKAGES = pathlib.Path(os.environ["PYTHONPATH"].split(":")[0])
 PROGRAM = PACKAGES.parents[2] / "bin" / "troupe"
@@ -93,7 +93,7 @@ class Controllers(InAFolder):
         return made
 
     def hashes(self, log):
-        return [line.split()[:2] for line in (self.folder / log).read_text().splitlines() if not line.startswith("#")]
+        return [line.split()[:2] for line in (self.folder / log).read_text(errors="replace").splitlines() if not line.startswith("#")]
 
     def test_the_only_radio_needs_no_name(self):
         heard = []
@@ -314,6 +314,45 @@ class Controllers(InAFolder):
         made = self.troupe("run", "w.json", "--for", "0.1", "--controller", "roam.py", "--hash-log", "roam.py", code=2)
         self.assertIn("roam.py: error: cannot be written: it is a script, which this command reads", made.stderr)
         self.assertEqual((self.folder / "roam.py").read_text(), ROAM)
+
+    def test_names_of_files_need_not_be_utf_8_but_that_of_a_script(self):
+        world, script = os.fsdecode(b"w\xff.json"), os.fsdecode(b"roam\xff.py")
+        self.write(world, WORLD)
+        self.write(script, ROAM)
+        self.troupe("run", "w.json", "--controller", "roam.py", "--hash-log", "a.log")
+        self.troupe("run", world, "--controller", "roam.py", "--hash-log", "b.log", "--quiet")
+        self.assertEqual(self.hashes("b.log"), self.hashes("a.log"))
+        found = self.troupe("run", "w.json", "--controller", script, code=2).stderr
+        self.assertEqual(found, "roam\\xff.py: error: the name of a script must be UTF-8: rename the file\n")
+
+    def test_printed_numbers_do_not_depend_on_the_locale_that_a_script_sets(self):
+        variables = variables_of_locale("de_DE", self.folder)
+        self.write("comma.py", "import locale\nlocale.setlocale(locale.LC_ALL, '')\n" + ROAM.replace("class roam", "class comma"))
+        made = self.troupe("run", "w.json", "--controller", "comma.py", "--tile-size", "2.5", "--dry-run", **variables)
+        self.assertRegex(made.stdout, r"\n  tile_m +2\.5\n")
+
+    def test_a_summary_without_standard_output_is_not_written_into_an_output(self):
+        run = ["run", "w.json", "--controller", "roam.py", "--hash-log"]
+        self.troupe(*run, "a.log", "--quiet")
+        done = subprocess.run(["sh", "-c", 'exec "$@" >&-', "sh", sys.executable, "-m", "troupe", *run, "b.log"],
+                              stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertTrue(done.stderr.startswith("troupe: error: cannot write to standard output"), done.stderr)
+        self.assertEqual((self.folder / "b.log").read_text(), (self.folder / "a.log").read_text())
+
+    def test_an_error_of_a_script_is_told_in_a_working_folder_that_was_removed(self):
+        self.write("bad.py", "import troupe\nraise ValueError('no')\n")
+        gone = self.folder / "gone"
+        gone.mkdir()
+        command = [PROGRAM, "run", self.folder / "w.json", "--controller", self.folder / "bad.py"]
+        done = subprocess.run(["sh", "-c", 'rmdir "$PWD" && exec "$@"', "sh", *command], cwd=gone, capture_output=True, text=True,
+                              env={**os.environ, "TROUPE_PYTHON": sys.executable})
+        self.assertEqual((done.returncode, done.stderr), (2, f"{self.folder}/bad.py:2: error: ValueError: no\n"))
+
+    def test_a_script_that_is_a_pipe_is_refused_at_once(self):
+        os.mkfifo(self.folder / "pipe.py")
+        found = self.troupe("run", "w.json", "--controller", "pipe.py", code=2).stderr
+        self.assertEqual(found, "pipe.py: error: this is a pipe or a device, not a regular file\n")
 
     def test_a_sweep_uses_both(self):
         self.write("study.json", '{"troupe_study": 1, "world": "w.json", "seeds": {"from": 1, "count": 3}, "measures": ["roam:reach"]}')

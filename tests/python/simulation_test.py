@@ -21,7 +21,7 @@ import weakref
 
 import numpy as np
 import troupe
-from support import HOSPITAL, ROOM, ROOT, WAIT_S, InAFolder, has_view, needs_view, skipped_where_lacking
+from support import HOSPITAL, ROOM, ROOT, WAIT_S, InAFolder, has_view, needs_view, skipped_where_lacking, variables_of_locale
 
 sys.path.insert(0, str(ROOT))
 from tests.support.websocket import Socket  # noqa: E402
@@ -49,6 +49,27 @@ class Loading(InAFolder):
         self.assertEqual(worlds[0].tick_s, 0.1)
         self.assertEqual(worlds[0].quit_time_s, 60)
         self.assertEqual(worlds[1].threads, 2)
+
+    def test_names_of_files_need_not_be_utf_8(self):
+        name = os.fsdecode(b"w\xff.json")
+        box = {"size_m": [1, 1, 1], "drive": {"kind": "diff"}}
+        world = {"troupe": 1, "overlaps": "warn", "types": {"box": box},
+                 "models": [{"name": "a", "type": "box"}, {"name": "b", "type": "box"}]}
+        pathlib.Path(name).write_text(json.dumps(world))
+        simulation = troupe.Simulation(name, threads=1)
+        self.assertEqual(simulation.options["world"], name)
+        self.assertEqual(simulation.title, name[:-len(".json")])
+        self.assertEqual(repr(simulation), f'<Simulation "{simulation.title}": 2 robots, 0 s>')
+        self.assertEqual([warning[:len(name)] for warning in simulation.warnings], [name])
+
+    # In a Turkish locale, the capital of i is not I.
+    def test_names_of_colours_do_not_depend_on_the_locale(self):
+        variables = variables_of_locale("tr_TR", self.folder)
+        world = {"troupe": 1, "types": {"box": {"size_m": [1, 1, 1], "color": "indian red"}},
+                 "models": [{"name": "a", "type": "box"}]}
+        done = subprocess.run([sys.executable, "-c", f"import troupe; troupe.Simulation({world})"], capture_output=True,
+                              text=True, env={**os.environ, **variables})
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_values_may_be_numbers_and_arrays_of_numpy(self):
         plain = troupe.Simulation({**ROOM, "bounds_m": [[-6, -6], [6, 6]], "seed": 9}, set={"/populations/0/count": 3})

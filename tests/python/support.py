@@ -5,6 +5,7 @@ import csv
 import functools
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -88,6 +89,16 @@ def has_view():
 def needs_view(test):
     """Decorates a test, or a class of tests, that needs a build with a view."""
     return unittest.skipUnless(has_view(), "this build has no view (TROUPE_VIEW)")(test)
+
+
+def variables_of_locale(name, folder):
+    """Makes a locale in UTF-8, such as tr_TR, in a folder, and returns the environment variables with which a process uses it.
+    Skips the test if the machine cannot make it (Debian, Ubuntu: apt install locales)."""
+    localedef = shutil.which("localedef")
+    made = localedef and subprocess.run([localedef, "-i", name, "-f", "UTF-8", f"{folder}/{name}.utf8"], capture_output=True)
+    if not made or made.returncode != 0:
+        raise unittest.SkipTest(f"the locale {name} cannot be made")
+    return {"LOCPATH": str(folder), "LC_ALL": f"{name}.utf8"}
 
 
 class InAFolder(unittest.TestCase):

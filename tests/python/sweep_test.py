@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import math
+import os
 import pathlib
 import signal
 import subprocess
@@ -428,6 +429,30 @@ class Plot(unittest.TestCase):
         self.assertIn("this is not the series of the sweep", message())
         with unittest.mock.patch.object(troupe.plot.csv, "reader", side_effect=troupe.plot.csv.Error("line contains NUL")):
             self.assertIn("table.csv: error: cannot be read: line contains NUL", message())
+        table.unlink()
+        os.mkfifo(table)
+        self.assertIn("table.csv: error: cannot be read: this is not a regular file", message())
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_the_command_does_not_depend_on_variables_of_python(self):
+        folder = self.folder / os.fsdecode(b"results\xff")
+        folder.mkdir()
+        (folder / "table.csv").write_text(TABLE + "4,10,3,0,nan,nan,,,failed\n")
+        (folder / "series.csv").write_text(SERIES)
+        for variables in ({}, {"PYTHONOPTIMIZE": "2"}, {"PYTHONWARNINGS": "error::RuntimeWarning"},
+                          {"PYTHONWARNINGS": "ignore"}, {"MPLBACKEND": "none"}):
+            with self.subTest(variables):
+                done = subprocess.run([sys.executable, troupe.plot.__file__, folder], env={**os.environ, **variables},
+                                      capture_output=True)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(done.stdout, os.fsencode(folder / "order.png") + b"\n")
+                self.assertIn(b"table.csv: warning: 1 of 5 runs failed and are not in the plot; run 4: failed\n", done.stderr)
+
+    def test_a_link_to_a_table_is_not_replaced(self):
+        (self.folder / "link.png").symlink_to("table.csv")
+        with self.assertRaisesRegex(troupe.plot.PlotError, "link.png: error: cannot be written: it is a table of the sweep"):
+            troupe.plot.draw(self.folder, out=self.folder / "link.png")
+        self.assertEqual((self.folder / "table.csv").read_text(), TABLE)
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_a_picture_is_drawn(self):

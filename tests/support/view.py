@@ -41,7 +41,7 @@ class View:
 
     program = None  # path of the program `troupe`; set it before the first view
 
-    def __init__(self, *arguments, checkpoint_s=None, world=WORLD, environment=None):
+    def __init__(self, *arguments, checkpoint_s=None, world=WORLD, environment=None, errors="errors"):
         self.temporary = tempfile.TemporaryDirectory()
         self.folder = Path(self.temporary.name)
         self.world = self.folder / "rooms.json"
@@ -51,7 +51,7 @@ class View:
             shown = self.folder / "c.h5"
             subprocess.run([View.program, "run", self.world, "--set", "/mortal=true", "--for", str(checkpoint_s), "--checkpoint", shown,
                             "--quiet"], check=True)
-        self.errors = open(self.folder / "errors", "w+")
+        self.errors = open(self.folder / errors, "w")
         self.process = subprocess.Popen([View.program, "view", shown, "--out", self.folder, *map(str, arguments)],
                                         stdout=subprocess.PIPE, stderr=self.errors, text=True,
                                         env={**os.environ, **(environment or {})})

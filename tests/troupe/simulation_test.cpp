@@ -11,6 +11,7 @@
 #include "troupe/frame_data.hpp"
 #include "troupe/registry.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -229,6 +230,19 @@ TEST_F(SimulationTest, RepeatedSettingsHaveDifferentKeys) {
                                    Pair("set /measures/- #2", "\"stalls\""),
                                    Pair("set /measures/- #3", "\"coverage\""), Pair("set /tick_s", "0.02")));
   EXPECT_THAT(simulation.effective_options(), Contains(Pair("tick_s", "0.02")));
+}
+
+// The time to number them must not grow with the cube of their count.
+TEST_F(SimulationTest, ManyValuesMayBeAppendedToAList) {
+  constexpr int k_count = 8000;
+  SimulationOptions options;
+  for (int i = 0; i < k_count; ++i)
+    options.set.emplace_back("/models/-",
+                             fmt::format(R"({{"name": "b{0}", "type": "box", "pose": {{"x_m": {0}}}}})", i));
+  const Simulation simulation = Simulation::from_text(
+      R"({"troupe": 1, "types": {"box": {"size_m": [0.1, 0.1, 0.1]}}, "models": []})", "many.json", options);
+  EXPECT_EQ(simulation.world().spec().bodies.size(), std::size_t{k_count});
+  EXPECT_THAT(simulation.effective_options(), Contains(Pair("set /models/- #8000", ::testing::_)));
 }
 
 TEST_F(SimulationTest, TheRayEngineOfTheWorldHoldsUnlessAnotherIsGiven) {

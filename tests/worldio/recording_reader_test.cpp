@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -212,10 +213,15 @@ TEST_F(Reader, RepairRemovesUnusedSpace) {
     removed.resize(0);
   }
   EXPECT_GT(fs::file_size(file_), size + (2 << 20));
+  constexpr uid_t k_owner = 1234;
+  const bool is_owned = chown(file_.c_str(), k_owner, k_owner) == 0;  // only root can change the owner
   const Repair done = repair_recording(file_);
   EXPECT_TRUE(done.needed);
   EXPECT_EQ(done.frames, 3u);
   EXPECT_LT(fs::file_size(file_), size + 10000);
+  struct stat status {};
+  EXPECT_EQ(stat(file_.c_str(), &status), 0);
+  EXPECT_EQ(status.st_uid == k_owner, is_owned);
   EXPECT_THAT(RecordingReader(file_).ticks(), ElementsAre(0, 2, 4));
   EXPECT_FALSE(repair_recording(file_).needed);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);

@@ -6,11 +6,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
+#include <functional>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <system_error>
@@ -189,6 +195,58 @@ TEST_F(SealedFile, KeepsThePermissionsOfAReplacedFile) {
     seal("new");
     EXPECT_EQ(fs::status(file_).permissions(), permissions);
   }
+}
+
+/// Calls `prepare` in a child process and then makes a PartialFile for `file` there. Returns the error of the
+/// constructor, 0 if there is none, or nothing if `prepare` returns false.
+std::optional<int> error_in_child(const fs::path& file, const std::function<bool()>& prepare) {
+  constexpr int k_unprepared = 255;
+  const pid_t child = fork();
+  if (child == 0) {
+    if (!prepare()) _exit(k_unprepared);
+    try {
+      const PartialFile partial(file);
+      _exit(0);
+    } catch (const std::system_error& error) {
+      _exit(error.code().value());
+    }
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (WEXITSTATUS(status) == k_unprepared) return std::nullopt;
+  return WEXITSTATUS(status);
+}
+
+// The rename at the end of a run would fail, and the results of the run would be lost.
+TEST_F(SealedFile, RefusesAtOnceAFileThatCannotBeReplaced) {
+  write("a.kept", "old");
+  const auto mount_point = error_in_child(file_, [&] {  // such as a single file of a container
+    return unshare(CLONE_NEWNS) == 0 && mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+           mount(file_.c_str(), file_.c_str(), nullptr, MS_BIND, nullptr) == 0;
+  });
+  constexpr uid_t k_other = 65534;
+  fs::permissions(folder_, fs::perms(01777));
+  fs::permissions(file_, fs::perms(0666));
+  const auto foreign = error_in_child(file_, [&] { return setuid(k_other) == 0; });
+  fs::permissions(folder_, fs::perms(0777));
+  const auto shared = error_in_child(file_, [&] { return setuid(k_other) == 0; });
+  EXPECT_EQ(content(file_), "old");
+  if (!foreign || !shared) GTEST_SKIP() << "only root can change the user";
+  EXPECT_EQ(*foreign, EPERM);
+  EXPECT_EQ(*shared, 0);
+  if (!mount_point) GTEST_SKIP() << "this process cannot mount";
+  EXPECT_EQ(*mount_point, EBUSY);
+}
+
+TEST_F(SealedFile, KeepsTheOwnerOfAReplacedFile) {
+  write("a.kept", "old");
+  constexpr uid_t k_owner = 1234;
+  if (chown(file_.c_str(), k_owner, k_owner + 1) != 0) GTEST_SKIP() << "only root can change the owner";
+  seal("new");
+  struct stat status {};
+  ASSERT_EQ(stat(file_.c_str(), &status), 0);
+  EXPECT_EQ(status.st_uid, k_owner);
+  EXPECT_EQ(status.st_gid, k_owner + 1);
 }
 
 TEST_F(SealedFile, ReplacesWhatAKilledWriterLeft) {

@@ -60,9 +60,18 @@ bool is_even(const Hdf5File& recording, std::size_t frames) {
   });
 }
 
-/// Replaces a recording, which must not be a symbolic link, by a copy of its content with the same permission
-/// bits, which is first written to the file `packed`. Returns false, and leaves the recording as it is, if it
-/// cannot be copied.
+/// Gives the file `to` the owner, the group and the permission bits of the file `from`, as far as the system
+/// allows it.
+void copy_rights(const fs::path& from, const fs::path& to) {
+  struct stat status {};
+  if (stat(from.c_str(), &status) != 0) return;
+  [[maybe_unused]] const bool is_owned = chown(to.c_str(), status.st_uid, status.st_gid) == 0;
+  static_cast<void>(chmod(to.c_str(), status.st_mode & ~static_cast<mode_t>(S_IFMT)));
+}
+
+/// Replaces a recording, which must not be a symbolic link, by a copy of its content with the same owner and
+/// permission bits, which is first written to the file `packed`. Returns false, and leaves the recording as
+/// it is, if it cannot be copied.
 bool replace_by_content(const fs::path& file, const fs::path& packed) {
   std::optional<Hdf5File> into;
   std::error_code ignored;
@@ -72,7 +81,7 @@ bool replace_by_content(const fs::path& file, const fs::path& packed) {
     into->copy_content(from);
     into->flush();
     into->close();
-    fs::permissions(packed, fs::status(file).permissions(), ignored);
+    copy_rights(file, packed);
     fs::rename(packed, file);
     return true;
   } catch (const std::runtime_error&) {  // Hdf5Error, or the error of rename()
@@ -82,8 +91,8 @@ bool replace_by_content(const fs::path& file, const fs::path& packed) {
   }
 }
 
-/// Copies a file with its permission bits. Replaces an existing file `to`. Throws std::system_error.
-/// std::filesystem::copy_file() would report a full disk as an "input/output error".
+/// Copies a file with its owner and permission bits. Replaces an existing file `to`. Throws
+/// std::system_error. std::filesystem::copy_file() would report a full disk as an "input/output error".
 void copy_bytes(const fs::path& from, const fs::path& to) {
   constexpr std::size_t k_piece_bytes = std::size_t{1} << 20;
   const auto check = [](ssize_t result) {
@@ -92,15 +101,13 @@ void copy_bytes(const fs::path& from, const fs::path& to) {
   };
   const Descriptor in(from, O_RDONLY);
   check(in.get());
-  struct stat status {};
-  check(fstat(in.get(), &status));
   const Descriptor out(to, O_WRONLY | O_CREAT | O_TRUNC, S_IRUSR | S_IWUSR);
   check(out.get());
   std::vector<char> piece(k_piece_bytes);
   while (const std::size_t bytes = check(::read(in.get(), piece.data(), piece.size())))
     for (std::size_t done = 0; done < bytes;)
       done += check(::write(out.get(), piece.data() + done, bytes - done));
-  check(fchmod(out.get(), status.st_mode & ~static_cast<mode_t>(S_IFMT)));
+  copy_rights(from, to);
 }
 
 /// Repairs a file in place. Returns the number of its complete frames.

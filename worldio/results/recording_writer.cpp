@@ -318,7 +318,12 @@ void RecordingWriter::start(bool in_background) {
   if (in_background) {
     written_ = gathered_;  // so that, in both batches, a byte that no frame overwrites has the value absent()
     written_.reserve(batch_frames_);
-    thread_.emplace(1);
+    try {
+      thread_.emplace(1);
+    } catch (const std::system_error& error) {
+      throw Hdf5Error(
+          fmt::format("{}: error: cannot be written: {}", file_.file_name().string(), error.what()));
+    }
   }
   gathered_.reserve(batch_frames_);
 }
