@@ -265,7 +265,7 @@ class BatchEnv {
   /// - std::invalid_argument if a span has another size
   /// - std::logic_error if `which` is 0 for a copy that has not yet begun its first episode
   /// - InputError if the rules by which the world file places robots find no place for a robot
-  /// - engine::StepError if the first tick of an episode throws
+  /// - StepError if the first tick of an episode throws
   void reset(std::span<const std::uint8_t> which = {},
              std::span<const std::optional<std::uint64_t>> seeds = {});
   /// Advances all copies by one step. begins: one element per copy. If it is not 0, the copy begins its next
@@ -278,7 +278,7 @@ class BatchEnv {
   /// - std::invalid_argument if `begins` has another size, or if an action is not finite (the actions of
   ///   copies that begin an episode are not tested)
   ///
-  /// Throws engine::StepError if the step of a copy fails or gives a reward that is not finite, and the
+  /// Throws StepError if the step of a copy fails or gives a reward that is not finite, and the
   /// exceptions of reset() if a copy cannot begin its episode. The other copies have then made their step.
   /// The failed copy must be reset (by reset() or by `begins`) before its next step.
   void step(std::span<const std::uint8_t> begins = {});

@@ -6,6 +6,7 @@
 #include "engine/fields/state_table.hpp"
 #include "engine/kinds/act.hpp"
 #include "engine/kinds/energy.hpp"
+#include "engine/kinds/step_error.hpp"
 #include "engine/ranks/rank_work.hpp"
 #include "engine/sensing/ray_hit.hpp"
 #include "engine/spec/ranging_engine.hpp"
@@ -52,6 +53,8 @@ namespace troupe {
 using engine::RangingEngine;
 /// The result of Simulation::cast(): the first surface that a ray meets.
 using engine::RayHit;
+/// Thrown by a step that cannot be completed; a std::runtime_error (engine/kinds/step_error.hpp).
+using engine::StepError;
 
 /// The largest number of ranks, the threads or processes that compute one world together
 /// (SimulationOptions::ranks).
@@ -554,11 +557,11 @@ class Simulation {
   std::optional<std::string> stopped() const;
 
   /// Advances the world by one tick, in the phases intervene, sense, actuate, decide, move and index. step()
-  /// ignores stop conditions: it also advances a run that stopped() reports as ended. Throws
-  /// engine::StepError, a std::runtime_error that names tick and robot, if a commanded speed is not finite or
-  /// if a controller or a device throws. Exceptions of an on_phase() callback pass through unchanged. After
-  /// an exception the state is incomplete. Until reset(), all functions that read or advance the state then
-  /// throw std::logic_error, also those of models, swarms and observers of this simulation.
+  /// ignores stop conditions: it also advances a run that stopped() reports as ended. Throws StepError, a
+  /// std::runtime_error that names tick and robot, if a commanded speed is not finite or if a controller or a
+  /// device throws. Exceptions of an on_phase() callback pass through unchanged. After an exception the state
+  /// is incomplete. Until reset(), all functions that read or advance the state then throw std::logic_error,
+  /// also those of models, swarms and observers of this simulation.
   void step();
   /// Steps until `seconds` more of simulated time have passed, or until a stop condition ends the run
   /// (stopped()). The time is rounded up to whole ticks, but with a tolerance for rounding errors: 0.07 s are

@@ -17,7 +17,10 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace troupe {
@@ -29,6 +32,9 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::FloatEq;
 using ::testing::HasSubstr;
+
+// <troupe/troupe.hpp> declares what programs catch.
+static_assert(std::is_base_of_v<std::runtime_error, StepError>);
 
 /// A wall ahead at x = 2, and a row of bots that look at it.
 WorldBuilder yard(int bots = 1) {
