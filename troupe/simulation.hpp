@@ -582,8 +582,9 @@ class Simulation {
   ///
   /// A callback may do everything that a program may do between two steps (read, command, set_poses(),
   /// spawn(), remove(), save()). Only step(), reset() and on_tick() are not allowed: they throw
-  /// std::logic_error. If a callback throws, step() passes the exception on and calls no further callbacks;
-  /// the state is that after a complete tick.
+  /// std::logic_error. A callback must not destroy the simulation, move it, or assign to it; nor may the
+  /// other callbacks below. If a callback throws, step() passes the exception on and calls no further
+  /// callbacks; the state is that after a complete tick.
   void on_tick(std::function<void(Simulation&)> callback);
   /// Adds a callback as the other on_tick() does, for as long as the object `owner` exists: when `owner` has
   /// expired, the callback is not called again, and the next step removes it. `on_tick(nullptr)` does not
@@ -817,12 +818,16 @@ class Simulation {
   /// the ranks; empty with one rank. The times are 0 if neither SimulationOptions::rank_clock nor
   /// SimulationOptions::processes is set. Valid until the next step.
   std::span<const RankWork> rank_work() const;
-  /// Returns what each rank has counted so far, in the order of the ranks; empty with one rank. Must not be
-  /// called during a step, because it exchanges messages with the other ranks.
+  /// Returns what each rank has counted so far, in the order of the ranks; empty with one rank. Throws
+  /// std::logic_error during a step, because it exchanges messages with the other ranks.
   std::vector<RankCounts> rank_counts();
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
   /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). Set it between
   /// two steps. A second call replaces the callback; a null callback removes it.
+  ///
+  /// The callback must not change the simulation, because it is called within a step. There, step(), reset(),
+  /// set_poses(), spawn(), remove(), disable(), enable(), set(), save(), record(), on_tick(), on_phase(),
+  /// on_task() and on_loop() throw std::logic_error.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
   /// Sets a callback for profilers. Parallel loops are divided into tasks for the worker threads. The
   /// callback is called when a task of a loop begins (`begins` is true) and when the task ends (false);

@@ -5,6 +5,7 @@
 #include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
+#include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/json/world_document.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -323,6 +324,32 @@ TEST(BeforeTick, MayNotStepNorReplaceItself) {
   EXPECT_EQ(simulation.tick(), 1u);
 }
 
+/// A controller of a program that steps its simulation.
+struct Impatient {
+  static inline Simulation* simulation = nullptr;
+  void operator()(const engine::Percept&, Random&, engine::Actions&) const {
+    if (simulation) simulation->step();
+  }
+};
+
+TEST(Controllers, MayNotStepTheirSimulation) {
+  engine::Registry registry = make_registry();
+  registry.controllers.push_back(engine::make_controller_kind<Impatient>("impatient", "steps"));
+  WorldBuilder world = yard(3);
+  world.type("bot").controller("impatient");
+  for (const unsigned threads : {1u, 2u}) {
+    Simulation simulation(world, {.threads = threads}, registry);
+    Impatient::simulation = &simulation;
+    EXPECT_THAT(message_of<StepError>([&] { simulation.step(); }),
+                AllOf(HasSubstr("tick 1: controller \"impatient\" of \"r"),
+                      HasSubstr("threw: step() is not allowed during a step")));
+    Impatient::simulation = nullptr;
+    simulation.reset();
+    simulation.step();
+    EXPECT_EQ(simulation.tick(), 1u);
+  }
+}
+
 TEST(RunUntil, EndsWithThePredicateOrTheTime) {
   Simulation simulation(yard());
   Model robot = simulation.find("r0");
@@ -612,6 +639,48 @@ TEST(Commands, ReachADevice) {
 // ---- recordings and pictures
 
 class LibraryFilesTest : public test::ScratchTest {};
+
+// A callback of on_phase() is called within a step: a step or a change there would use half of a new state.
+TEST_F(LibraryFilesTest, CallbacksOfPhasesMayNotChangeTheSimulation) {
+  WorldBuilder world = yard(2);
+  world.population("s", "bot", 1, {{"rule", "grid"}, {"region_m", {{-9, -9}, {-5, -5}}}, {"pitch_m", 1}},
+                   {{"reserve", 2}});
+  using Callback = std::function<void(Simulation&)>;
+  const std::vector<std::pair<std::string, Callback>> forbidden = {
+      {"step()", [](Simulation& s) { s.step(); }},
+      {"reset()", [](Simulation& s) { s.reset(); }},
+      {"reset()", [](Simulation& s) { s.reset(7); }},
+      {"set_poses()", [](Simulation& s) { s.find("r0").set_pose({.x = -3}); }},
+      {"spawn()", [](Simulation& s) { s.spawn("s", {.x = -3}); }},
+      {"remove()", [](Simulation& s) { s.remove(s.find("r0")); }},
+      {"disable()", [](Simulation& s) { s.disable(s.find("r0")); }},
+      {"enable()", [](Simulation& s) { s.enable(s.find("r0")); }},
+      {"set()", [](Simulation& s) { s.set("bot", R"({"drive": {"velocity_max_x_mps": 1}})"); }},
+      {"save()", [&](Simulation& s) { s.save(folder_ / "run.h5"); }},
+      {"record()", [&](Simulation& s) { s.record(folder_ / "run.h5"); }},
+      {"on_tick()", [](Simulation& s) { s.on_tick([](Simulation&) {}); }},
+      {"on_phase()", [](Simulation& s) { s.on_phase(nullptr); }},
+      {"on_task()", [](Simulation& s) { s.on_task(nullptr); }},
+      {"on_loop()", [](Simulation& s) { s.on_loop(nullptr); }},
+  };
+  Simulation simulation(world, {.mortal = true});
+  simulation.step();
+  const std::uint64_t state = simulation.state_hash();
+  for (const auto& [what, callback] : forbidden)
+    for (const auto when : std::vector<std::optional<Phase>>{Phase::intervene, Phase::move, std::nullopt}) {
+      simulation.on_phase([&, &act = callback](std::optional<Phase> phase) {
+        if (phase == when) act(simulation);
+      });
+      EXPECT_EQ(message_of<std::logic_error>([&] { simulation.step(); }),
+                what +
+                    " is not allowed during a step, for example in a callback of on_phase() or in a "
+                    "controller: call it between two steps");
+      simulation.on_phase(nullptr);
+      simulation.reset();
+      simulation.step();
+      EXPECT_EQ(simulation.state_hash(), state) << what;
+    }
+}
 
 TEST_F(LibraryFilesTest, ARunIsRecordedUntilItIsSaidToStop) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
