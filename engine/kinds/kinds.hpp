@@ -780,7 +780,8 @@ struct ControllerKind {
   /// part, except drive devices (DeviceKind::drives). They have the parameters of tick 0, also if the hook is
   /// called because an intervention or World::set() changes a parameter later in the run
   /// claimed: one entry per entry of `devices`; true: an earlier controller in the type's list has reserved
-  /// the device for itself. The hook reserves a device by setting the entry to true.
+  /// the device for itself. The hook reserves a device by setting the entry to true. It must not change the
+  /// number of entries
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
                               std::vector<bool>& claimed) = nullptr;
   /// Called after each call of `prepare`: completes `data` (Prepared::data) from the world, the type and the

@@ -48,6 +48,13 @@ struct One {
   double only = 0;
   TROUPE_FIELDS(only)
 };
+// clang-format off
+struct Spaced {
+  double first = 0;
+  float second = 0;
+  TROUPE_FIELDS( first , second )
+};
+// clang-format on
 
 TEST(MemoryFields, ComeInTheOrderTheyAreListed) {
   const std::vector<StateField> fields = memory_fields<Reordered>();
@@ -59,6 +66,13 @@ TEST(MemoryFields, ComeInTheOrderTheyAreListed) {
   EXPECT_TRUE(memory_fields<Empty>().empty());
   ASSERT_EQ(memory_fields<One>().size(), 1u);
   EXPECT_EQ(memory_fields<One>()[0].name, "only");
+}
+
+TEST(MemoryFields, HaveNamesWithoutSpaces) {
+  const std::vector<StateField> fields = memory_fields<Spaced>();
+  ASSERT_EQ(fields.size(), 2u);
+  EXPECT_EQ(fields[0].name, "first");
+  EXPECT_EQ(fields[1].name, "second");
 }
 
 /// Counts its calls and drives as fast as it has counted.
