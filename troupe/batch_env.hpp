@@ -82,7 +82,7 @@ struct BatchAction {
   /// (Model::asked); the field must be a single number.
   std::string command = {};
   /// Value for -1, in the unit of the command; finite. Values of integer fields are rounded to the nearest
-  /// integer and clamped to the range of their type.
+  /// integer and clamped to the range of their type, which is 0 to 1 for a bool.
   double low = -1;
   double high = 1;  ///< value for 1, in the unit of the command; finite; may be less than `low`
 };

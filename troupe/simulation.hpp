@@ -398,8 +398,9 @@ class Model {
     std::span<std::byte> bytes;                  ///< the command, in the layout of its command struct
   };
   /// Returns the command of the device of this name as bytes. A program may read and write the bytes like the
-  /// reference that command() returns. Throws std::out_of_range if this model has no device of this name that
-  /// takes commands, and std::logic_error for a body that is not in the world.
+  /// reference that command() returns; a bool (StateField::is_bool) must be 0 or 1. Throws std::out_of_range
+  /// if this model has no device of this name that takes commands, and std::logic_error for a body that is
+  /// not in the world.
   Asked asked(std::string_view device);
   /// Returns descriptions of the fields of the command that the device of this name takes, also for a body
   /// that is not in the world. Throws std::out_of_range if this model has no device of this name that takes
