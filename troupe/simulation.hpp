@@ -91,8 +91,8 @@ struct SimulationOptions {
   /// Directories to search for plug-ins: shared libraries with controllers, measures, sensors or other
   /// devices that Troupe does not ship (docs/controllers.md).
   std::vector<std::filesystem::path> plugin_path = {};
-  /// Scripts, such as Python files, with controllers and measures (troupe/script.hpp). The controllers
-  /// replace those that the world file gives to the same robots.
+  /// Scripts, such as Python files, with controllers and measures (troupe/script.hpp); none may be null. The
+  /// controllers replace those that the world file gives to the same robots.
   std::vector<std::shared_ptr<const Script>> scripts = {};
   /// Allows the program to call Simulation::remove(), disable() and enable(), as `"mortal": true` in the
   /// world file does. The option itself changes no state hash; only the bodies that the program removes or
@@ -478,7 +478,8 @@ class Simulation {
   explicit Simulation(const std::filesystem::path& world, const SimulationOptions& options = {});
   /// Loads a world file that uses kinds of sensors, other devices, drives or controllers that the program
   /// defines. To make `registry`, take the result of make_registry() (troupe/registry.hpp), which has the
-  /// kinds that Troupe ships, and add the kinds of the program.
+  /// kinds that Troupe ships, and add the kinds of the program. Throws std::invalid_argument if a kind or a
+  /// preset of the registry is wrong, for example if two kinds of one sort have the same name.
   Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
   /// Loads a world from the text of a world file. `name` is used like the path of this file, which need not
   /// exist: the ending of `name`, .world or .json, selects the syntax, relative paths in the text are

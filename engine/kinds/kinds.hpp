@@ -822,7 +822,8 @@ struct Registry {
   /// Finds a controller in the plug-ins (troupe/plugins.hpp). It is called for a name that is not in the
   /// lists above. If no plug-in has the name, it returns an error that begins with the text `unknown`;
   /// details such as the searched folders may follow. The returned kind lives as long as the registry and its
-  /// copies. Empty: there are no plug-ins.
+  /// copies. Empty: there are no plug-ins. A Simulation sets this callback and the two below in its copy of
+  /// the registry.
   std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
       plugged_controllers;
   /// Callbacks that find a device or a measure in the plug-ins, in the same way as `plugged_controllers`
