@@ -385,8 +385,8 @@ class Model {
   /// Command  the command struct of the kind of device: models::GripperCommand, models::LedCommand, ...
   /// device   name of the device; empty: the first device that takes this struct
   /// errors   std::out_of_range, with the known names, if there is no such device; std::invalid_argument if
-  ///          the device takes a struct with other field names or another size; std::logic_error for a body
-  ///          that is not in the world
+  ///          the device takes a struct with other fields (names, types, offsets) or another size;
+  ///          std::logic_error for a body that is not in the world
   template <class Command>
   Command& command(std::string_view device = {}) {
     static const std::vector<engine::StateField> fields = engine::memory_fields<Command>();

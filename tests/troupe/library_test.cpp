@@ -618,15 +618,25 @@ TEST(Commands, ReachADevice) {
   simulation.run_for(0.2);
   EXPECT_THAT(robot.readings<float>("shown_color"), ElementsAre(1, 0, 0.5f));
   EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<models::GripperCommand>("lamp"); }),
-              HasSubstr("\"lamp\" of \"r0\" takes commands of kind led, with the fields shows, red, green, "
-                        "blue in 16 bytes; the given struct has the fields order in 1 bytes"));
+              HasSubstr("\"lamp\" of \"r0\" takes commands of kind led, with the fields shows (uint8), red "
+                        "(float32), green (float32), blue (float32) in 16 bytes; the given struct has the "
+                        "fields order (uint8) in 1 bytes"));
   struct Another {  // as large as an LED's, and no LED's
     std::uint8_t mode = 0;
     std::array<float, 3> goal{};
     TROUPE_FIELDS(mode, goal)
   };
-  EXPECT_THROW(robot.command<Another>("lamp"), std::invalid_argument);
+  EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<Another>("lamp"); }),
+              HasSubstr("the given struct has the fields mode (uint8), goal (float32 x 3) in 16 bytes"));
   EXPECT_THROW(robot.command<Another>(), std::out_of_range);
+  struct Percent {  // the names of an LED's fields, but other types
+    std::uint8_t shows = 0;
+    std::int32_t red = 0, green = 0, blue = 0;
+    TROUPE_FIELDS(shows, red, green, blue)
+  };
+  EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<Percent>("lamp"); }),
+              HasSubstr("the given struct has the fields shows (uint8), red (int32), green (int32), blue "
+                        "(int32) in 16 bytes"));
   EXPECT_EQ(&robot.command<models::LedCommand>(), &robot.command<models::LedCommand>("lamp"));
   const Model::Asked asked = robot.asked("lamp");
   EXPECT_EQ(asked.bytes.size(), sizeof(models::LedCommand));
