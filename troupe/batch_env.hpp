@@ -216,7 +216,8 @@ class BatchEnv {
   std::vector<std::string> names(std::size_t team) const;  ///< names of a team's robots, in order of ids
   const Simulation& simulation(std::size_t copy) const;    ///< the simulation of a copy, read-only
   /// Returns the simulation of a copy, for observers such as live::View, which shows a running world in a
-  /// browser. Only the batch may step and reset the simulation.
+  /// browser. Only the batch may step and reset the simulation. The callbacks of the simulations of different
+  /// copies are called on several threads at once.
   Simulation& simulation(std::size_t copy);
   unsigned threads() const;  ///< number of threads that step the copies
 

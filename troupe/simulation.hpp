@@ -300,7 +300,7 @@ class Model {
   /// If the drive parameter `localization_origin` is given, it defines the frame of the estimate instead. For
   /// a body without a drive, the result is the true pose in the world frame. For a part with a device
   /// `wheels`, it is the true pose of the part, pose(). For any other part, it is the estimate of the body.
-  /// The numbers are 0 for a body that is not yet born.
+  /// The numbers are 0 for a body that is not yet born, and for a removed body with `odom`.
   Pose estimate() const;
   /// Overwrites the odometry estimate: m and rad, in the frame of estimate(); pose.z is ignored. Throws
   /// std::logic_error if the localization of the robot is not `odom` or if the robot is not in the world, and
