@@ -410,7 +410,9 @@ struct DeviceKind {
   /// Effect::device, Effect::sequence). Each call sees the results of the earlier calls. Poses are those
   /// after the motions of the tick, but World::index() still has the bodies at their places before the
   /// motions. Do not call BodyIndex::for_each_near() here, and do not rely on the result true of
-  /// World::is_free(): both may miss bodies that have moved. Null: the device must not call emit().
+  /// World::is_free(): both may miss bodies that have moved. Functions that change the world between two
+  /// steps, such as World::set_poses(), throw std::logic_error here and in `born`. Null: the device must not
+  /// call emit().
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
   /// Receives the result of a birth that the device requested with DeviceBatch::emit_birth(). Called once for
   /// each request, after all other effects and all deaths of the tick. Not called if the body of the device
