@@ -17,6 +17,10 @@ install(TARGETS troupe_base troupe_partition troupe_engine troupe_sensors troupe
 install(FILES ${PROJECT_SOURCE_DIR}/troupe/plugin.hpp ${PROJECT_SOURCE_DIR}/troupe/plugin_layout.hpp
               ${PROJECT_SOURCE_DIR}/troupe/plugin_library.hpp ${PROJECT_BINARY_DIR}/generated/troupe/version.hpp
         DESTINATION ${header_dir}/troupe)
+# Headers for controllers that use devices or the beams of rangers (docs/controllers.md). They need no code of troupe_models.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/models/devices DESTINATION ${header_dir}/models
+        FILES_MATCHING PATTERN "*.hpp" PATTERN "lowest.hpp" EXCLUDE)
+install(FILES ${PROJECT_SOURCE_DIR}/models/controllers/beams.hpp DESTINATION ${header_dir}/models/controllers)
 install(EXPORT troupe NAMESPACE troupe:: FILE troupeTargets.cmake DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_SOURCE_DIR}/cmake/wheel/troupeConfig.cmake ${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake

@@ -114,6 +114,8 @@ void check_speed(const Act& act) {
 }
 
 void carry_out_checked(Simulation& simulation, const Act& act, Holds& holds) {
+  if (static_cast<std::size_t>(act.kind) >= engine::k_acts.size())
+    refuse_act(fmt::format("the kind of the act, {}, is no value of Act::Kind", static_cast<int>(act.kind)));
   if (act.kind == Kind::add) {
     check_finite(act.pose);
     if (simulation.unborn(act.whom) == 0)

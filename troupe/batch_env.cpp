@@ -226,7 +226,7 @@ void BatchEnv::Impl::act(std::size_t c) {
         } else {
           const DeviceField& command = bound.commands[(action.command - k_drive) * team.robots + i];
           put_number(world.asked_of(*command.device).row(world.slot(row)) + command.field, action.element,
-                     asked);
+                     action.is_bool ? std::clamp(asked, 0.0, 1.0) : asked);
         }
       }
       if (team.drives) world.set_command(row, {drive[0], drive[1], drive[2], engine::ControlMode::velocity});

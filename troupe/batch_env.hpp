@@ -82,7 +82,7 @@ struct BatchAction {
   /// (Model::asked); the field must be a single number.
   std::string command = {};
   /// Value for -1, in the unit of the command; finite. Values of integer fields are rounded to the nearest
-  /// integer and clamped to the range of their type.
+  /// integer and clamped to the range of their type, which is 0 to 1 for a bool.
   double low = -1;
   double high = 1;  ///< value for 1, in the unit of the command; finite; may be less than `low`
 };
@@ -216,7 +216,8 @@ class BatchEnv {
   std::vector<std::string> names(std::size_t team) const;  ///< names of a team's robots, in order of ids
   const Simulation& simulation(std::size_t copy) const;    ///< the simulation of a copy, read-only
   /// Returns the simulation of a copy, for observers such as live::View, which shows a running world in a
-  /// browser. Only the batch may step and reset the simulation.
+  /// browser. Only the batch may step and reset the simulation. The callbacks of the simulations of different
+  /// copies are called on several threads at once.
   Simulation& simulation(std::size_t copy);
   unsigned threads() const;  ///< number of threads that step the copies
 
@@ -265,7 +266,7 @@ class BatchEnv {
   /// - std::invalid_argument if a span has another size
   /// - std::logic_error if `which` is 0 for a copy that has not yet begun its first episode
   /// - InputError if the rules by which the world file places robots find no place for a robot
-  /// - engine::StepError if the first tick of an episode throws
+  /// - StepError if the first tick of an episode throws
   void reset(std::span<const std::uint8_t> which = {},
              std::span<const std::optional<std::uint64_t>> seeds = {});
   /// Advances all copies by one step. begins: one element per copy. If it is not 0, the copy begins its next
@@ -278,7 +279,7 @@ class BatchEnv {
   /// - std::invalid_argument if `begins` has another size, or if an action is not finite (the actions of
   ///   copies that begin an episode are not tested)
   ///
-  /// Throws engine::StepError if the step of a copy fails or gives a reward that is not finite, and the
+  /// Throws StepError if the step of a copy fails or gives a reward that is not finite, and the
   /// exceptions of reset() if a copy cannot begin its episode. The other copies have then made their step.
   /// The failed copy must be reset (by reset() or by `begins`) before its next step.
   void step(std::span<const std::uint8_t> begins = {});

@@ -60,6 +60,7 @@ struct BatchEnv::Impl {
   struct Action {
     std::size_t command = 0;  // 0 to 2: drive; from k_drive on: devices, see TeamCopy::commands
     engine::Element element = engine::Element::f64;
+    bool is_bool = false;
     double low = 0;
     double span = 0;  // BatchAction::high - low
   };

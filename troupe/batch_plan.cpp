@@ -196,6 +196,7 @@ void BatchEnv::Impl::plan_device_action(const BatchAction& action, std::span<con
       team.actions_plan, [](const Action& before) { return before.command >= k_drive; });
   team.actions_plan.push_back({.command = k_drive + static_cast<std::size_t>(of_devices),
                                .element = field->element,
+                               .is_bool = field->is_bool,
                                .low = action.low,
                                .span = action.high - action.low});
 }

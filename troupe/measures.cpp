@@ -113,6 +113,11 @@ std::vector<std::size_t> Measures::remember(std::span<const std::byte> memory) {
   return impl_->set.remember(memory);
 }
 
-bool Measures::has_memory(std::size_t column) const { return impl_->set.has_memory(column); }
+bool Measures::has_memory(std::size_t column) const {
+  if (column >= columns().size())
+    throw std::out_of_range(fmt::format("there is no column {}: the measures have {} columns, counted from 0",
+                                        column, columns().size()));
+  return impl_->set.has_memory(column);
+}
 
 }  // namespace troupe

@@ -79,7 +79,8 @@ class Measures {
   /// size, for example because the bounds of the world have changed. These measures are not changed: those
   /// that need data about earlier ticks (has_memory()) begin with the current state.
   std::vector<std::size_t> remember(std::span<const std::byte> memory);
-  /// Whether the measure of a column stores data about earlier ticks. The column must exist.
+  /// Whether the measure of a column, an index in columns(), stores data about earlier ticks. Throws
+  /// std::out_of_range if there is no such column.
   bool has_memory(std::size_t column) const;
 
  private:

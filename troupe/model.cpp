@@ -24,9 +24,20 @@ const engine::BodyType::Device* device_on(const engine::BodyType& type, std::siz
   return nullptr;
 }
 
-/// Whether two lists of fields have the same names, in the same order.
-bool same_names(std::span<const engine::StateField> a, std::span<const engine::StateField> b) {
-  return std::ranges::equal(a, b, {}, &engine::StateField::name, &engine::StateField::name);
+/// Whether two structs have the same fields at the same places.
+bool same_layout(std::span<const engine::StateField> a, std::span<const engine::StateField> b) {
+  return engine::same_fields(a, b) &&
+         std::ranges::equal(a, b, {}, &engine::StateField::offset, &engine::StateField::offset);
+}
+
+/// Returns the names and types of fields: `shows (uint8), red (float32)`.
+std::string names_and_types(std::span<const engine::StateField> fields) {
+  std::string text;
+  for (const engine::StateField& field : fields)
+    text +=
+        fmt::format("{}{} ({}{})", text.empty() ? "" : ", ", field.name, engine::element_name(field.element),
+                    field.columns == 1 ? "" : fmt::format(" x {}", field.columns));
+  return text;
 }
 
 /// The robot that Swarm::for_each() visits on this thread; null if this thread is not in for_each().
@@ -303,7 +314,7 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
   refuse_others_in_for_each();
   const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
   const auto takes_these = [&](const engine::BodyType::Device& d) {
-    return takes(d) && d.prepared.command_bytes == bytes && same_names(d.prepared.commands, fields);
+    return takes(d) && d.prepared.command_bytes == bytes && same_layout(d.prepared.commands, fields);
   };
   const auto* device = place_->find([&](const engine::BodyType::Device& d) {
     return wanted.empty() ? takes_these(d) : takes(d) && d.name == wanted;
@@ -315,11 +326,11 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
                       name(), comma_list(known)));
   if (!device) place_->throw_unknown("device that takes this command struct", wanted, takes);
   if (!takes_these(*device))
-    throw std::invalid_argument(fmt::format(
-        "\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
-        "struct has the fields {} in {} bytes",
-        device->name, name(), device->kind->name, comma_list(name_list(device->prepared.commands)),
-        device->prepared.command_bytes, comma_list(name_list(fields)), bytes));
+    throw std::invalid_argument(
+        fmt::format("\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
+                    "struct has the fields {} in {} bytes",
+                    device->name, name(), device->kind->name, names_and_types(device->prepared.commands),
+                    device->prepared.command_bytes, names_and_types(fields), bytes));
   refuse_absent();
   return place_->world->asked_of(*device).row(place_->slot());
 }

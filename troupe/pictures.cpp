@@ -200,6 +200,28 @@ std::optional<render::VectorFormat> vector_format(const fs::path& file) {
   return std::nullopt;
 }
 
+/// Throws std::invalid_argument for a null Shot. call: name of the calling function, for the error.
+void require_shot(std::string_view call, const Pictures::Shot& shot) {
+  if (!shot)
+    throw std::invalid_argument(fmt::format("{}: found a null Shot: give one that take() returned", call));
+}
+
+/// Throws std::invalid_argument if a frame comes from another world than the scene: if it has bodies of
+/// types, or readings of rangers, that the scene does not have. call: name of the calling function, for the
+/// error.
+void require_world_of(const engine::FrameScene& scene, std::string_view call, const engine::Frame& frame) {
+  const std::size_t types = scene.types.size() + frame.types.size();
+  const auto has_type = [types](const engine::FrameBody& body) { return body.type < types; };
+  const auto has_ranger = [&](const engine::FrameScan& scan) {
+    return scan.ranger < scene.rangers.size() && scan.first <= frame.ranges.size() &&
+           scene.rangers[scan.ranger].readings <= frame.ranges.size() - scan.first;
+  };
+  if (!std::ranges::all_of(frame.mobile, has_type) || !std::ranges::all_of(frame.scans, has_ranger))
+    throw std::invalid_argument(fmt::format(
+        "{}: found a state of another world: these Pictures draw only the world with which they were made",
+        call));
+}
+
 /// Throws std::invalid_argument if a number in the options cannot be drawn, or if the range of colours is
 /// empty, reversed or of no use.
 void check_picture_numbers(const PictureOptions& options) {
@@ -464,6 +486,7 @@ void Pictures::see(const Simulation& simulation) {
 void Pictures::see(const PictureSource& source) {
   if (history_s() == 0) return;
   const engine::Frame frame = source.frame({});
+  require_world_of(impl_->scene, "see()", frame);
   if (impl_->view.layers.trails) impl_->trails.see(frame);
   if (impl_->view.layers.coverage) impl_->covered.see(impl_->scene, frame);
 }
@@ -488,6 +511,7 @@ Pictures::Shot Pictures::take(const Simulation& simulation, double times_real_ti
 Pictures::Shot Pictures::take(const PictureSource& source, double times_real_time) {
   auto shot = std::make_shared<ShotData>();
   shot->frame = source.frame(impl_->wishes);
+  require_world_of(impl_->scene, "take()", shot->frame);
   shot->frame.times_real_time = times_real_time;
   impl_->follow_in(*shot);
   if (impl_->view.layers.trails) impl_->trails.add_to(shot->frame);
@@ -501,6 +525,10 @@ Pictures::Shot Pictures::take(const PictureSource& source, double times_real_tim
 }
 
 Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double share) {
+  require_shot("between()", earlier);
+  require_shot("between()", later);
+  if (!(share >= 0 && share <= 1))
+    throw std::invalid_argument(fmt::format("between(): share is {}: give a number from 0 to 1", share));
   auto shot = std::make_shared<ShotData>(*earlier);
   const auto mix = [share](double a, double b) { return a + share * (b - a); };
   engine::Frame& frame = shot->frame;
@@ -543,9 +571,15 @@ void Pictures::rehearse(const std::filesystem::path& file) {
   std::filesystem::remove(beside, ignored);
 }
 
-std::vector<std::uint8_t> Pictures::draw(const Shot& shot) { return impl_->draw(*shot); }
+std::vector<std::uint8_t> Pictures::draw(const Shot& shot) {
+  require_shot("draw()", shot);
+  require_world_of(impl_->scene, "draw()", shot->frame);
+  return impl_->draw(*shot);
+}
 
 void Pictures::write(const Shot& shot, const std::filesystem::path& file) {
+  require_shot("write()", shot);
+  require_world_of(impl_->scene, "write()", shot->frame);
   if (!vector_format(file) && file.extension() != ".png")
     throw InputError(fmt::format(
         "{}: error: this is not the name of a picture: it must end in .png, .svg or .pdf", file.string()));

@@ -89,9 +89,10 @@ Result<> check_camera(const std::string& camera);
 ///
 /// take() copies the state of the current tick (time step) into a Shot. draw() and write() use only the Shot,
 /// so another thread may call them while the simulation continues. No function changes the simulation. The
-/// simulation passed to see() and take() must be that of the constructor or have the same world. The
-/// constructor copies the static bodies: after Simulation::reset(seed), which may place them elsewhere, call
-/// update_scene().
+/// simulation passed to see() and take() must be that of the constructor or have the same world, and draw()
+/// and write() need a Shot of this world: for a state with types of bodies or rangers that the world of the
+/// constructor does not have, they throw std::invalid_argument. The constructor copies the static bodies:
+/// after Simulation::reset(seed), which may place them elsewhere, call update_scene().
 class Pictures {
  public:
   /// Throws InputError for unknown cameras, layers and backgrounds. Also throws InputError if the options
@@ -142,7 +143,8 @@ class Pictures {
   /// (`earlier`) to 1 (`later`). The time, the poses of bodies that both shots contain, and the region that
   /// the camera shows are interpolated. Each trail ends at the interpolated position of its body. All other
   /// data are copied from `earlier`. The metadata contain no state hash. `earlier` and `later` must come from
-  /// take() of the same Pictures.
+  /// take() of the same Pictures. Throws std::invalid_argument for a null Shot, and for a share that is not
+  /// from 0 to 1.
   static Shot between(const Shot& earlier, const Shot& later, double share);
 
   /// Checks that a file of this name, a picture or a film of pictures, can be written and can replace an
@@ -151,8 +153,8 @@ class Pictures {
   void rehearse(const std::filesystem::path& file);
   /// Returns a picture of width() x height() pixels: 8-bit RGBA, four bytes per pixel, row by row from the
   /// top. Throws std::runtime_error if the library OSMesa is missing (the text names the package to install),
-  /// and if the size exceeds the limit of OSMesa. Do not call draw() or write() while another thread is in
-  /// one of them.
+  /// and if the size exceeds the limit of OSMesa, and std::invalid_argument for a null Shot. Do not call
+  /// draw() or write() while another thread is in one of them.
   std::vector<std::uint8_t> draw(const Shot& shot);
   /// Writes a picture to a file, and replaces an existing file. The name must end in `.png`, or in `.svg` or
   /// `.pdf` for vector graphics (docs/pictures.md). The metadata of the file state world, time, seed and
@@ -160,7 +162,8 @@ class Pictures {
   /// write() while another thread is in one of them.
   ///
   /// Throws InputError for a name with another ending, and for vector graphics of a view that is not from
-  /// straight above. Throws std::runtime_error if the file cannot be written. For PNG, also throws as draw()
+  /// straight above, and std::invalid_argument for a null Shot. Throws std::runtime_error if the file cannot
+  /// be written. For PNG, also throws as draw()
   /// does. For PDF, also throws std::runtime_error if the library cairo is missing (the text names the
   /// package to install).
   void write(const Shot& shot, const std::filesystem::path& file);

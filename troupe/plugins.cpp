@@ -371,7 +371,12 @@ std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<fs:
   if (const Result<> kinds = worldio::check_kinds(registry); !kinds)
     throw std::invalid_argument(kinds.error().text);
   auto plugins = std::make_shared<Plugins>(std::move(path), registry);
-  for (const std::shared_ptr<const Script>& script : scripts) plugins->add(script);
+  for (std::size_t i = 0; i < scripts.size(); ++i) {
+    if (!scripts[i])
+      throw std::invalid_argument(
+          fmt::format("the script {} of the option scripts (counted from 0) is null: give a script", i));
+    plugins->add(scripts[i]);
+  }
   registry.plugged_controllers = [plugins](std::string_view name, std::string unknown) {
     return plugins->controller(name, std::move(unknown));
   };

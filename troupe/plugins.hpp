@@ -97,9 +97,9 @@ class Plugins {
 /// Lets `registry` use the kinds of `scripts`, and load controllers, devices and measures from plug-ins in
 /// the folders `path`. Copies of `registry` that are made after this call can do the same. Returns the object
 /// that loads the kinds. `registry` and its copies keep this object alive. Throws InputError as
-/// Plugins::add() does. Throws std::invalid_argument if a kind of the registry, or a parameter of a kind, has
-/// a reserved name: JSON worlds, checkpoints or recordings use such a name for another purpose
-/// (worldio/json/kind_checks.hpp).
+/// Plugins::add() does. Throws std::invalid_argument if a script is null. Also throws std::invalid_argument
+/// if a kind or a preset of the registry is wrong, for example because a kind, or a parameter of a kind, has
+/// a name that JSON worlds, checkpoints or recordings use for another purpose (worldio/json/kind_checks.hpp).
 std::shared_ptr<Plugins> add_plugins(engine::Registry& registry, std::vector<std::filesystem::path> path,
                                      std::span<const std::shared_ptr<const Script>> scripts = {});
 

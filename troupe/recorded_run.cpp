@@ -373,7 +373,8 @@ std::size_t RecordedRun::first_within(double history_s) const {
 void RecordedRun::go_to(double time_s) {
   const std::span<const double> times = impl_->reader.times_s();
   const double tolerance = tolerance_s(time_s);
-  if (times.front() > time_s + tolerance || times.back() < time_s - tolerance)
+  const bool is_recorded = times.front() <= time_s + tolerance && times.back() >= time_s - tolerance;
+  if (!is_recorded)  // also for NaN
     impl_->refuse(fmt::format("{:.10g} s is not recorded: the recording contains {:.10g} s to {:.10g} s",
                               time_s, times.front(), times.back()));
   const auto later = std::ranges::upper_bound(times, time_s + tolerance);

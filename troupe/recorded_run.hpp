@@ -39,7 +39,7 @@ class RecordedRun : public PictureSource {
   ///@}
 
   /// Makes the last frame at or before this simulated time the current frame; time in s. Throws InputError if
-  /// the time is before the first frame or after the last frame.
+  /// the time is before the first frame, after the last frame or NaN.
   void go_to(double time_s);
   /// Simulated times of all frames, s, in ascending order; never empty.
   std::span<const double> times_s() const;

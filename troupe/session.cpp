@@ -95,6 +95,15 @@ struct SessionLog::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
+  /// Throws std::logic_error unless begin() has been called. Does nothing after a write failed, because
+  /// write() then throws. call: name of the calling function, for the error.
+  void require_begun(std::string_view call) const {
+    if (!has_begun && failure.empty())
+      throw std::logic_error(
+          fmt::format("{}: error: {} before begin(): a session file begins with the line that begin() writes",
+                      file.string(), call));
+  }
+
   /// Appends a line. After an error, part of the line may be in the file, so that no further line is written.
   void write(std::string line) {
     if (!failure.empty()) throw std::runtime_error(failure);
@@ -133,15 +142,22 @@ SessionLog::~SessionLog() = default;
 const fs::path& SessionLog::file() const { return impl_->file; }
 
 void SessionLog::begin(const Simulation& simulation) {
+  if (impl_->has_begun)
+    throw std::logic_error(fmt::format("{}: error: begin() was called twice: a file contains one session",
+                                       impl_->file.string()));
   impl_->write(header_of(simulation));
   impl_->has_begun = true;
 }
 
 void SessionLog::add(const Simulation& simulation, const engine::Act& act) {
+  impl_->require_begun("add()");
   impl_->write(worldio::act_line(simulation.tick(), ++impl_->acts, act));
 }
 
-void SessionLog::end(std::uint64_t tick) { impl_->write(worldio::end_line(tick, impl_->acts + 1)); }
+void SessionLog::end(std::uint64_t tick) {
+  impl_->require_begun("end()");
+  impl_->write(worldio::end_line(tick, impl_->acts + 1));
+}
 
 struct SessionReplay::Impl {
   fs::path file;

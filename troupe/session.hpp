@@ -35,11 +35,13 @@ class SessionLog {
 
   const std::filesystem::path& file() const;  ///< path of the session file
   /// Writes the first line, for a session that begins at the present state. Call it once, after create() and
-  /// before add(). Throws std::runtime_error if the file cannot be written.
+  /// before add(); the constructor has already called it. Throws std::logic_error if it was called before,
+  /// and std::runtime_error if the file cannot be written.
   void begin(const Simulation& simulation);
-  /// Appends an act that was applied at the current tick of the simulation. Throws std::runtime_error if the
-  /// file cannot be written. Part of the line may then be in the file. Therefore this function, begin() and
-  /// end() write nothing after an error, and throw the same error again.
+  /// Appends an act that was applied at the current tick of the simulation. Throws std::logic_error if
+  /// begin() has not been called, and std::runtime_error if the file cannot be written. Part of the line may
+  /// then be in the file. Therefore this function, begin() and end() write nothing after an error, and throw
+  /// the same error again.
   void add(const Simulation& simulation, const engine::Act& act);
   /// Appends an entry which states that the session ended at this tick. Throws as add() does. Without this
   /// entry, SessionReplay::end_tick() is empty.

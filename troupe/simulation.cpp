@@ -37,6 +37,7 @@ std::uint64_t ticks_of(std::string_view call, double seconds, double tick_s) {
 }  // namespace
 
 void Simulation::Impl::refuse_in_callbacks(std::string_view what) const {
+  world->require_between_steps(what);
   if (!in_on_tick && !in_before_tick && !in_before_step) return;
   throw std::logic_error(fmt::format("{} is not allowed in a callback of {}: call it outside the callback",
                                      what,
@@ -152,6 +153,7 @@ void Simulation::record(const std::filesystem::path& file, const RecordingOption
     throw std::logic_error(
         fmt::format("{}: this run is already being recorded; call stop_recording() first", file.string()));
   impl_->world->require_whole();
+  impl_->world->require_between_steps("record()");
   impl_->refuse_to_replace_inputs(file);
   impl_->recording = std::make_unique<Recording>(file, *this, options);
 }
@@ -452,6 +454,7 @@ RankStatistics Simulation::rank_statistics() const {
 }
 
 std::vector<RankCounts> Simulation::rank_counts() {
+  impl_->world->require_between_steps("rank_counts()");
   if (!impl_->ranks) return {};
   return impl_->ranks->replica().all_counts();
 }
@@ -466,10 +469,12 @@ void Simulation::on_phase(std::function<void(std::optional<Phase>)> callback) {
 }
 
 void Simulation::on_task(std::function<void(std::size_t, bool)> callback) {
+  impl_->world->require_between_steps("on_task()");
   impl_->world->parallel().on_task(std::move(callback));
 }
 
 void Simulation::on_loop(std::function<void(bool)> callback) {
+  impl_->world->require_between_steps("on_loop()");
   impl_->world->parallel().on_loop(std::move(callback));
 }
 

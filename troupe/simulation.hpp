@@ -6,6 +6,7 @@
 #include "engine/fields/state_table.hpp"
 #include "engine/kinds/act.hpp"
 #include "engine/kinds/energy.hpp"
+#include "engine/kinds/step_error.hpp"
 #include "engine/ranks/rank_work.hpp"
 #include "engine/sensing/ray_hit.hpp"
 #include "engine/spec/ranging_engine.hpp"
@@ -52,6 +53,8 @@ namespace troupe {
 using engine::RangingEngine;
 /// The result of Simulation::cast(): the first surface that a ray meets.
 using engine::RayHit;
+/// Thrown by a step that cannot be completed; a std::runtime_error (engine/kinds/step_error.hpp).
+using engine::StepError;
 
 /// The largest number of ranks, the threads or processes that compute one world together
 /// (SimulationOptions::ranks).
@@ -88,8 +91,8 @@ struct SimulationOptions {
   /// Directories to search for plug-ins: shared libraries with controllers, measures, sensors or other
   /// devices that Troupe does not ship (docs/controllers.md).
   std::vector<std::filesystem::path> plugin_path = {};
-  /// Scripts, such as Python files, with controllers and measures (troupe/script.hpp). The controllers
-  /// replace those that the world file gives to the same robots.
+  /// Scripts, such as Python files, with controllers and measures (troupe/script.hpp); none may be null. The
+  /// controllers replace those that the world file gives to the same robots.
   std::vector<std::shared_ptr<const Script>> scripts = {};
   /// Allows the program to call Simulation::remove(), disable() and enable(), as `"mortal": true` in the
   /// world file does. The option itself changes no state hash; only the bodies that the program removes or
@@ -297,7 +300,7 @@ class Model {
   /// If the drive parameter `localization_origin` is given, it defines the frame of the estimate instead. For
   /// a body without a drive, the result is the true pose in the world frame. For a part with a device
   /// `wheels`, it is the true pose of the part, pose(). For any other part, it is the estimate of the body.
-  /// The numbers are 0 for a body that is not yet born.
+  /// The numbers are 0 for a body that is not yet born, and for a removed body with `odom`.
   Pose estimate() const;
   /// Overwrites the odometry estimate: m and rad, in the frame of estimate(); pose.z is ignored. Throws
   /// std::logic_error if the localization of the robot is not `odom` or if the robot is not in the world, and
@@ -382,8 +385,8 @@ class Model {
   /// Command  the command struct of the kind of device: models::GripperCommand, models::LedCommand, ...
   /// device   name of the device; empty: the first device that takes this struct
   /// errors   std::out_of_range, with the known names, if there is no such device; std::invalid_argument if
-  ///          the device takes a struct with other field names or another size; std::logic_error for a body
-  ///          that is not in the world
+  ///          the device takes a struct with other fields (names, types, offsets) or another size;
+  ///          std::logic_error for a body that is not in the world
   template <class Command>
   Command& command(std::string_view device = {}) {
     static const std::vector<engine::StateField> fields = engine::memory_fields<Command>();
@@ -395,8 +398,9 @@ class Model {
     std::span<std::byte> bytes;                  ///< the command, in the layout of its command struct
   };
   /// Returns the command of the device of this name as bytes. A program may read and write the bytes like the
-  /// reference that command() returns. Throws std::out_of_range if this model has no device of this name that
-  /// takes commands, and std::logic_error for a body that is not in the world.
+  /// reference that command() returns; a bool (StateField::is_bool) must be 0 or 1. Throws std::out_of_range
+  /// if this model has no device of this name that takes commands, and std::logic_error for a body that is
+  /// not in the world.
   Asked asked(std::string_view device);
   /// Returns descriptions of the fields of the command that the device of this name takes, also for a body
   /// that is not in the world. Throws std::out_of_range if this model has no device of this name that takes
@@ -474,7 +478,8 @@ class Simulation {
   explicit Simulation(const std::filesystem::path& world, const SimulationOptions& options = {});
   /// Loads a world file that uses kinds of sensors, other devices, drives or controllers that the program
   /// defines. To make `registry`, take the result of make_registry() (troupe/registry.hpp), which has the
-  /// kinds that Troupe ships, and add the kinds of the program.
+  /// kinds that Troupe ships, and add the kinds of the program. Throws std::invalid_argument if a kind or a
+  /// preset of the registry is wrong, for example if two kinds of one sort have the same name.
   Simulation(const std::filesystem::path& world, const SimulationOptions& options, engine::Registry registry);
   /// Loads a world from the text of a world file. `name` is used like the path of this file, which need not
   /// exist: the ending of `name`, .world or .json, selects the syntax, relative paths in the text are
@@ -554,11 +559,11 @@ class Simulation {
   std::optional<std::string> stopped() const;
 
   /// Advances the world by one tick, in the phases intervene, sense, actuate, decide, move and index. step()
-  /// ignores stop conditions: it also advances a run that stopped() reports as ended. Throws
-  /// engine::StepError, a std::runtime_error that names tick and robot, if a commanded speed is not finite or
-  /// if a controller or a device throws. Exceptions of an on_phase() callback pass through unchanged. After
-  /// an exception the state is incomplete. Until reset(), all functions that read or advance the state then
-  /// throw std::logic_error, also those of models, swarms and observers of this simulation.
+  /// ignores stop conditions: it also advances a run that stopped() reports as ended. Throws StepError, a
+  /// std::runtime_error that names tick and robot, if a commanded speed is not finite or if a controller or a
+  /// device throws. Exceptions of an on_phase() callback pass through unchanged. After an exception the state
+  /// is incomplete. Until reset(), all functions that read or advance the state then throw std::logic_error,
+  /// also those of models, swarms and observers of this simulation.
   void step();
   /// Steps until `seconds` more of simulated time have passed, or until a stop condition ends the run
   /// (stopped()). The time is rounded up to whole ticks, but with a tolerance for rounding errors: 0.07 s are
@@ -579,8 +584,9 @@ class Simulation {
   ///
   /// A callback may do everything that a program may do between two steps (read, command, set_poses(),
   /// spawn(), remove(), save()). Only step(), reset() and on_tick() are not allowed: they throw
-  /// std::logic_error. If a callback throws, step() passes the exception on and calls no further callbacks;
-  /// the state is that after a complete tick.
+  /// std::logic_error. A callback must not destroy the simulation, move it, or assign to it; nor may the
+  /// other callbacks below. If a callback throws, step() passes the exception on and calls no further
+  /// callbacks; the state is that after a complete tick.
   void on_tick(std::function<void(Simulation&)> callback);
   /// Adds a callback as the other on_tick() does, for as long as the object `owner` exists: when `owner` has
   /// expired, the callback is not called again, and the next step removes it. `on_tick(nullptr)` does not
@@ -814,12 +820,16 @@ class Simulation {
   /// the ranks; empty with one rank. The times are 0 if neither SimulationOptions::rank_clock nor
   /// SimulationOptions::processes is set. Valid until the next step.
   std::span<const RankWork> rank_work() const;
-  /// Returns what each rank has counted so far, in the order of the ranks; empty with one rank. Must not be
-  /// called during a step, because it exchanges messages with the other ranks.
+  /// Returns what each rank has counted so far, in the order of the ranks; empty with one rank. Throws
+  /// std::logic_error during a step, because it exchanges messages with the other ranks.
   std::vector<RankCounts> rank_counts();
   /// Sets a callback, for example to measure the time of phases. It is called with the phase when a phase of
   /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). Set it between
   /// two steps. A second call replaces the callback; a null callback removes it.
+  ///
+  /// The callback must not change the simulation, because it is called within a step. There, step(), reset(),
+  /// set_poses(), spawn(), remove(), disable(), enable(), set(), save(), record(), on_tick(), on_phase(),
+  /// on_task() and on_loop() throw std::logic_error.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
   /// Sets a callback for profilers. Parallel loops are divided into tasks for the worker threads. The
   /// callback is called when a task of a loop begins (`begins` is true) and when the task ends (false);

@@ -406,6 +406,7 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
         "checkpoint would repeat the interventions of this tick: call it between two steps, or in a callback "
         "of on_tick()");
   impl_->world->require_whole();
+  impl_->world->require_between_steps("save()");
   impl_->world->gather();  // the counts in the checkpoint are counts of all robots
   impl_->refuse_to_replace_inputs(checkpoint);
   worldio::require_hdf5_ending(checkpoint);

@@ -79,8 +79,8 @@ struct Simulation::Impl {
   /// controllers. Simulation::act() holds and releases robots.
   Holds holds;
 
-  /// Throws std::logic_error if a callback of on_tick(), before_tick() or before_step() is running. what:
-  /// name of the calling function, which is not allowed in these callbacks, for the error.
+  /// Throws std::logic_error during a step, and if a callback of on_tick(), before_tick() or before_step() is
+  /// running. what: name of the calling function, which is not allowed there, for the error.
   void refuse_in_callbacks(std::string_view what) const;
   /// Throws std::logic_error for a model of another simulation.
   void require_own(const Model& model) const;

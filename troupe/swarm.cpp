@@ -329,12 +329,24 @@ void Swarm::set_commands(std::span<const std::byte> values, std::string_view fie
                          std::span<const std::uint8_t> where) {
   Model::refuse_in_for_each(*world_, "a command for a swarm");
   if (!where.empty()) check_size("elements of `where`", where.size(), size());
-  for_cells(&Swarm::commands_of, values.size(), field, device,
-            [&](const Cells& cells, Row row, std::size_t i) {
-              if ((where.empty() || where[i] != 0) && world_->is_there(row))
-                std::memcpy(world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset,
-                            values.data() + i * cells.field->bytes(), cells.field->bytes());
-            });
+  const auto for_selected = [&](auto&& visit) {
+    for_cells(&Swarm::commands_of, values.size(), field, device,
+              [&](const Cells& cells, Row row, std::size_t i) {
+                if ((where.empty() || where[i] != 0) && world_->is_there(row))
+                  visit(cells, row, values.subspan(i * cells.field->bytes(), cells.field->bytes()), ids_[i]);
+              });
+  };
+  for_selected([&](const Cells& cells, Row, std::span<const std::byte> own, BodyId id) {
+    for (const std::byte value : own)
+      if (cells.field->is_bool && std::to_integer<unsigned>(value) > 1)
+        throw std::invalid_argument(
+            fmt::format("found {} for the command \"{}\" of \"{}\", which is a bool: give 0 or 1",
+                        std::to_integer<unsigned>(value), field, world_->spec().name(id)));
+  });
+  for_selected([&](const Cells& cells, Row row, std::span<const std::byte> own, BodyId) {
+    std::memcpy(world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset, own.data(),
+                own.size());
+  });
 }
 
 void Swarm::subscribe() {

@@ -160,7 +160,8 @@ class Swarm {
   /// Sets the field `field` of the command of each robot's device named `device`. The other fields of the
   /// command keep their values. The command applies from the next step on. `values` are robots x columns,
   /// row-major, and have the type that command_fields() states. Throws the exceptions of commands(), and
-  /// std::invalid_argument if `values` has another size.
+  /// std::invalid_argument if `values` has another size, or has a value other than 0 and 1 for a bool
+  /// (StateField::is_bool). After an exception, no command has changed.
   void set_commands(std::span<const std::byte> values, std::string_view field, std::string_view device,
                     std::span<const std::uint8_t> where = {});
   /// Places each robot at a pose in the world frame, m and rad, as Model::set_pose() does. This is faster

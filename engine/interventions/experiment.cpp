@@ -601,6 +601,7 @@ void World::toggle_disabled(Row row) {
 
 bool World::set_disabled(Row row, bool disabled) {
   require_whole();
+  require_between_steps(disabled ? "disable()" : "enable()");
   if (!state_.condition_table)
     throw std::logic_error(fmt::format(
         "programs cannot disable \"{}\": add \"mortal\": true to the world file, or set the option mortal "
@@ -726,6 +727,7 @@ TypeSpec World::type_at(TypeId type, std::size_t count) const {
 Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   require_whole();
   require_unfrozen();
+  require_between_steps("set()");
   Result<> done = insert_setting(setting, registry);
   if (done && replica_ != nullptr) replica_->set(setting);
   return done;

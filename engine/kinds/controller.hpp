@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstring>
 #include <exception>
 #include <memory>
@@ -57,11 +58,12 @@ struct Shape<std::array<T, N>> {
 };
 
 /// Returns the name with index n, counted from 0, in a comma-separated list of names. The result has no
-/// leading spaces. The list must have more than n names.
+/// leading or trailing spaces. The list must have more than n names.
 constexpr std::string_view nth_name(std::string_view names, std::size_t n) {
   for (; n > 0; --n) names.remove_prefix(names.find(',') + 1);
   names = names.substr(0, names.find(','));
   while (names.starts_with(' ')) names.remove_prefix(1);
+  while (names.ends_with(' ')) names.remove_suffix(1);
   return names;
 }
 
@@ -192,11 +194,14 @@ std::vector<StateField> listed_fields() {
 ///
 /// The struct must have a function `describe` or the macro TROUPE_FIELDS. If it has both, `describe` is used.
 /// The fields have the order in which `describe` or TROUPE_FIELDS names them. The struct must be trivially
-/// copyable and must have no constructors. If it breaks one of these rules, the code does not compile.
+/// copyable, must have no constructors, and must not need an alignment of more than 16 bytes. If it breaks
+/// one of these rules, the code does not compile.
 template <class Memory>
 std::vector<StateField> memory_fields() {
   static_assert(std::is_trivially_copyable_v<Memory>,
                 "the memory struct must be trivially copyable, because it is saved and hashed as bytes");
+  static_assert(alignof(Memory) <= alignof(std::max_align_t),
+                "the memory struct must not need an alignment of more than 16 bytes");
   if constexpr (detail::Described<Memory>) {
     static_assert(detail::described_members<Memory>().is_state(),
                   "the members of a memory or state struct must be numbers, bools or arrays of these");

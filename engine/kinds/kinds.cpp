@@ -47,6 +47,23 @@ void throw_no_command(std::size_t index) {
                          " (counted from 0), but the kind of this device takes no commands");
 }
 
+void throw_wrong_field(const StateTable& table, std::size_t field, Element as) {
+  const std::string reads = "reads the field with the index " + std::to_string(field) +
+                            " (counted from 0) of the device \"" + table.component() + "\" as " +
+                            std::string(element_name(as)) + ", but ";
+  const std::span<const StateField> fields = table.fields();
+  if (field >= fields.size())
+    throw std::logic_error(reads + "the device has only " + std::to_string(fields.size()) + " fields");
+  throw std::logic_error(reads + "this field, \"" + fields[field].name + "\", has the type " +
+                         std::string(element_name(fields[field].element)));
+}
+
+void throw_wrong_state(const StateTable& table, std::size_t bytes) {
+  throw std::logic_error("reads the state of the device \"" + table.component() + "\" as a struct of " +
+                         std::to_string(bytes) + " bytes, but the state has " +
+                         std::to_string(table.row_bytes()) + " bytes");
+}
+
 BodyId DeviceBatch::body(std::size_t i) const { return view.body(rows[i]); }
 std::size_t DeviceBatch::slot(std::size_t i) const { return view.slot(rows[i]); }
 Random DeviceBatch::random(std::size_t i) const {

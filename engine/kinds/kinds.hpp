@@ -410,7 +410,9 @@ struct DeviceKind {
   /// Effect::device, Effect::sequence). Each call sees the results of the earlier calls. Poses are those
   /// after the motions of the tick, but World::index() still has the bodies at their places before the
   /// motions. Do not call BodyIndex::for_each_near() here, and do not rely on the result true of
-  /// World::is_free(): both may miss bodies that have moved. Null: the device must not call emit().
+  /// World::is_free(): both may miss bodies that have moved. Functions that change the world between two
+  /// steps, such as World::set_poses(), throw std::logic_error here and in `born`. Null: the device must not
+  /// call emit().
   void (*apply)(World& world, const std::any& data, const Effect& effect) = nullptr;
   /// Receives the result of a birth that the device requested with DeviceBatch::emit_birth(). Called once for
   /// each request, after all other effects and all deaths of the tick. Not called if the body of the device
@@ -532,6 +534,13 @@ inline constexpr std::size_t k_most_devices_read = 16;
 /// Throws std::logic_error with such a message: the controller commanded a device whose kind takes no
 /// commands.
 [[noreturn]] void throw_no_command(std::size_t index);
+/// Throws std::logic_error with such a message: the controller read the field with the index `field` of a
+/// device as values of the type `as`, but the state of the device, `table`, has no such field, or its values
+/// have another type.
+[[noreturn]] void throw_wrong_field(const StateTable& table, std::size_t field, Element as);
+/// Throws std::logic_error with such a message: the controller read the state of a device, `table`, as a
+/// struct of `bytes` bytes, but the state of one body has another size.
+[[noreturn]] void throw_wrong_state(const StateTable& table, std::size_t bytes);
 
 /// The state of one sensor or other device of one robot, as its controllers read it.
 class Readings {
@@ -541,14 +550,20 @@ class Readings {
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
   /// The values of field f of the state: StateField::columns values. f is an index into the list of the
   /// fields, DeviceKind::Prepared::percepts. T must be the C++ type of the values (StateField::element).
+  /// Throws std::logic_error if there is no such field, or if its values have another type.
   template <class T>
   std::span<const T> field(std::size_t f) const {
+    const std::span<const StateField> fields = table_->fields();
+    if (f >= fields.size() || fields[f].element != element_of<T>())
+      throw_wrong_field(*table_, f, element_of<T>());
     return table_->cell<T>(slot_, f);
   }
   /// The whole state as a struct. The fields of the state (DeviceKind::Prepared::percepts) must be the
-  /// members of this struct.
+  /// members of this struct. Throws std::logic_error if the struct has another size than the state; the
+  /// members are not checked.
   template <class State>
   const State& as() const {
+    if (sizeof(State) != table_->row_bytes()) throw_wrong_state(*table_, sizeof(State));
     return table_->as<State>(slot_);
   }
 
@@ -565,7 +580,7 @@ struct Percept {
   double period_s = 0;     ///< time from one call of the controller for this robot to the next, s
   std::uint32_t body = 0;  ///< id of the robot
   /// States of the sensors and other devices that the controller uses, in the order of
-  /// ControllerKind::Prepared::devices.
+  /// ControllerKind::Prepared::devices. `devices[i]` does not check whether there is a device i.
   std::span<const Readings> devices = {};
   /// Estimated pose of the robot, m and rad, in the frame that the Localization of its drive defines
   /// (engine/kinds/localization.hpp). If the controller commands a drive device (DeviceKind::drives):
@@ -573,7 +588,8 @@ struct Percept {
   Pose estimate = {};
 
   /// Ranges that a ranger (range sensor) measured, m, one per beam. `ranger` is the index of the ranger in
-  /// `devices`. Throws std::out_of_range if there is no such index. The device must be a ranger.
+  /// `devices`. Throws std::out_of_range if there is no such index. The device must be a ranger: throws
+  /// std::logic_error if the first field of its state does not consist of floats.
   std::span<const float> ranges(std::size_t ranger) const {
     if (ranger >= devices.size()) throw_no_device(ranger, devices.size());
     return devices[ranger].field<float>(0);
@@ -766,7 +782,8 @@ struct ControllerKind {
   /// part, except drive devices (DeviceKind::drives). They have the parameters of tick 0, also if the hook is
   /// called because an intervention or World::set() changes a parameter later in the run
   /// claimed: one entry per entry of `devices`; true: an earlier controller in the type's list has reserved
-  /// the device for itself. The hook reserves a device by setting the entry to true.
+  /// the device for itself. The hook reserves a device by setting the entry to true. It must not change the
+  /// number of entries
   Result<Prepared> (*prepare)(const Record& params, std::span<const DeviceInfo> devices,
                               std::vector<bool>& claimed) = nullptr;
   /// Called after each call of `prepare`: completes `data` (Prepared::data) from the world, the type and the
@@ -807,7 +824,8 @@ struct Registry {
   /// Finds a controller in the plug-ins (troupe/plugins.hpp). It is called for a name that is not in the
   /// lists above. If no plug-in has the name, it returns an error that begins with the text `unknown`;
   /// details such as the searched folders may follow. The returned kind lives as long as the registry and its
-  /// copies. Empty: there are no plug-ins.
+  /// copies. Empty: there are no plug-ins. A Simulation sets this callback and the two below in its copy of
+  /// the registry.
   std::function<Result<const ControllerKind*>(std::string_view name, std::string unknown)>
       plugged_controllers;
   /// Callbacks that find a device or a measure in the plug-ins, in the same way as `plugged_controllers`

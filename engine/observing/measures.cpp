@@ -32,6 +32,14 @@ auto call_measure(World& world, const MeasureKind& kind, const std::string& colu
   }
 }
 
+/// Returns a measure that MeasureKind::make has made. Throws std::logic_error if it has returned null.
+std::unique_ptr<Measure> make_measure(const MeasureKind& kind, const World& world, const Record& params,
+                                      const std::vector<BodyId>& robots) {
+  std::unique_ptr<Measure> measure = kind.make(world, params, robots);
+  if (!measure) throw std::logic_error("the function `make` of its kind returned no measure");
+  return measure;
+}
+
 template <class Parts>
 void see_all(World& world, const Parts& parts, const std::vector<std::string>& columns,
              std::span<const std::unique_ptr<Measure>> measures) {
@@ -131,7 +139,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     }
     std::size_t memory_bytes = 0;
     try {
-      std::unique_ptr<Measure> measure = kind->make(world, spec.params, robots);
+      std::unique_ptr<Measure> measure = make_measure(*kind, world, spec.params, robots);
       memory_bytes = measure->memory().size();
       measures_.push_back(std::move(measure));
     } catch (const std::length_error& thrown) {
@@ -162,8 +170,9 @@ void MeasureSet::note_present() {
 
 void MeasureSet::begin() {
   for (std::size_t i = 0; i < parts_.size(); ++i)
-    call_measure(world_, *parts_[i].kind, columns_[i],
-                 [&] { measures_[i] = parts_[i].kind->make(world_, parts_[i].params, parts_[i].robots); });
+    call_measure(world_, *parts_[i].kind, columns_[i], [&] {
+      measures_[i] = make_measure(*parts_[i].kind, world_, parts_[i].params, parts_[i].robots);
+    });
 }
 
 void MeasureSet::see() {

@@ -403,6 +403,7 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const ControllerSpec& controller, const WorldSpec& world,
                                                     const TypeSpec& spec, const BodyType& type,
                                                     std::vector<bool>& claimed) try {
+  if (const Result<> fits = check_memory(kind); !fits) return fits.error();
   std::vector<std::size_t> shown;
   for (std::size_t s = 0; s < type.devices.size(); ++s)
     if (is_below(spec, type.devices[s].part, controller.part) && !type.devices[s].kind->drives)
@@ -418,6 +419,12 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
     claimed_shown.push_back(claimed[s]);
   }
   Result<ControllerKind::Prepared> prepared = kind.prepare(controller.params, infos, claimed_shown);
+  if (claimed_shown.size() != shown.size())  // a bug in the kind
+    return Error{
+        fmt::format("changed the length of the list of reserved devices (`claimed`) from {} to {}: its code "
+                    "must only set "
+                    "elements of the list",
+                    shown.size(), claimed_shown.size())};
   for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
   if (!prepared) return prepared;
   for (std::size_t& s : prepared->devices) {

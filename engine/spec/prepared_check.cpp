@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t k_most_effects = 1'000'000;
 
 /// Checks the fields of a table. bytes: size of the struct with these fields; 0: they are no struct. what:
-/// "percept" or "command".
+/// "percept", "command" or "memory field".
 Result<> check_fields(std::span<const StateField> fields, std::size_t bytes, std::string_view what) {
   std::vector<const StateField*> sorted;
   for (const StateField& field : fields) {
@@ -120,6 +120,13 @@ Result<> check_prepared(const DeviceKind& kind, const DeviceKind::Prepared& prep
         "declares effects (most_effects or ends_lives), which only the hook \"act\" may emit, but has no "
         "such hook"};
   return {};
+}
+
+Result<> check_memory(const ControllerKind& kind) {
+  if (!kind.memory.empty() && kind.memory_bytes == 0)
+    return Error{
+        "has a memory (ControllerKind::memory), but does not give the size of its struct: set memory_bytes"};
+  return check_fields(kind.memory, kind.memory_bytes, "memory field");
 }
 
 }  // namespace troupe::engine

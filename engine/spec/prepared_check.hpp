@@ -19,4 +19,9 @@ namespace troupe::engine {
 /// The text of the error continues the words `device "NAME"`.
 Result<> check_prepared(const DeviceKind& kind, const DeviceKind::Prepared& prepared);
 
+/// Checks the memory struct of a kind of controller (ControllerKind::memory and memory_bytes), by the rules
+/// for the fields of percepts and commands. A kind with a memory must also give the size of its struct. The
+/// text of the error continues the words `controller "NAME"`.
+Result<> check_memory(const ControllerKind& kind);
+
 }  // namespace troupe::engine

@@ -303,6 +303,7 @@ void World::resolve_lives(std::span<const Effect> effects) {
 
 Birth World::spawn(std::size_t reserve, const Pose& pose) {
   require_whole();
+  require_between_steps("spawn()");
   restore_fp_environment();  // a library may have changed it: see World::step()
   if (!is_finite(pose))
     throw std::invalid_argument(
@@ -318,6 +319,7 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
 
 void World::remove(Row row) {
   require_whole();
+  require_between_steps("remove()");
   restore_fp_environment();  // a library may have changed it: see World::step()
   if (!state_.life_table)
     throw std::logic_error(

@@ -210,6 +210,7 @@ void World::set_estimate(Row row, const Pose& pose) {
 
 void World::set_poses(std::span<const Placed> placed) {
   require_whole();
+  require_between_steps("set_poses()");
   restore_fp_environment();  // a library may have changed it: see step()
   const Box inside = state_.bounds();
   for (const Placed& place : placed) {
@@ -308,6 +309,13 @@ void World::throw_half_made() const {
       state_.now.tick));
 }
 
+void World::throw_in_tick(std::string_view call) {
+  throw std::logic_error(fmt::format(
+      "{} is not allowed during a step, for example in a callback of on_phase() or in a controller: call it "
+      "between two steps",
+      call));
+}
+
 void World::throw_frozen() {
   throw std::logic_error(
       "a measure must not change the world, for example with step(), reset() or set_poses(): measures only "
@@ -316,6 +324,7 @@ void World::throw_frozen() {
 
 void World::reset() {
   require_unfrozen();
+  require_between_steps("reset()");
   restore_fp_environment();  // a library may have changed it: see step()
   if (replica_) replica_->reset();
   forget_settings();
@@ -324,6 +333,7 @@ void World::reset() {
 
 void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
   require_unfrozen();
+  require_between_steps("restart()");
   restore_fp_environment();  // a library may have changed it: see step()
   if (replica_) replica_->restart(seed, bodies);
   bool has_scene_changed = false;

@@ -137,6 +137,14 @@ class World {
   void require_whole() const {
     if (is_half_made_) throw_half_made();
   }
+  /// Throws std::logic_error while step() computes a tick: in a callback of on_phase(), and in a hook of a
+  /// kind. Does not throw in the callback of before_tick(). The functions that may only be called between two
+  /// steps, and would otherwise change the state of half a tick, call this first: step(), reset(), restart(),
+  /// spawn(), remove(), set(), set_poses(), set_disabled() and on_phase(). call: name of the calling
+  /// function, for the error.
+  void require_between_steps(std::string_view call) const {
+    if (is_in_tick_) throw_in_tick(call);
+  }
   /// Returns to S(0), the state that the constructor or the last call of restart() made, and undoes the
   /// changes of set(). Callbacks and subscriptions (subscribe()) stay. The counters are 0 again. The function
   /// allocates no memory, and may be called after a step that threw. Throws StepError if a hook `start` of a
@@ -240,7 +248,10 @@ class World {
   /// Replaces the callback that step() calls at the beginning of each phase and at the end of the tick. The
   /// argument is the phase that begins, or std::nullopt at the end of the tick. An empty callback is not
   /// called. Call on_phase() between steps.
-  void on_phase(std::function<void(std::optional<Phase>)> callback) { on_phase_ = std::move(callback); }
+  void on_phase(std::function<void(std::optional<Phase>)> callback) {
+    require_between_steps("on_phase()");  // in its own callback, it would destroy the callback
+    on_phase_ = std::move(callback);
+  }
   /// Sets the callback that each step calls in the phase `intervene`, after it has applied the interventions
   /// and faults of the world file, and before any sensor runs. The callback may change the world in all ways
   /// that are allowed between two steps. The exceptions of the callback propagate from step(). A second call
@@ -675,6 +686,7 @@ class World {
  private:
   [[noreturn]] static void throw_frozen();
   [[noreturn]] void throw_half_made() const;
+  [[noreturn]] static void throw_in_tick(std::string_view call);
   void require_carries(std::string_view call) const;
   /// Exists while work changes the state. The constructor clears is_half_made_, and the destructor sets it if
   /// the work threw an exception. If a callback in the work caught an exception of inner work, such as a
@@ -854,6 +866,7 @@ class World {
   bool is_half_made_ = false;    // a step threw: only reset(), restart() and restore() are allowed
   bool is_frozen_ = false;       // an object Frozen exists
   bool must_not_carry_ = false;  // the hook `apply` of a kind without `carries` is running
+  bool is_in_tick_ = false;  // step() is computing a tick, and the callback of before_tick() is not running
   std::uint64_t beams_ = 0;
   std::uint64_t conflict_rounds_ = 0;
 

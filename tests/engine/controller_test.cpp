@@ -48,6 +48,13 @@ struct One {
   double only = 0;
   TROUPE_FIELDS(only)
 };
+// clang-format off
+struct Spaced {
+  double first = 0;
+  float second = 0;
+  TROUPE_FIELDS( first , second )
+};
+// clang-format on
 
 TEST(MemoryFields, ComeInTheOrderTheyAreListed) {
   const std::vector<StateField> fields = memory_fields<Reordered>();
@@ -59,6 +66,13 @@ TEST(MemoryFields, ComeInTheOrderTheyAreListed) {
   EXPECT_TRUE(memory_fields<Empty>().empty());
   ASSERT_EQ(memory_fields<One>().size(), 1u);
   EXPECT_EQ(memory_fields<One>()[0].name, "only");
+}
+
+TEST(MemoryFields, HaveNamesWithoutSpaces) {
+  const std::vector<StateField> fields = memory_fields<Spaced>();
+  ASSERT_EQ(fields.size(), 2u);
+  EXPECT_EQ(fields[0].name, "first");
+  EXPECT_EQ(fields[1].name, "second");
 }
 
 /// Counts its calls and drives as fast as it has counted.
@@ -138,6 +152,39 @@ TEST(Actions, SwitchOnlyDevicesThatTheControllerHasChosen) {
     EXPECT_THROW(actions.is_on(none), std::out_of_range);
   }
   EXPECT_EQ(command.off, 4u);
+}
+
+// A controller that is given another device than its author expected must not read its bytes as other types.
+TEST(Percept, RefusesFieldsOfOtherTypes) {
+  const StateTable finder("fiducial/eye", HashGroup::sensor, StateTable::Layout::rows,
+                          {{"count", Element::u32, 1, "", ""}, {"range", Element::f32, 2, "m", ""}},
+                          {BodyId(0)});
+  const StateTable counter("counter/c", HashGroup::sensor, StateTable::Layout::rows, memory_fields<Mixed>(),
+                           {BodyId(0)}, sizeof(Mixed));
+  const std::array<Readings, 2> devices{Readings(finder, 0), Readings(counter, 0)};
+  const Percept percept{.devices = devices};
+  EXPECT_EQ(percept.devices[0].field<std::uint32_t>(0).size(), 1u);
+  EXPECT_EQ(percept.devices[0].field<float>(1).size(), 2u);
+  EXPECT_EQ(percept.devices[1].as<Mixed>().count, 0u);
+  EXPECT_TRUE(percept.devices[1].field<bool>(2).size() == 1);
+  const auto error_of = [](auto&& read) -> std::string {
+    try {
+      static_cast<void>(read());
+    } catch (const std::logic_error& error) {
+      return error.what();
+    }
+    return "read";
+  };
+  EXPECT_EQ(
+      error_of([&] { return percept.ranges(0); }),
+      "reads the field with the index 0 (counted from 0) of the device \"fiducial/eye\" as float32, but "
+      "this field, \"count\", has the type uint32");
+  EXPECT_EQ(error_of([&] { return percept.devices[0].field<std::int32_t>(2); }),
+            "reads the field with the index 2 (counted from 0) of the device \"fiducial/eye\" as int32, but "
+            "the device has only 2 fields");
+  EXPECT_EQ(error_of([&] { return percept.devices[1].as<Reordered>().a; }),
+            "reads the state of the device \"counter/c\" as a struct of 16 bytes, but the state has " +
+                std::to_string(sizeof(Mixed)) + " bytes");
 }
 
 TEST(ControllerKind, NeedsNoMemory) {

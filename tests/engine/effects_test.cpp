@@ -211,6 +211,22 @@ TEST(Joints, ThatTheKindDoesNotDeclareEndTheStep) {
   EXPECT_THAT(error_of({Emitter::kind()}), HasSubstr("uses its joint with the index 2"));
 }
 
+// Such a change in the middle of a tick would bypass conflict resolution and the rules for ranks.
+TEST(Effects, MayNotChangeTheWorldAsAProgramDoes) {
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.emit(i, 0, 0, BodyId(1)); };
+  DeviceKind mover = Emitter::kind();
+  mover.apply = [](World& world, const std::any&, const Effect& effect) {
+    const World::Placed away{world.row(effect.target), {9, 9, 0, 0}};
+    world.set_poses({&away, 1});
+  };
+  EXPECT_EQ(
+      error_of({mover}),
+      "tick 1: device \"emitter\" (emitter) of \"0\" threw: set_poses() is not allowed during a step, for "
+      "example in a callback of on_phase() or in a controller: call it between two steps");
+  mover.apply = [](World& world, const std::any&, const Effect&) { world.step(); };
+  EXPECT_THAT(error_of({mover}), HasSubstr("threw: step() is not allowed during a step"));
+}
+
 TEST(Effects, ThatADeviceMustNotEmitEndTheStep) {
   Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.emit(i, 0, 0, BodyId(1)); };
   EXPECT_EQ(error_of({Emitter::kind()}), "");

@@ -135,5 +135,23 @@ TEST(PreparedCheck, RefusesMoreEffectsThanMemoryHolds) {
               HasSubstr("at most 1000000 are allowed"));
 }
 
+std::string memory_error(std::vector<StateField> fields, std::size_t bytes) {
+  ControllerKind kind{.name = "kind", .text = ""};
+  kind.memory = std::move(fields);
+  kind.memory_bytes = bytes;
+  const Result<> fits = check_memory(kind);
+  return fits ? std::string() : fits.error().text;
+}
+
+TEST(PreparedCheck, RefusesMemoriesThatAreNoStruct) {
+  EXPECT_EQ(memory_error({}, 0), "");
+  EXPECT_EQ(memory_error(memory_fields<State>(), sizeof(State)), "");
+  EXPECT_THAT(memory_error(memory_fields<State>(), 0), HasSubstr("set memory_bytes"));
+  EXPECT_THAT(memory_error(memory_fields<State>(), 8),
+              HasSubstr("has the memory field \"b\", which ends at byte 12 of a struct of 8 bytes"));
+  EXPECT_EQ(memory_error({{"a/b", Element::f64, 1, "", ""}}, 8),
+            "has a memory field with the name \"a/b\": a name must not be empty or contain \"/\"");
+}
+
 }  // namespace
 }  // namespace troupe::engine

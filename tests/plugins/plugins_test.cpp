@@ -417,6 +417,22 @@ TEST_F(PluginsTest, AProgramsOwnKindsAreCheckedToo) {
             "the device kind \"eye\" does not set its member `prepare`");
   EXPECT_THAT(error_with([](engine::Registry& r) { r.faults.front().name = ""; }),
               testing::StartsWith("the fault kind \"\" has an invalid name: give one word"));
+  EXPECT_THAT(error_with([](engine::Registry& r) {
+                r.presets.push_back({"hurry", "wander", "", {{"cruise_sped", 1.0}}});
+              }),
+              testing::StartsWith("the preset \"hurry\" sets the parameter \"cruise_sped\", which its kind "
+                                  "\"wander\" does not have: unknown parameter \"cruise_sped\"; known: "));
+}
+
+TEST_F(PluginsTest, AScriptThatIsNullIsAnError) {
+  SimulationOptions with = options({});
+  with.scripts = {nullptr};
+  try {
+    const Simulation simulation(json_world(R"({"kind": "wander"})"), with);
+    ADD_FAILURE() << "loaded";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_STREQ(error.what(), "the script 0 of the option scripts (counted from 0) is null: give a script");
+  }
 }
 
 TEST_F(PluginsTest, OfOneNameHaveParametersOfTheirOwn) {

@@ -209,6 +209,9 @@ class PlugIns(InAFolder):
                             "--quiet", "--json", "--threads", 1, cwd=folder)
                 self.assertEqual(json.loads(summary)["state_hash"], json.loads(again)["state_hash"])
 
+    def test_controllers_that_command_devices(self):
+        self.build("talker", ROOT / "tests" / "plugins" / "talker.cpp")  # includes headers of models and sensors
+
     def test_exceptions_reach_the_program(self):
         folder = self.build("thrower", ROOT / "tests" / "plugins" / "thrower.cpp")
         world = {"troupe": 1, "tick_s": 0.1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},

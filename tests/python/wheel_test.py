@@ -39,20 +39,24 @@ class TheProject(unittest.TestCase):
         self.assertIn("another 0", done.stdout)
 
     def test_headers_of_plug_ins(self):
-        """All headers that a plug-in includes are in the wheel: those of the libraries in it, and those of the folder troupe
-        that cmake/TroupeWheel.cmake lists."""
+        """All headers that a plug-in includes are in the wheel: those of the libraries in it, and those that
+        cmake/TroupeWheel.cmake lists. The page about controllers names the headers that plug-ins include."""
         installed = (ROOT / "cmake" / "TroupeWheel.cmake").read_text()
         libraries = re.search(r"^install\(TARGETS (.*?) EXPORT", installed, re.M)[1].replace("troupe_", "").split()
         self.assertIn("engine", libraries)
-        included, new = set(), {"troupe/plugin.hpp"}
+        page = (ROOT / "docs" / "controllers.md").read_text()
+        named = set(re.findall(r"#include <(\w+/.*?)>|\(\.\./((?:sensors|models)/.*?\.hpp)\)", page))
+        included, new = set(), {"troupe/plugin.hpp", *("".join(pair) for pair in named)}
         while new:
             included |= new
             texts = [(ROOT / header).read_text() for header in new if (ROOT / header).exists()]  # version.hpp is generated
             new = {header for text in texts for header in re.findall(r'^#include "(.*?)"', text, re.M)} - included
         self.assertIn("troupe/plugin_library.hpp", included)
-        self.assertIn("engine/world/world.hpp", included)
+        for header in ("engine/world/world.hpp", "models/devices/gripper.hpp", "models/controllers/beams.hpp"):
+            self.assertIn(header, included)
+        folders = tuple(f"{folder}/" for folder in [*libraries, *re.findall(r"DIRECTORY \S+?/(models/\w+) ", installed)])
         self.assertEqual([header for header in sorted(included)
-                          if header.split("/")[0] not in libraries and f"/{header}" not in installed], [])
+                          if not header.startswith(folders) and f"/{header}" not in installed], [])
 
 
 class Folders(InAFolder):

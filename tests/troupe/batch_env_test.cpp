@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/kinds/device_kind.hpp"
 #include "engine/kinds/step_error.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
@@ -449,6 +450,42 @@ TEST(BatchEnv, CopiesAreResetAlone) {
   Simulation alone = learning_room(77);
   alone.step();
   EXPECT_EQ(batch.simulation(1).hashes().pose, alone.hashes().pose);
+}
+
+/// A device with a command that is a bool, and with the state that the command has.
+struct Siren {
+  struct Command {
+    bool blows = false;
+    TROUPE_FIELDS(blows)
+  };
+  struct State {
+    std::uint8_t heard = 0;
+    TROUPE_FIELDS(heard)
+  };
+  void act(const engine::DeviceBatch& batch) const {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i)
+      batch.state.as<State>(batch.slot(i)).heard =
+          batch.commands->cell<std::uint8_t>(batch.slot(i), 0)[0];  // as bytes, also those that are no bool
+  }
+};
+
+TEST(BatchEnv, AnActionForABoolIsZeroOrOne) {
+  engine::Registry registry = make_registry();
+  registry.devices.push_back(engine::make_device_kind<Siren>("siren", "makes noise"));
+  const Simulation world = Simulation::from_text(R"({"troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2],
+    "drive": {"kind": "diff"}, "devices": [{"name": "siren", "kind": "siren"}]}},
+    "models": [{"name": "r0", "type": "bot"}]})",
+                                                 "siren.json", {.threads = 1}, registry);
+  BatchTeam team{.name = "bots"};
+  team.arrays = {{"heard", {{.of = Of::reading, .device = "siren", .field = "heard"}}}};
+  team.actions = {{.device = "siren", .command = "blows", .low = -5, .high = 9}};
+  BatchEnv batch(world, {.teams = {team}});
+  batch.reset();
+  for (const auto& [action, heard] : {std::pair(1.0, 1.0f), {-1.0, 0.0f}, {0.0, 1.0f}}) {
+    batch.actions(0)[0] = action;
+    batch.step();
+    EXPECT_EQ(batch.floats(0, "heard")[0], heard) << action;
+  }
 }
 
 TEST(BatchEnv, SaysWhatIsWrong) {

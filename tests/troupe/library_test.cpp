@@ -5,6 +5,7 @@
 #include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
+#include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/json/world_document.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -17,7 +18,10 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace troupe {
@@ -29,6 +33,9 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::FloatEq;
 using ::testing::HasSubstr;
+
+// <troupe/troupe.hpp> declares what programs catch.
+static_assert(std::is_base_of_v<std::runtime_error, StepError>);
 
 /// A wall ahead at x = 2, and a row of bots that look at it.
 WorldBuilder yard(int bots = 1) {
@@ -317,6 +324,32 @@ TEST(BeforeTick, MayNotStepNorReplaceItself) {
   EXPECT_EQ(simulation.tick(), 1u);
 }
 
+/// A controller of a program that steps its simulation.
+struct Impatient {
+  static inline Simulation* simulation = nullptr;
+  void operator()(const engine::Percept&, Random&, engine::Actions&) const {
+    if (simulation) simulation->step();
+  }
+};
+
+TEST(Controllers, MayNotStepTheirSimulation) {
+  engine::Registry registry = make_registry();
+  registry.controllers.push_back(engine::make_controller_kind<Impatient>("impatient", "steps"));
+  WorldBuilder world = yard(3);
+  world.type("bot").controller("impatient");
+  for (const unsigned threads : {1u, 2u}) {
+    Simulation simulation(world, {.threads = threads}, registry);
+    Impatient::simulation = &simulation;
+    EXPECT_THAT(message_of<StepError>([&] { simulation.step(); }),
+                AllOf(HasSubstr("tick 1: controller \"impatient\" of \"r"),
+                      HasSubstr("threw: step() is not allowed during a step")));
+    Impatient::simulation = nullptr;
+    simulation.reset();
+    simulation.step();
+    EXPECT_EQ(simulation.tick(), 1u);
+  }
+}
+
 TEST(RunUntil, EndsWithThePredicateOrTheTime) {
   Simulation simulation(yard());
   Model robot = simulation.find("r0");
@@ -585,15 +618,25 @@ TEST(Commands, ReachADevice) {
   simulation.run_for(0.2);
   EXPECT_THAT(robot.readings<float>("shown_color"), ElementsAre(1, 0, 0.5f));
   EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<models::GripperCommand>("lamp"); }),
-              HasSubstr("\"lamp\" of \"r0\" takes commands of kind led, with the fields shows, red, green, "
-                        "blue in 16 bytes; the given struct has the fields order in 1 bytes"));
+              HasSubstr("\"lamp\" of \"r0\" takes commands of kind led, with the fields shows (uint8), red "
+                        "(float32), green (float32), blue (float32) in 16 bytes; the given struct has the "
+                        "fields order (uint8) in 1 bytes"));
   struct Another {  // as large as an LED's, and no LED's
     std::uint8_t mode = 0;
     std::array<float, 3> goal{};
     TROUPE_FIELDS(mode, goal)
   };
-  EXPECT_THROW(robot.command<Another>("lamp"), std::invalid_argument);
+  EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<Another>("lamp"); }),
+              HasSubstr("the given struct has the fields mode (uint8), goal (float32 x 3) in 16 bytes"));
   EXPECT_THROW(robot.command<Another>(), std::out_of_range);
+  struct Percent {  // the names of an LED's fields, but other types
+    std::uint8_t shows = 0;
+    std::int32_t red = 0, green = 0, blue = 0;
+    TROUPE_FIELDS(shows, red, green, blue)
+  };
+  EXPECT_THAT(message_of<std::invalid_argument>([&] { robot.command<Percent>("lamp"); }),
+              HasSubstr("the given struct has the fields shows (uint8), red (int32), green (int32), blue "
+                        "(int32) in 16 bytes"));
   EXPECT_EQ(&robot.command<models::LedCommand>(), &robot.command<models::LedCommand>("lamp"));
   const Model::Asked asked = robot.asked("lamp");
   EXPECT_EQ(asked.bytes.size(), sizeof(models::LedCommand));
@@ -606,6 +649,48 @@ TEST(Commands, ReachADevice) {
 // ---- recordings and pictures
 
 class LibraryFilesTest : public test::ScratchTest {};
+
+// A callback of on_phase() is called within a step: a step or a change there would use half of a new state.
+TEST_F(LibraryFilesTest, CallbacksOfPhasesMayNotChangeTheSimulation) {
+  WorldBuilder world = yard(2);
+  world.population("s", "bot", 1, {{"rule", "grid"}, {"region_m", {{-9, -9}, {-5, -5}}}, {"pitch_m", 1}},
+                   {{"reserve", 2}});
+  using Callback = std::function<void(Simulation&)>;
+  const std::vector<std::pair<std::string, Callback>> forbidden = {
+      {"step()", [](Simulation& s) { s.step(); }},
+      {"reset()", [](Simulation& s) { s.reset(); }},
+      {"reset()", [](Simulation& s) { s.reset(7); }},
+      {"set_poses()", [](Simulation& s) { s.find("r0").set_pose({.x = -3}); }},
+      {"spawn()", [](Simulation& s) { s.spawn("s", {.x = -3}); }},
+      {"remove()", [](Simulation& s) { s.remove(s.find("r0")); }},
+      {"disable()", [](Simulation& s) { s.disable(s.find("r0")); }},
+      {"enable()", [](Simulation& s) { s.enable(s.find("r0")); }},
+      {"set()", [](Simulation& s) { s.set("bot", R"({"drive": {"velocity_max_x_mps": 1}})"); }},
+      {"save()", [&](Simulation& s) { s.save(folder_ / "run.h5"); }},
+      {"record()", [&](Simulation& s) { s.record(folder_ / "run.h5"); }},
+      {"on_tick()", [](Simulation& s) { s.on_tick([](Simulation&) {}); }},
+      {"on_phase()", [](Simulation& s) { s.on_phase(nullptr); }},
+      {"on_task()", [](Simulation& s) { s.on_task(nullptr); }},
+      {"on_loop()", [](Simulation& s) { s.on_loop(nullptr); }},
+  };
+  Simulation simulation(world, {.mortal = true});
+  simulation.step();
+  const std::uint64_t state = simulation.state_hash();
+  for (const auto& [what, callback] : forbidden)
+    for (const auto when : std::vector<std::optional<Phase>>{Phase::intervene, Phase::move, std::nullopt}) {
+      simulation.on_phase([&, &act = callback](std::optional<Phase> phase) {
+        if (phase == when) act(simulation);
+      });
+      EXPECT_EQ(message_of<std::logic_error>([&] { simulation.step(); }),
+                what +
+                    " is not allowed during a step, for example in a callback of on_phase() or in a "
+                    "controller: call it between two steps");
+      simulation.on_phase(nullptr);
+      simulation.reset();
+      simulation.step();
+      EXPECT_EQ(simulation.state_hash(), state) << what;
+    }
+}
 
 TEST_F(LibraryFilesTest, ARunIsRecordedUntilItIsSaidToStop) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";

@@ -163,5 +163,22 @@ TEST_F(MeasuresOfASimulation, MayBeOnesOwn) {
   EXPECT_NEAR(measures.value("front"), 0.5, 1e-12);
 }
 
+TEST_F(MeasuresOfASimulation, ThatAreNotThereAreErrors) {
+  engine::Registry registry = make_registry();
+  registry.measures.push_back(
+      engine::make_measure_kind<Front>("front", engine::Unit::meters, "how far east", "The greatest x."));
+  registry.measures.back().make = [](const engine::World&, const engine::Record&,
+                                     std::vector<BodyId>) -> std::unique_ptr<engine::Measure> { return {}; };
+  Simulation world = simulation(std::move(registry));
+  EXPECT_THAT([&] { Measures(world, {"front"}); },
+              testing::ThrowsMessage<InputError>(
+                  "measure front: error: front: the function `make` of its kind returned no measure"));
+  const Measures measures(world, {"displacement"});
+  EXPECT_FALSE(measures.has_memory(0));
+  EXPECT_THAT([&] { static_cast<void>(measures.has_memory(1)); },
+              testing::ThrowsMessage<std::out_of_range>(
+                  "there is no column 1: the measures have 1 columns, counted from 0"));
+}
+
 }  // namespace
 }  // namespace troupe

@@ -252,6 +252,44 @@ TEST_F(PicturesTest, BetweenTwoTicksBodiesAreBetweenTheirPlaces) {
   EXPECT_NE(halfway, pictures.draw(later));
 }
 
+// The shapes and rangers of a picture are those of the world with which the Pictures were made.
+TEST_F(PicturesTest, StatesOfAnotherWorldAreErrors) {
+  const auto refused = [](auto&& call, const std::string& what) {
+    EXPECT_THAT(call, ::testing::ThrowsMessage<std::invalid_argument>(
+                          what + ": found a state of another world: these Pictures draw only the world with "
+                                 "which they were made"));
+  };
+  const Simulation small(write("small.json", R"({"troupe": 1})"));
+  Simulation simulation(world_);
+  simulation.step();
+  const Pictures::Shot shot = Pictures(simulation, {.layers = "scans"}).take(simulation);
+  for (const char* layers : {"", "scans", "coverage"}) {
+    Pictures pictures(small, {.width = 16, .height = 16, .camera = "fit", .layers = layers});
+    refused([&] { pictures.take(simulation); }, "take()");
+    refused([&] { pictures.draw(shot); }, "draw()");
+    refused([&] { pictures.write(shot, folder_ / "p.svg"); }, "write()");
+    if (std::string(layers) == "coverage") refused([&] { pictures.see(simulation); }, "see()");
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "p.svg"));
+}
+
+TEST_F(PicturesTest, ShotsAndSharesAreChecked) {
+  const Simulation simulation(world_);
+  Pictures pictures(simulation, {.width = 16, .height = 16});
+  const Pictures::Shot shot = pictures.take(simulation);
+  const auto refused = [](auto&& call, const std::string& message) {
+    EXPECT_THAT(call, ::testing::ThrowsMessage<std::invalid_argument>(message));
+  };
+  const std::string no_shot = ": found a null Shot: give one that take() returned";
+  refused([&] { pictures.draw({}); }, "draw()" + no_shot);
+  refused([&] { pictures.write({}, folder_ / "p.png"); }, "write()" + no_shot);
+  refused([&] { Pictures::between({}, shot, 0.5); }, "between()" + no_shot);
+  refused([&] { Pictures::between(shot, {}, 0.5); }, "between()" + no_shot);
+  for (const double share : {-0.5, 1.5, std::numeric_limits<double>::quiet_NaN()})
+    refused([&] { Pictures::between(shot, shot, share); },
+            fmt::format("between(): share is {}: give a number from 0 to 1", share));
+}
+
 TEST_F(PicturesTest, AnyNumberOfTheStateMayBeTheColour) {
   Simulation simulation(world_);
   simulation.step();

@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "tests/support/rogue_controllers.hpp"
 #include "tests/support/scratch.hpp"
+#include "troupe/recorded_run.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/swarm.hpp"
 #include "worldio/results/hdf5_file.hpp"
@@ -98,6 +99,16 @@ TEST_F(RecordingTest, TheIntervalIsChecked) {
                 HasSubstr("RecordingOptions::every_s is "));
   }
   EXPECT_FALSE(std::filesystem::exists(folder_ / "run.h5"));
+}
+
+TEST_F(RecordingTest, HasNoFrameForATimeThatIsNoNumber) {
+  record_whole(4);
+  RecordedRun run(folder_ / "whole.h5");
+  run.go_to(0);
+  for (const double time_s : {std::nan(""), -1.0, 9.0, HUGE_VAL})
+    EXPECT_THAT(error_of<InputError>([&] { run.go_to(time_s); }),
+                HasSubstr(" s is not recorded: the recording contains 0 s to 0.4 s"));
+  EXPECT_EQ(run.frame_index(), 0u);
 }
 
 TEST_F(RecordingTest, GoesOnWithoutGapOrRepeat) {

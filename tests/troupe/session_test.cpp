@@ -501,6 +501,29 @@ TEST_F(Sessions, OfAWorldWhosePathIsNotUtf8CreateNoFile) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
+TEST_F(Sessions, AnActOfNoKindIsRefused) {
+  Simulation simulation = yard(1);
+  try {
+    simulation.act({.kind = static_cast<Kind>(99), .whom = "b0"});
+    ADD_FAILURE();
+  } catch (const ActRefused& error) {
+    EXPECT_STREQ(error.what(), "the kind of the act, 99, is no value of Act::Kind");
+  }
+}
+
+TEST_F(Sessions, HaveOneFirstLineBeforeTheirActs) {
+  const Simulation simulation = yard(1);
+  const std::unique_ptr<SessionLog> log = SessionLog::create(folder_, simulation);
+  EXPECT_THROW(log->add(simulation, {.whom = "b0"}), std::logic_error);
+  EXPECT_THROW(log->end(0), std::logic_error);
+  EXPECT_EQ(content(log->file()), "");
+  log->begin(simulation);
+  const std::string first = content(log->file());
+  EXPECT_THROW(log->begin(simulation), std::logic_error);
+  EXPECT_EQ(content(log->file()), first);
+  EXPECT_NO_THROW(log->end(0));
+}
+
 TEST_F(Sessions, NothingIsWrittenAfterAnError) {
   const Simulation simulation = yard(1);
   SessionLog log(folder_, simulation);

@@ -2,9 +2,12 @@
 
 #include "base/diagnostics.hpp"
 #include "base/math.hpp"
+#include "engine/kinds/device_kind.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
+#include "troupe/registry.hpp"
+#include "troupe/world_builder.hpp"
 
 #include <gmock/gmock.h>
 
@@ -374,6 +377,37 @@ TEST(SwarmDevices, CommandsOfUnlikeDevicesAreRefusedAndNoneIsSet) {
   std::vector<std::byte> words(3 * 4, std::byte{1});
   simulation.swarm("bot").commands(words, "payload", "radio");
   EXPECT_THAT(words, Each(std::byte{0}));
+}
+
+/// A device with a command that is a bool. (The commands of Troupe's own devices have none.)
+struct Horn {
+  struct Command {
+    bool blows = false;
+    TROUPE_FIELDS(blows)
+  };
+  void act(const engine::DeviceBatch&) const {}
+};
+
+// A bool with another value than 0 or 1 is undefined behaviour in the device, and makes a checkpoint that
+// cannot be resumed.
+TEST(SwarmDevices, BoolsAreZeroOrOne) {
+  engine::Registry registry = make_registry();
+  registry.devices.push_back(engine::make_device_kind<Horn>("horn", "makes noise"));
+  WorldBuilder world;
+  world.type("bot").size(0.2, 0.2, 0.2).drive("diff").device("horn", "horn");
+  for (int i = 0; i < 3; ++i) world.add("b" + std::to_string(i), "bot", {.x = 1.0 * i});
+  Simulation simulation(world, {.threads = 1}, registry);
+  Swarm bots = simulation.swarm();
+  const auto blow = [&](std::vector<std::uint8_t> blows, std::vector<std::uint8_t> where = {}) {
+    bots.set_commands(std::as_bytes(std::span(blows)), "blows", "horn", where);
+  };
+  EXPECT_EQ(message_of<std::invalid_argument>([&] {
+              blow({1, 0, 7});
+            }),
+            "found 7 for the command \"blows\" of \"b2\", which is a bool: give 0 or 1");
+  EXPECT_FALSE(simulation.find("b0").command<Horn::Command>("horn").blows) << "no command has changed";
+  blow({1, 0, 7}, {1, 1, 0});
+  EXPECT_TRUE(simulation.find("b0").command<Horn::Command>("horn").blows);
 }
 
 }  // namespace

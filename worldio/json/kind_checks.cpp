@@ -109,7 +109,17 @@ Result<> check_kinds(const engine::Registry& registry) {
       all = Error{"the registry " + different.error().text};
   };
   std::vector<std::string_view> presets;
-  for (const engine::Registry::Preset& preset : registry.presets) presets.push_back(preset.name);
+  for (const engine::Registry::Preset& preset : registry.presets) {
+    presets.push_back(preset.name);
+    const auto kind = std::ranges::find(registry.controllers, preset.kind, &engine::ControllerKind::name);
+    if (kind == registry.controllers.end()) continue;  // it may be a kind of a plug-in
+    for (const auto& [name, value] : preset.params)
+      if (all && kind->params.find(name) < 0)
+        all = Error{fmt::format(
+            "the preset \"{}\" sets the parameter \"{}\", which its kind \"{}\" does not "
+            "have: {}",
+            preset.name, name, preset.kind, unknown_name("parameter", name, name_list(kind->params.fields)))};
+  }
   check("device", registry.devices);
   check("drive", registry.drives);
   check("controller", registry.controllers, std::move(presets));

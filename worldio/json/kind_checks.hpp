@@ -40,7 +40,8 @@ Result<> check_different(std::vector<std::string_view> names, std::string_view w
 
 /// Calls check_kind() for all kinds of a registry, check_kind_name() for the names of its device and
 /// controller kinds, and check_different() for the names of each list; presets and controller kinds are one
-/// list. Returns the first error: `the drive kind "tank" has a parameter "name", but ...`.
+/// list. Also checks that the controller kind of each preset, if the registry contains it, has the parameters
+/// that the preset sets. Returns the first error: `the drive kind "tank" has a parameter "name", but ...`.
 Result<> check_kinds(const engine::Registry& registry);
 
 }  // namespace troupe::worldio
