@@ -244,8 +244,7 @@ void bind_observers(py::module_& module) {
           "observe", &HeldRecording::observe,
           "Records the current state if its tick is a multiple of the recording interval. Call it after each "
           "step. Raises\nRuntimeError after close() and after a reset of the simulation: make a new "
-          "recording "
-          "then.")
+          "recording then.")
       .def(
           "flush", [](HeldRecording& r) { r.recording.flush(); },
           "Writes the frames that are still in memory to the file. Readers that opened it in SWMR mode "

@@ -342,8 +342,7 @@ std::string world_format_reference(const engine::Registry& registry) {
       "`show_occupancy` switches one layer of the view on or off. The keys `show_ranger_ranges`, "
       "`show_fiducial`,\n"
       "`show_gripper_data` and `blobfinder_vis` do the same, but only if `show_data` is true. `--layers` "
-      "adds "
-      "and removes\n"
+      "adds and removes\n"
       "layers. The other switches, `interval` and the keys of screenshots have no effect.\n\n";
   append_table(window_fields(), text);
   append_kinds("Drive", registry.drives, text);
