@@ -84,10 +84,10 @@ struct RecordedRun::Impl {
     for (const RecordedScene::Type& type : world.types) {
       // If two types have the same name, recordings append "~2" to the second one. Hence type_name(), the
       // name in /bodies/type, is used.
-      for (const RecordedScene::Eye& eye : type.eyes) {
-        const Array* ranges = find(fmt::format("sensors/{}/{}", type_name(type), eye.name), "ranges");
+      for (const RecordedScene::Ranger& ranger : type.rangers) {
+        const Array* ranges = find(fmt::format("sensors/{}/{}", type_name(type), ranger.name), "ranges");
         std::size_t beams = 0;
-        for (const RecordedScene::Fan& fan : eye.fans) beams += fan.beams;
+        for (const RecordedScene::Transducer& each : ranger.transducers) beams += each.beams;
         readings.push_back(ranges && ranges->field.columns == beams ? ranges : nullptr);
       }
       shown_colors.push_back(type.shown_color.empty() ? nullptr
@@ -290,11 +290,11 @@ struct RecordedRun::Impl {
 
   void add_scans(Frame& shown) const {
     const std::vector<std::uint32_t> places = places_in(shown);
-    std::size_t ranger = 0;
+    std::size_t rangers = 0;  // so far
     for (std::size_t type = 0; type < world.types.size(); ++type) {
       const auto moved = mounts(type);
-      for (const RecordedScene::Eye& eye : world.types[type].eyes) {
-        const std::size_t index = ranger++;
+      for (const RecordedScene::Ranger& ranger : world.types[type].rangers) {
+        const std::size_t index = rangers++;
         if (!readings[index]) continue;
         const Array& array = *readings[index];
         const std::vector<double> ranges = read(array);
@@ -307,8 +307,8 @@ struct RecordedRun::Impl {
           if (place == k_none || std::ranges::none_of(of_body, [](double range) { return range > 0; }))
             continue;
           Pose by_joint;
-          if (eye.joint >= 0 && !moved.empty())
-            by_joint = moved[array.bodies[r]][static_cast<std::size_t>(eye.joint)].pose();
+          if (ranger.joint >= 0 && !moved.empty())
+            by_joint = moved[array.bodies[r]][static_cast<std::size_t>(ranger.joint)].pose();
           shown.scans.push_back({place, static_cast<std::uint32_t>(index), shown.ranges.size(), by_joint});
           for (const double range : of_body) shown.ranges.push_back(static_cast<float>(range));
         }
@@ -399,14 +399,14 @@ FrameScene RecordedRun::scene() const {
     const RecordedScene::Type& type = impl_->world.types[t];
     scene.types.push_back(type.look);
     scene.types.back().name = type.name;
-    for (const RecordedScene::Eye& eye : type.eyes) {
-      engine::FrameRanger ranger{static_cast<std::uint32_t>(t), 0, {}};
-      for (const RecordedScene::Fan& fan : eye.fans) {
-        ranger.transducers.push_back(
-            {fan.pose_body_fan, fan.range_max_m, fan.fov_rad, ranger.readings, fan.beams});
-        ranger.readings += fan.beams;
+    for (const RecordedScene::Ranger& ranger : type.rangers) {
+      engine::FrameRanger shown{static_cast<std::uint32_t>(t), 0, {}};
+      for (const RecordedScene::Transducer& each : ranger.transducers) {
+        shown.transducers.push_back(
+            {each.pose_body_transducer, each.range_max_m, each.fov_rad, shown.readings, each.beams});
+        shown.readings += each.beams;
       }
-      scene.rangers.push_back(std::move(ranger));
+      scene.rangers.push_back(std::move(shown));
     }
   }
   const std::vector<std::uint8_t> alive = checked([&] { return impl_->reader.alive(0); });
