@@ -36,10 +36,10 @@ TEST(Effects, ComeBySourceDeviceAndSequence) {
   EXPECT_NO_THROW(effects.emit({}));
 }
 
-/// Every holder reaches for body 1, once it has run for a tick; the one whose effect is applied first has it.
+/// After one tick, every holder requests body 1. The holder whose effect is applied first gets it.
 struct Holder {
   struct State {
-    std::uint32_t holder = 0;  ///< id of who has this body
+    std::uint32_t holder = 0;  ///< id of the body that has this body
     std::uint32_t reached = 0;
     TROUPE_FIELDS(holder, reached)
   };

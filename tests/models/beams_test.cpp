@@ -1,5 +1,5 @@
-// Controllers that read rangers, by where each beam looks: however its beams are shared out among
-// transducers, in whatever order and wherever the ranger is turned to, a robot does the same.
+// Controllers that use rangers by the directions of the beams: a robot does the same whatever the division
+// of the beams into transducers, the order of the beams and the heading of the ranger are.
 
 #include "models/controllers/beams.hpp"
 

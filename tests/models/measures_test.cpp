@@ -631,7 +631,7 @@ TEST(Measures, DeathsAreOfTheBodiesOfAType) {
   World world = scene.world();
   const MeasureSpec pucks = spec("deaths", "", {{"type", "puck"}});
   const MeasureSpec bots = spec("deaths", "", {{"type", "bot"}});
-  EXPECT_EQ(value(world, pucks), 0) << "who is not born yet has not died";
+  EXPECT_EQ(value(world, pucks), 0) << "an unborn body has not died";
   world.remove(world.row(world.find("p0")));
   world.remove(world.row(world.find("p2")));
   world.remove(world.row(world.find("a")));

@@ -1,4 +1,4 @@
-// A run that was saved and resumed is the run that never stopped, bit for bit.
+// A resumed run has the same bits as a run that was not interrupted.
 
 #include "worldio/results/checkpoint.hpp"
 #include "base/diagnostics.hpp"

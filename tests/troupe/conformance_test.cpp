@@ -1,7 +1,7 @@
-// The vectors that were measured on Stage 4.3, as its users would check them: from world files, through the
-// public face. The folders of the parts that they are about have them too, with what each part adds; 13
-// (bitmaps) and 14 (the parser) are in tests/worldio alone. Where Stage's number is a slip that we do not
-// make, both numbers stand here.
+// Compares with vectors that were measured on Stage 4.3, from world files and through the public
+// interface. The tests of the folders that implement these features use the vectors, too. Vectors 13
+// (bitmaps) and 14 (the parser) are only in tests/worldio. Where Stage's number is an error that Troupe does
+// not reproduce, the test states both numbers.
 
 #include "engine/world/world.hpp"
 #include "sensors/blobfinder.hpp"

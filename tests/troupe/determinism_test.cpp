@@ -1,6 +1,6 @@
-// The short form of scripts/prove: the same bits for any number of threads and any tile size, and those of
-// the golden hashes. What else must not reach the state has a test here too: the caller's rounding and
-// denormals, the locale, the working directory.
+// The short form of scripts/prove: runs have the same bits for any number of threads and any tile size,
+// and the golden hashes. The rounding mode, denormals and locale of the caller, and the working directory,
+// do not change the state.
 
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"

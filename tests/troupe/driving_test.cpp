@@ -1,4 +1,4 @@
-// Robots that are sent somewhere, accelerated, put elsewhere, and whose estimated poses are wrong.
+// Robots that drive to goals, accelerate, are moved by the program, and have wrong estimated poses.
 
 #include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"

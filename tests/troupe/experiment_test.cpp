@@ -1,4 +1,4 @@
-// Experiments as programs and files see them: worlds/door.json, worlds/failures.json and the API.
+// Experiments in programs and files: worlds/door.json, worlds/failures.json and the C++ interface.
 
 #include "engine/world/world.hpp"
 #include "tests/support/scenes.hpp"
@@ -240,9 +240,9 @@ TEST_F(StopWhen, TheRunIsOverWithTheFirstTickAfterWhichOneHolds) {
   EXPECT_EQ(simulation.tick(), 52u) << "5.1 m, 0.1 m each tick from the second on";
   EXPECT_EQ(simulation.stopped(), "displacement >= 5.01");
   simulation.run_for(1);
-  EXPECT_EQ(simulation.tick(), 52u) << "it stays over";
+  EXPECT_EQ(simulation.tick(), 52u) << "run_for() makes no further step";
   simulation.step();
-  EXPECT_EQ(simulation.tick(), 53u) << "but for who steps all the same";
+  EXPECT_EQ(simulation.tick(), 53u) << "step() does not test the condition";
   simulation.reset();
   EXPECT_FALSE(simulation.stopped());
   simulation.run_for(100);

@@ -1,4 +1,4 @@
-// Births and deaths as programs and files see them: worlds/colony.json and the API.
+// Births and deaths in programs and files: worlds/colony.json and the C++ interface.
 
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"

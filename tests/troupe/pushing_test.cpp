@@ -1,4 +1,4 @@
-// What is pushed, and how far: worlds small enough to reckon.
+// Pushing in small worlds, with distances that were computed by hand.
 
 #include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"

@@ -1,5 +1,5 @@
-// Several ranks compute a world with the same bits as one, however late and shuffled their messages arrive
-// and whichever robots each of them works for (docs/cluster.md).
+// Several ranks compute a world with the same bits as one rank, whatever the delays and the order of their
+// messages are, and whichever robots each rank computes (docs/cluster.md).
 
 #include "base/hash.hpp"
 #include "engine/kinds/controller.hpp"

@@ -1,4 +1,4 @@
-// What is done to a running world, logged and repeated: docs/live.md.
+// Acts of users on a running world, which session files store and repeat: docs/live.md.
 
 #include "engine/kinds/device_kind.hpp"
 #include "tests/support/draw.hpp"

@@ -1,5 +1,5 @@
-// HDF5 can keep values in other files and read them by code of its own plug-ins. A file of unknown origin
-// must be able to do neither: it would read, and in a recording that goes on write, any file of the user.
+// HDF5 can store values in other files, and read them with the code of HDF5 plug-ins. A file of unknown
+// origin must use neither: it could read any file of the user, and write it if the recording continues.
 
 #include "tests/support/scratch.hpp"
 #include "worldio/results/hdf5_file.hpp"
