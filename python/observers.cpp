@@ -44,7 +44,6 @@ MeasureColumn column_of(const py::object& function) {
   return {function, name + std::string(engine::unit_suffixes(unit).front().suffix), name};
 }
 
-/// Measures of a simulation.
 struct HeldMeasures {
   Holder held;
   std::optional<Measures> measures = {};  ///< not set: all columns are functions

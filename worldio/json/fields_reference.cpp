@@ -260,7 +260,6 @@ std::string fault_names(const engine::Registry& registry, std::string_view mark)
   return names;
 }
 
-/// A row of a table.
 struct TableRow {
   std::string first_key;  ///< the first of its keys
   std::string text;       ///< the row as Markdown

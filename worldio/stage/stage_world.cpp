@@ -54,7 +54,6 @@ constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba"
 enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba, k_fiducial };
 using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
 
-/// Whether the text of a number is 0.
 bool is_zero(std::string_view text) { return text.find_first_not_of("+-.0") == text.npos; }
 
 /// Makes the spec of a world from a parsed `.world` file.
