@@ -8,6 +8,7 @@
 #include "engine/world/world.hpp"
 #include "models/devices/gripper.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/slow_build.hpp"
 
 #include <fmt/format.h>
@@ -321,12 +322,9 @@ TEST(Lives, AReserveOfBodiesThatDoNothingIsRefused) {
   const TypeId crate = scene.type("crate", {box(0.4, 0.4)});
   add_reserve(scene, "c", crate, 2);
   Diagnostics diagnostics;
-  try {
-    World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("the reserve of population \"c\" needs a type that"));
-  }
+  EXPECT_THAT(test::message_of<InputError>(
+                  [&] { World world(scene.spec, test::registry(), {.threads = 1}, diagnostics); }),
+              HasSubstr("the reserve of population \"c\" needs a type that"));
 }
 
 // ---- many births and deaths in crowded ticks

@@ -8,6 +8,7 @@
 #include "models/controllers/evasion.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/slow_build.hpp"
 
 #include <fmt/format.h>
@@ -378,12 +379,9 @@ TEST_P(OfRanges, WhatLooksBackIsRefused) {
   form.pose_body_device.heading = k_pi;
   const SceneBuilder scene = robots(controller_of(GetParam()), form, false);
   Diagnostics diagnostics;
-  try {
-    World(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-    FAIL() << "it was taken";
-  } catch (const std::exception& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("ahead"));
-  }
+  EXPECT_THAT(test::message_of<std::exception>(
+                  [&] { World(scene.spec, test::registry(), {.threads = 1}, diagnostics); }),
+              ::testing::HasSubstr("ahead"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Controllers, OfRanges,

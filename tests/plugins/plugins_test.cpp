@@ -4,6 +4,7 @@
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/lint.hpp"
 #include "troupe/plugin_library.hpp"
@@ -518,35 +519,22 @@ TEST_F(PluginSensors, ThatThrowAreNamedWithTickAndRobot) {
   Simulation simulation(bots("sensor"), options({folder_of("plugins")}));
   simulation.step();
   simulation.step();
-  try {
-    simulation.step();
-    FAIL() << "nothing was thrown";
-  } catch (const engine::StepError& error) {
-    EXPECT_THAT(error.what(),
-                MatchesRegex("tick 3: device \"eye\" .thrower:sensor. of \"r[0-2]\", the first of a "
-                             "batch of 3 robots, threw an exception that is not a std::exception"));
-  }
+  EXPECT_THAT(test::message_of<engine::StepError>([&] { simulation.step(); }),
+              MatchesRegex("tick 3: device \"eye\" .thrower:sensor. of \"r[0-2]\", the first of a "
+                           "batch of 3 robots, threw an exception that is not a std::exception"));
   EXPECT_EQ(error(bots("unpreparable")),
             ":2: error: device \"eye\" (thrower:unpreparable) threw: the map is missing");
-  try {
-    const Simulation unstartable(bots("unstartable"), options({folder_of("plugins")}));
-    ADD_FAILURE() << "loaded";
-  } catch (const engine::StepError& error) {
-    EXPECT_THAT(error.what(),
-                MatchesRegex("tick 0: device \"eye\" .thrower:unstartable. of \"r[0-2]\" threw: the "
-                             "map is missing"));
-  }
+  EXPECT_THAT(test::message_of<engine::StepError>([&] {
+                const Simulation unstartable(bots("unstartable"), options({folder_of("plugins")}));
+              }),
+              MatchesRegex("tick 0: device \"eye\" .thrower:unstartable. of \"r[0-2]\" threw: the "
+                           "map is missing"));
   SimulationOptions mortal = options({folder_of("plugins")});
   mortal.mortal = true;
   Simulation unhaltable(bots("unhaltable"), mortal);
   unhaltable.disable(unhaltable.find("r1"));
-  try {
-    unhaltable.step();
-    FAIL() << "nothing was thrown";
-  } catch (const engine::StepError& error) {
-    EXPECT_STREQ(error.what(),
-                 "tick 1: device \"eye\" (thrower:unhaltable) of \"r1\" threw: the brake is missing");
-  }
+  EXPECT_EQ(test::message_of<engine::StepError>([&] { unhaltable.step(); }),
+            "tick 1: device \"eye\" (thrower:unhaltable) of \"r1\" threw: the brake is missing");
 }
 
 TEST_F(PluginSensors, AreRangersForWhoReadsRangers) {

@@ -4,6 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -460,14 +461,9 @@ TEST_F(Checkpoint, NamesAFieldThatTheRunDoesNotHave) {
     "types": {"bot": {"size_m": [0.4, 0.3, 0.25], "drive": {"kind": "diff"}, "controller": {"kind": "counter"}}},
     "models": [{"name": "a", "type": "bot"}]})";
   Simulation(write("own.json", world), {}, newer).save(file_);
-  try {
-    Simulation::resume(file_, {}, older);
-    FAIL() << "resumed";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(),
-                HasSubstr("has the field \"luck\", which this run does not have: resume with the version of "
-                          "Troupe and the plug-ins that saved the checkpoint"));
-  }
+  EXPECT_THAT(test::message_of<InputError>([&] { Simulation::resume(file_, {}, older); }),
+              HasSubstr("has the field \"luck\", which this run does not have: resume with the version of "
+                        "Troupe and the plug-ins that saved the checkpoint"));
 }
 
 TEST_F(Checkpoint, RefusesWhatIsNoCheckpoint) {
@@ -564,13 +560,10 @@ TEST_F(Checkpoint, HoldsDataOfProgramsThatAreEmpty) {
 
 TEST_F(Checkpoint, ThatHasNoFolderIsAnError) {
   const Simulation simulation(write("room.json", k_room));
-  try {
-    simulation.save(folder_ / "no" / "run.h5");
-    FAIL();
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("there is no folder " + (folder_ / "no").string()));
-    EXPECT_THAT(error.what(), StartsWith((folder_ / "no" / "run.h5").string() + ": error: "));
-  }
+  const std::string error =
+      test::message_of<std::runtime_error>([&] { simulation.save(folder_ / "no" / "run.h5"); });
+  EXPECT_THAT(error, HasSubstr("there is no folder " + (folder_ / "no").string()));
+  EXPECT_THAT(error, StartsWith((folder_ / "no" / "run.h5").string() + ": error: "));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "models/devices/led.hpp"
 #include "models/devices/power.hpp"
 #include "models/devices/spawner.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/recording.hpp"
@@ -247,12 +248,8 @@ TEST_F(Lives, DevicesTakeNoCommandsBeforeTheBirthOrAfterTheDeath) {
   const std::uint64_t hash = simulation.state_hash();
   Model first = simulation.find("more0");
   const auto expect_refused = [&] {
-    try {
-      first.command<models::LedCommand>("lamp");
-      FAIL();
-    } catch (const std::logic_error& error) {
-      EXPECT_STREQ(error.what(), "\"more0\" is not in the world: it is not yet born, or dead");
-    }
+    EXPECT_EQ(test::message_of<std::logic_error>([&] { first.command<models::LedCommand>("lamp"); }),
+              "\"more0\" is not in the world: it is not yet born, or dead");
     EXPECT_THROW(first.asked("lamp"), std::logic_error);
     EXPECT_THROW(simulation.find("more0.feet").set_speed(1, 0), std::logic_error);
     EXPECT_EQ(first.command_fields("lamp").front().name, "shows");
@@ -273,13 +270,9 @@ TEST_F(Lives, DevicesTakeNoCommandsBeforeTheBirthOrAfterTheDeath) {
 
 TEST_F(Lives, WhatIsWrongIsTold) {
   Simulation simulation(write("w.json", k_world));
-  try {
-    simulation.spawn("mroe", {});
-    FAIL();
-  } catch (const std::out_of_range& error) {
-    EXPECT_THAT(error.what(), HasSubstr("no population \"mroe\" with a reserve in"));
-    EXPECT_THAT(error.what(), HasSubstr("known: more"));
-  }
+  const std::string error = test::message_of<std::out_of_range>([&] { simulation.spawn("mroe", {}); });
+  EXPECT_THAT(error, HasSubstr("no population \"mroe\" with a reserve in"));
+  EXPECT_THAT(error, HasSubstr("known: more"));
   EXPECT_THROW(simulation.spawn("more", {std::nan(""), 0, 0, 0}), std::invalid_argument);
   EXPECT_THROW(simulation.remove(simulation.find("wall")), std::logic_error);
 
