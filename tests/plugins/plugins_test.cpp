@@ -4,6 +4,7 @@
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/lint.hpp"
@@ -74,17 +75,9 @@ class PluginsTest : public test::ScratchTest {
     made.plugin_path = path;
     return made;
   }
-  static std::vector<std::string> log(Simulation& simulation, int ticks) {
-    std::vector<std::string> lines{simulation.hash_log_line()};
-    for (int i = 0; i < ticks; ++i) {
-      simulation.step();
-      lines.push_back(simulation.hash_log_line());
-    }
-    return lines;
-  }
   std::vector<std::string> log_with(std::string_view folder, unsigned threads = 2) const {
     Simulation simulation(stage_world("walker"), options({folder_of(folder)}, threads));
-    return log(simulation, 20);
+    return test::hash_log(simulation, 20);
   }
   static std::string error_of(const fs::path& world, const SimulationOptions& with) {
     try {
@@ -194,7 +187,7 @@ TEST_F(PluginsTest, ComeAfterTroupesOwnAndInTheOrderOfThePath) {
   EXPECT_THAT(own.effective_options(), Not(Contains(Key("plugin script"))));
   const auto first_of = [&](const std::vector<fs::path>& path) {
     Simulation simulation(stage_world("walker"), options(path));
-    return log(simulation, 5).back();
+    return test::hash_log(simulation, 5).back();
   };
   const std::string here = first_of({folder_of("plugins")});
   const std::string there = first_of({folder_of("other")});
@@ -374,7 +367,7 @@ TEST_F(PluginsTest, LinkedWithFastMathsChangeNoBit) {
                                               "/walker.so: warning: this plug-in was linked with "
                                               "-ffast-math, which changed the arithmetic")));
 #endif
-  EXPECT_EQ(log(simulation, 20), expected);
+  EXPECT_EQ(test::hash_log(simulation, 20), expected);
 }
 
 TEST_F(PluginsTest, ThatWereBuiltAgainNeedAnotherProcess) {
@@ -473,7 +466,7 @@ class PluginSensors : public PluginsTest {
   }
   std::vector<std::string> log_of(const fs::path& world, unsigned threads = 2) const {
     Simulation simulation(world, options({folder_of("plugins")}, threads));
-    return log(simulation, 20);
+    return test::hash_log(simulation, 20);
   }
 };
 
@@ -624,7 +617,7 @@ class PluginsResumed : public PluginsTest {
   void SetUp() override {
     if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
     Simulation simulation(stage_world("walker"), options({folder_of("plugins")}));
-    expected_ = log(simulation, 10);
+    expected_ = test::hash_log(simulation, 10);
     Simulation saved(stage_world("walker"), options({folder_of("plugins")}));
     saved.run_for(0.4);
     saved.save(folder_ / "c.h5");

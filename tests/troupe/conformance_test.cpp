@@ -6,6 +6,7 @@
 #include "engine/world/world.hpp"
 #include "sensors/blobfinder.hpp"
 #include "sensors/fiducial.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -310,12 +311,7 @@ TEST_F(Conformance12, Blobs) {
 /// Every line of the hash log.
 std::vector<std::string> log_of(const fs::path& world, unsigned threads, int ticks) {
   Simulation simulation(world, {.threads = threads});
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  for (int t = 0; t < ticks; ++t) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
-  return lines;
+  return test::hash_log(simulation, ticks);
 }
 
 void expect_one_result(const fs::path& world, int ticks) {

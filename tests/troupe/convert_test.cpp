@@ -3,6 +3,7 @@
 #include "worldio/convert.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -55,12 +56,7 @@ class ConvertTest : public test::ScratchTest {
 
   static std::vector<std::string> hash_log(const fs::path& world, int ticks) {
     Simulation simulation(world, SimulationOptions{.threads = 2});
-    std::vector<std::string> lines{simulation.hash_log_line()};
-    for (int tick = 0; tick < ticks; ++tick) {
-      simulation.step();
-      lines.push_back(simulation.hash_log_line());
-    }
-    return lines;
+    return test::hash_log(simulation, ticks);
   }
 
   std::vector<std::string> found;

@@ -6,6 +6,7 @@
 #include "base/hash.hpp"
 #include "engine/observing/remade_world.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -51,11 +52,7 @@ SimulationOptions options_of(const scenes::Run& run, unsigned threads, double ti
 /// The lines of the hash log of a run.
 std::vector<std::string> log_of(const scenes::Run& run, unsigned threads, double tile_size_m = 0) {
   Simulation simulation(run.file(), options_of(run, threads, tile_size_m));
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  while (simulation.tick() < run.ticks) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
+  const std::vector<std::string> lines = test::hash_log(simulation, run.ticks);
   EXPECT_EQ(lines.back().find(hex(simulation.state_hash())), lines.back().find(' ') + 1);
   return lines;
 }

@@ -4,6 +4,7 @@
 #include "models/devices/led.hpp"
 #include "models/devices/power.hpp"
 #include "models/devices/spawner.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -100,24 +101,15 @@ TEST(ColonyScene, AntsAreBornForEveryTwoFlagsAndDieWithEmptyPacks) {
   EXPECT_EQ(simulation.unborn("ant"), 60 - brood.born);
 }
 
-std::vector<std::string> log_of(Simulation& simulation, int ticks) {
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  for (int tick = 0; tick < ticks; ++tick) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
-  return lines;
-}
-
 TEST(ColonyScene, DependsOnNeitherThreadsNorTilesAndComesAgain) {
   Simulation first(k_colony, {.threads = 1});
-  const std::vector<std::string> expected = log_of(first, k_ticks);
+  const std::vector<std::string> expected = test::hash_log(first, k_ticks);
   for (const auto& [threads, tile_m] : {std::pair(2u, 0.7), std::pair(8u, 20.0)}) {
     Simulation simulation(k_colony, {.threads = threads, .tile_size_m = tile_m});
-    EXPECT_EQ(log_of(simulation, k_ticks), expected) << threads << " threads";
+    EXPECT_EQ(test::hash_log(simulation, k_ticks), expected) << threads << " threads";
   }
   first.reset();
-  EXPECT_EQ(log_of(first, k_ticks), expected) << "after a reset";
+  EXPECT_EQ(test::hash_log(first, k_ticks), expected) << "after a reset";
 }
 
 class Lives : public test::ScratchTest {
@@ -140,10 +132,10 @@ TEST_F(Lives, ARunGoesOnFromTheMiddleOfThem) {
   Simulation straight(k_colony, {.threads = 1});
   step(straight, before);
   straight.save(folder_ / "run.h5");
-  const std::vector<std::string> expected = log_of(straight, k_ticks - before);
+  const std::vector<std::string> expected = test::hash_log(straight, k_ticks - before);
   for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(3u, 1.7)}) {
     Simulation resumed = Simulation::resume(folder_ / "run.h5", {.threads = threads, .tile_size_m = tile_m});
-    EXPECT_EQ(log_of(resumed, k_ticks - before), expected) << threads << " threads";
+    EXPECT_EQ(test::hash_log(resumed, k_ticks - before), expected) << threads << " threads";
     EXPECT_EQ(resumed.robot_names(), straight.robot_names());
     EXPECT_EQ(resumed.statistics().mean_displacement_m, straight.statistics().mean_displacement_m);
   }

@@ -7,6 +7,7 @@
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "partition/mailboxes.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
@@ -72,12 +73,7 @@ SimulationOptions options_of(const Team& team, const scenes::Run& run) {
 
 std::vector<std::string> log_of(const scenes::Run& run, const Team& team) {
   Simulation simulation(run.file(), options_of(team, run));
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  while (simulation.tick() < run.ticks) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
-  return lines;
+  return test::hash_log(simulation, run.ticks);
 }
 
 /// Each pair of values of two columns is in a row.
@@ -378,11 +374,7 @@ class RanksThatResume : public DistributedRanks {
   using Program = std::function<void(Simulation& simulation)>;
   std::vector<std::string> log_of(Simulation simulation, const Program& program) const {
     program(simulation);
-    std::vector<std::string> lines{simulation.hash_log_line()};
-    for (std::uint64_t i = 0; i < k_ticks; ++i) {
-      simulation.step();
-      lines.push_back(simulation.hash_log_line());
-    }
+    std::vector<std::string> lines = test::hash_log(simulation, k_ticks);
     lines.push_back(simulation.parameters("wanderer"));
     return lines;
   }
