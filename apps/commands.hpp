@@ -13,7 +13,6 @@ class App;
 
 namespace troupe::apps {
 
-/// A command of the program.
 struct ProgramCommand {
   std::string name;                                    ///< as typed: "run"
   std::string help;                                    ///< one line for --help

@@ -182,8 +182,7 @@ std::string others_text(const engine::DeviceKind& kind) {
         "the body that has the device, one target body within the reach of the device (the distance up to "
         "which the device reads other bodies), and all bodies that carry these two or are carried by them",
         "the body that has the device, one target body anywhere in the world, and all bodies that carry "
-        "these "
-        "two or are carried by them",
+        "these two or are carried by them",
         "any body"};
     text += fmt::format("  changes: {}\n", k_scopes[static_cast<std::size_t>(kind.scope)]);
   }

@@ -14,7 +14,6 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe lint`.
 struct LintOptions {
   std::filesystem::path world;                           ///< world file to check
   std::vector<std::pair<std::string, std::string>> set;  ///< JSON pointers to values of the world, new values

@@ -10,7 +10,6 @@
 
 namespace troupe::apps {
 
-/// Options of `troupe view`.
 struct ViewOptions : WorldOptions {
   std::uint16_t port = 0;          ///< TCP port to listen on; 0: any free port
   std::string bind;                ///< IP address to listen on; empty: the loopback addresses

@@ -22,8 +22,8 @@ using engine::StateField;
 using engine::StateTable;
 using WatchedJson = nlohmann::ordered_json;
 
-constexpr std::uint32_t k_most_values =
-    2048;  // shown of a field: leaves out most of a camera image, whose numbers are of no use here
+// Numbers of a field that are shown. Leaves out most of a camera image, whose numbers are of no use here.
+constexpr std::uint32_t k_most_values = 2048;
 constexpr std::uint32_t k_few = 4;           // columns of a field that are listed one by one
 constexpr std::size_t k_most_lines = 20000;  // lines of a layer
 
@@ -138,8 +138,8 @@ WatchedJson inspection(Simulation& simulation, BodyId id) {
                                   {"fields", std::move(fields)}});
   }
   json["eyes"] = WatchedJson::object();
-  std::map<std::string, int>
-      met;  // number of devices with each name; repeated names get suffixes, as in the header of the page
+  // Number of devices with each name. Repeated names get suffixes, as in the header of the page.
+  std::map<std::string, int> met;
   for (const engine::BodyType::Device& device : world.type(row).devices) {
     std::string name = worldio::hdf5_name(device.name);
     if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);

@@ -70,19 +70,9 @@ std::vector<Scene> dispersed_and_clustered(Scene scene, double skip_s, double fo
   return {scene, clustered};
 }
 
-}  // namespace
-
-fs::path stage_worlds() { return fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds"; }
-
-Result<> has_world(const Scene& scene) {
-  if (std::error_code ignored; !fs::exists(scene.world, ignored))
-    return Error{fmt::format("the world file {} does not exist", scene.world.lexically_normal().string())};
-  return {};
-}
-
-Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd) {
-  Plan plan;
-  plan.tables = {
+/// The tables of the report, in their order.
+std::vector<Table> make_tables() {
+  return {
       {"1", "Table 1: Pioneers in the cave",
        "Each robot has 16 sonars of 5 m; with `laser`, also a scanner of 180 beams of 8 m. A simple body is "
        "one octagon; a complex body consists of seven prisms, and the laser of four more."},
@@ -111,6 +101,21 @@ Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vect
        "as beams. `radios` have a ring of 12 infrared rangers and a radio with 20 robots in its range; "
        "`radios-off` has only the rangers, `rangers-off` only the radios."},
   };
+}
+
+}  // namespace
+
+fs::path stage_worlds() { return fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds"; }
+
+Result<> has_world(const Scene& scene) {
+  if (std::error_code ignored; !fs::exists(scene.world, ignored))
+    return Error{fmt::format("the world file {} does not exist", scene.world.lexically_normal().string())};
+  return {};
+}
+
+Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd) {
+  Plan plan;
+  plan.tables = make_tables();
   const scenes::Manifest manifest = scenes::read_manifest(fs::path(TROUPE_SOURCE_DIR) / "worlds/scenes.json");
   const auto with_threads = [&](const Scene& scene) {
     std::vector<Run> runs;

@@ -53,7 +53,6 @@ struct Child {
   bool empty = false;    ///< the scene without robots, with whose memory use the others are compared
 };
 
-/// A table of the report.
 struct Table {
   std::string id;  ///< such as "1" or "clusters"
   std::string title;

@@ -61,7 +61,6 @@ std::string plain_text(const Sheet& sheet);
 /// Returns the text of all sheets in Markdown, with the description of the machine and the reasons in
 /// Report::skipped.
 std::string markdown(const Report& report, const std::vector<Sheet>& sheets);
-/// Returns the measurements of a report as JSON.
 std::string json(const Report& report);
 
 /// Writes `text` to a file. If the file has the two lines `<!-- perf_paper: begin -->` and

@@ -42,7 +42,6 @@ struct Timing {
 /// share no data. On an ideal machine, the result is the same for any number of threads.
 double probe_s(unsigned threads);
 
-/// Measurements of a case.
 struct CaseTiming {
   std::string table;            ///< id of the table with the rows of these runs
   std::vector<Timing> timings;  ///< one per run of the case, in the same order

@@ -324,15 +324,30 @@ BatchHolder make_batch(const Holder& world, const py::dict& given) {
   return batch;
 }
 
+/// Shows memory of a batch as an array. Python can write to it unless its elements are const.
 template <class T>
 py::array shown(const py::dtype& type, std::vector<py::ssize_t> shape, std::span<T> values,
-                const BatchHolder& owner, bool writable) {
+                const BatchHolder& owner) {
   py::array array(type, std::move(shape), values.data(), py::cast(owner));
-  if (!writable) py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  if (std::is_const_v<T>)
+    py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return array;
 }
 
 py::ssize_t extent(std::size_t size) { return static_cast<py::ssize_t>(size); }
+
+/// An array with one element per copy.
+template <class Element, class T>
+py::array per_copy(std::span<T> values, const BatchHolder& owner) {
+  return shown(py::dtype::of<Element>(), {extent(values.size())}, values, owner);
+}
+
+/// An array with one element per robot of a team: copies x robots.
+template <class Element, class T>
+py::array per_robot(std::span<T> values, const BatchHolder& owner) {
+  const std::size_t copies = owner->use().copies();
+  return shown(py::dtype::of<Element>(), {extent(copies), extent(values.size() / copies)}, values, owner);
+}
 
 std::vector<std::uint8_t> marks_of(const std::optional<py::array>& given, const BatchEnv& batch,
                                    std::string_view name) {
@@ -357,10 +372,9 @@ std::vector<std::optional<std::uint64_t>> seeds_of(const py::object& given) {
   return seeds;
 }
 
-}  // namespace
+using BatchClass = py::class_<HeldBatch, BatchHolder>;
 
-void bind_batch(py::module_& module) {
-  using Marks = std::optional<py::array>;
+void bind_view(py::module_& module) {
   py::class_<HeldBatchView>(
       module, "BatchView",
       "A copy of the world of a BatchEnv, shown in a browser (docs/live.md); made by BatchEnv.view().")
@@ -371,13 +385,159 @@ void bind_batch(py::module_& module) {
           "read_only_address", [](const HeldBatchView& v) { return v.open().look_address(); },
           "Address of the page for read-only access.")
       .def("close", &HeldBatchView::close, "Disconnects all users.");
-  py::class_<HeldBatch, BatchHolder>(
+}
+
+void bind_team_arrays(BatchClass& type) {
+  type.def(
+          "robots", [](const BatchHolder& b, std::size_t team) { return b->use().robots(team); },
+          py::arg("team") = 0,
+          "Number of robots of a team in each copy, including robots that are not in the world.")
+      .def(
+          "names", [](const BatchHolder& b, std::size_t team) { return b->use().names(team); },
+          py::arg("team") = 0, "Names of the robots of a team, in the order of their ids.")
+      .def(
+          "array",
+          [](const BatchHolder& b, const std::string& name, std::size_t team) {
+            BatchEnv& batch = b->use();
+            const BatchEnv::Array found = batch.array(team, name);
+            return shown(dtype_of(found.element),
+                         {extent(batch.copies()), extent(batch.robots(team)), extent(found.columns)},
+                         std::span<const std::byte>(found.bytes), b);
+          },
+          py::arg("name"), py::arg("team") = 0,
+          "Returns the array that the spec of a team calls `name`: the values after the last step, copies x "
+          "robots x columns,\nread-only. The columns of a robot that is not in the world are 0. Raises "
+          "LookupError if the team has no such array.")
+      .def(
+          "actions",
+          [](const BatchHolder& b, std::size_t team) {
+            BatchEnv& batch = b->use();
+            const std::span<double> actions = batch.actions(team);
+            const std::size_t robots = batch.copies() * batch.robots(team);
+            return shown(
+                py::dtype::of<double>(),
+                {extent(batch.copies()), extent(batch.robots(team)), extent(actions.size() / robots)},
+                actions, b);
+          },
+          py::arg("team") = 0,
+          "Returns the array into which the caller writes the actions of the next step: copies x robots x "
+          "actions, numbers from -1\nto 1. Numbers outside this range are clipped; a number that is not "
+          "finite makes step() raise ValueError.")
+      .def(
+          "rewards",
+          [](const BatchHolder& b, std::size_t team) { return per_robot<double>(b->use().rewards(team), b); },
+          py::arg("team") = 0, "The rewards of the last step: copies x robots. The caller may change them.")
+      .def(
+          "terminated",
+          [](const BatchHolder& b, std::size_t team) {
+            return per_robot<bool>(b->use().terminated(team), b);
+          },
+          py::arg("team") = 0,
+          "copies x robots, bool: True for robots that are finished, that is, whose episode has ended. The "
+          "caller may set elements\nto True between two steps, to end the episodes of further robots.")
+      .def(
+          "alive",
+          [](const BatchHolder& b, std::size_t team) { return per_robot<bool>(b->use().alive(team), b); },
+          py::arg("team") = 0,
+          "copies x robots, bool: True for robots that are in the world (born, and not dead) after the last "
+          "step.");
+}
+
+void bind_copy_arrays(BatchClass& type) {
+  type.def_property_readonly(
+          "truncated", [](const BatchHolder& b) { return per_copy<bool>(b->use().truncated(), b); },
+          "One bool per copy: whether the episode has reached its largest length, `seconds` of the spec.")
+      .def(
+          "over", [](const BatchHolder& b) { return per_copy<bool>(b->use().over(), b); },
+          "One bool per copy: whether the episode of the copy is over. It is over if it is truncated, or if "
+          "at least one robot of\nthe teams is finished and every robot that belongs to a team and is in the "
+          "world is finished.")
+      .def_property_readonly(
+          "measure_columns", [](const BatchHolder& b) { return b->use().measure_columns(); },
+          "Names of the columns of the array `measures`, with their units.")
+      .def_property_readonly(
+          "measures",
+          [](const BatchHolder& b) {
+            BatchEnv& batch = b->use();
+            return shown(py::dtype::of<double>(),
+                         {extent(batch.copies()), extent(batch.measure_columns().size())}, batch.measures(),
+                         b);
+          },
+          "The measures (numbers computed from the state of a world) of each copy after the last step: "
+          "copies x columns, read-only.")
+      .def_property_readonly(
+          "seeds", [](const BatchHolder& b) { return per_copy<std::uint64_t>(b->use().seeds(), b); },
+          "One seed per copy: the seed of its current episode.");
+}
+
+void bind_episodes(BatchClass& type) {
+  using Marks = std::optional<py::array>;
+  type.def(
+          "reset",
+          [](const BatchHolder& b, const Marks& which, const py::object& seeds) {
+            const std::vector<std::uint8_t> marks = marks_of(which, b->use(), "which");
+            const std::vector<std::optional<std::uint64_t>> own_seeds = seeds_of(seeds);
+            b->work([&](BatchEnv& batch) { batch.reset(marks, own_seeds); });
+          },
+          py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
+          "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed or "
+          "None per copy; an\nempty list: None for all copies. A copy with None begins its next "
+          "episode. The seed of that episode is derived from the\nnumber of the episode and from the last "
+          "seed that reset() got for this copy (or, if the copy never got one, from the\nseed of the world "
+          "plus the index of the copy). Raises RuntimeError if `which` leaves out a copy that has not begun "
+          "an\nepisode.")
+      .def(
+          "step",
+          [](const BatchHolder& b, const Marks& begins) {
+            const std::vector<std::uint8_t> marks = marks_of(begins, b->use(), "begins");
+            b->work([&](BatchEnv& batch) { batch.step(marks); });
+          },
+          py::arg("begins") = py::none(),
+          "Advances all copies by one step. begins: one bool per copy; copies with True begin their next "
+          "episode instead of\n"
+          "making a step. None: all copies make a step. Raises RuntimeError before the first reset() and if "
+          "the last step or\n"
+          "reset of a copy failed, and StepError if the step of a copy fails or gives a reward that is not "
+          "finite. Ctrl-C raises\n"
+          "KeyboardInterrupt after the step; a step that waits for a view then stops waiting.");
+}
+
+void bind_one_copy(BatchClass& type) {
+  type.def(
+          "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
+          py::arg("copy") = 0, "Number of completed ticks of a copy in its current episode.")
+      .def(
+          "state_hash",
+          [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).state_hash(); },
+          py::arg("copy") = 0,
+          "Hash of the state of a copy, an integer of 64 bits, as Simulation.state_hash().")
+      .def(
+          "picture",
+          [](const BatchHolder& b, std::size_t copy, int width, int height) {
+            std::vector<std::uint8_t> rgb;
+            b->work([&](BatchEnv& batch) { rgb = batch.simulation(copy).picture(width, height); });
+            py::array_t<std::uint8_t> out({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
+            std::ranges::copy(rgb, out.mutable_data());
+            return out;
+          },
+          py::arg("copy") = 0, py::arg("width") = 480, py::arg("height") = 480,
+          "Returns a picture of a copy from above: height x width x 3, uint8, RGB, row 0 on top. Raises "
+          "LookupError if there is no\nsuch copy, and RuntimeError if the library OSMesa is missing.")
+      .def("__repr__",
+           [](const BatchHolder& b) { return fmt::format("<BatchEnv of {} copies>", b->use().copies()); });
+}
+
+}  // namespace
+
+void bind_batch(py::module_& module) {
+  bind_view(module);
+  BatchClass type(
       module, "BatchEnv",
       "Many copies of one world that step together, each with its own seed: a vectorised environment for "
       "reinforcement learning\n(docs/learning.md). A team is a group of robots that learn one policy; the "
       "parameter `team` of a function is the index\nof a team in the spec. The arrays that functions return "
-      "refer to the memory of the batch: their content changes with\neach step and reset.")
-      .def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
+      "refer to the memory of the batch: their content changes with\neach step and reset.");
+  type.def(py::init(&make_batch), py::arg("world"), py::arg("spec"),
            "world: a Simulation, which is copied and not changed. spec: a dict that docs/learning.md "
            "describes. Raises ValueError,\nTypeError, LookupError or InputError for an invalid spec, and "
            "RuntimeError for a simulation that was resumed from a\ncheckpoint.")
@@ -405,158 +565,11 @@ void bind_batch(py::module_& module) {
           "copies", [](const BatchHolder& b) { return b->use().copies(); }, "Number of copies of the world.")
       .def_property_readonly(
           "threads", [](const BatchHolder& b) { return b->use().threads(); },
-          "Number of threads that step the copies.")
-      .def(
-          "robots", [](const BatchHolder& b, std::size_t team) { return b->use().robots(team); },
-          py::arg("team") = 0,
-          "Number of robots of a team in each copy, including robots that are not in the world.")
-      .def(
-          "names", [](const BatchHolder& b, std::size_t team) { return b->use().names(team); },
-          py::arg("team") = 0, "Names of the robots of a team, in the order of their ids.")
-      .def(
-          "array",
-          [](const BatchHolder& b, const std::string& name, std::size_t team) {
-            BatchEnv& batch = b->use();
-            const BatchEnv::Array found = batch.array(team, name);
-            return shown(dtype_of(found.element),
-                         {extent(batch.copies()), extent(batch.robots(team)), extent(found.columns)},
-                         found.bytes, b, false);
-          },
-          py::arg("name"), py::arg("team") = 0,
-          "Returns the array that the spec of a team calls `name`: the values after the last step, copies x "
-          "robots x columns,\nread-only. The columns of a robot that is not in the world are 0. Raises "
-          "LookupError if the team has no such array.")
-      .def(
-          "actions",
-          [](const BatchHolder& b, std::size_t team) {
-            BatchEnv& batch = b->use();
-            const std::span<double> actions = batch.actions(team);
-            const std::size_t robots = batch.copies() * batch.robots(team);
-            return shown(
-                py::dtype::of<double>(),
-                {extent(batch.copies()), extent(batch.robots(team)), extent(actions.size() / robots)},
-                actions, b, true);
-          },
-          py::arg("team") = 0,
-          "Returns the array into which the caller writes the actions of the next step: copies x robots x "
-          "actions, numbers from -1\nto 1. Numbers outside this range are clipped; a number that is not "
-          "finite makes step() raise ValueError.")
-      .def(
-          "rewards",
-          [](const BatchHolder& b, std::size_t team) {
-            BatchEnv& batch = b->use();
-            return shown(py::dtype::of<double>(), {extent(batch.copies()), extent(batch.robots(team))},
-                         batch.rewards(team), b, true);
-          },
-          py::arg("team") = 0, "The rewards of the last step: copies x robots. The caller may change them.")
-      .def(
-          "terminated",
-          [](const BatchHolder& b, std::size_t team) {
-            BatchEnv& batch = b->use();
-            return shown(py::dtype::of<bool>(), {extent(batch.copies()), extent(batch.robots(team))},
-                         batch.terminated(team), b, true);
-          },
-          py::arg("team") = 0,
-          "copies x robots, bool: True for robots that are finished, that is, whose episode has ended. The "
-          "caller may set elements\nto True between two steps, to end the episodes of further robots.")
-      .def(
-          "alive",
-          [](const BatchHolder& b, std::size_t team) {
-            BatchEnv& batch = b->use();
-            return shown(py::dtype::of<bool>(), {extent(batch.copies()), extent(batch.robots(team))},
-                         batch.alive(team), b, false);
-          },
-          py::arg("team") = 0,
-          "copies x robots, bool: True for robots that are in the world (born, and not dead) after the last "
-          "step.")
-      .def_property_readonly(
-          "truncated",
-          [](const BatchHolder& b) {
-            BatchEnv& batch = b->use();
-            return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.truncated(), b, false);
-          },
-          "One bool per copy: whether the episode has reached its largest length, `seconds` of the spec.")
-      .def(
-          "over",
-          [](const BatchHolder& b) {
-            BatchEnv& batch = b->use();
-            return shown(py::dtype::of<bool>(), {extent(batch.copies())}, batch.over(), b, false);
-          },
-          "One bool per copy: whether the episode of the copy is over. It is over if it is truncated, or if "
-          "at least one robot of\nthe teams is finished and every robot that belongs to a team and is in the "
-          "world is finished.")
-      .def_property_readonly(
-          "measure_columns", [](const BatchHolder& b) { return b->use().measure_columns(); },
-          "Names of the columns of the array `measures`, with their units.")
-      .def_property_readonly(
-          "measures",
-          [](const BatchHolder& b) {
-            BatchEnv& batch = b->use();
-            return shown(py::dtype::of<double>(),
-                         {extent(batch.copies()), extent(batch.measure_columns().size())}, batch.measures(),
-                         b, false);
-          },
-          "The measures (numbers computed from the state of a world) of each copy after the last step: "
-          "copies x "
-          "columns, read-only.")
-      .def_property_readonly(
-          "seeds",
-          [](const BatchHolder& b) {
-            BatchEnv& batch = b->use();
-            return shown(py::dtype::of<std::uint64_t>(), {extent(batch.copies())}, batch.seeds(), b, false);
-          },
-          "One seed per copy: the seed of its current episode.")
-      .def(
-          "reset",
-          [](const BatchHolder& b, const Marks& which, const py::object& seeds) {
-            const std::vector<std::uint8_t> marks = marks_of(which, b->use(), "which");
-            const std::vector<std::optional<std::uint64_t>> own_seeds = seeds_of(seeds);
-            b->work([&](BatchEnv& batch) { batch.reset(marks, own_seeds); });
-          },
-          py::arg("which") = py::none(), py::arg("seeds") = py::tuple(),
-          "Begins an episode in some copies. which: one bool per copy; None: all copies. seeds: one seed or "
-          "None "
-          "per copy; an\nempty list: None for all copies. A copy with None begins its next episode. The seed "
-          "of "
-          "that episode is derived from the\nnumber of the episode and from the last seed that reset() got "
-          "for this copy (or, if the copy never got one, from the\nseed of the world plus the index of the "
-          "copy). Raises RuntimeError if `which` leaves out a copy that has not begun an\nepisode.")
-      .def(
-          "step",
-          [](const BatchHolder& b, const Marks& begins) {
-            const std::vector<std::uint8_t> marks = marks_of(begins, b->use(), "begins");
-            b->work([&](BatchEnv& batch) { batch.step(marks); });
-          },
-          py::arg("begins") = py::none(),
-          "Advances all copies by one step. begins: one bool per copy; copies with True begin their next "
-          "episode instead of\n"
-          "making a step. None: all copies make a step. Raises RuntimeError before the first reset() and if "
-          "the last step or\n"
-          "reset of a copy failed, and StepError if the step of a copy fails or gives a reward that is not "
-          "finite. Ctrl-C raises\n"
-          "KeyboardInterrupt after the step; a step that waits for a view then stops waiting.")
-      .def(
-          "tick", [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).tick(); },
-          py::arg("copy") = 0, "Number of completed ticks of a copy in its current episode.")
-      .def(
-          "state_hash",
-          [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).state_hash(); },
-          py::arg("copy") = 0,
-          "Hash of the state of a copy, an integer of 64 bits, as Simulation.state_hash().")
-      .def(
-          "picture",
-          [](const BatchHolder& b, std::size_t copy, int width, int height) {
-            std::vector<std::uint8_t> rgb;
-            b->work([&](BatchEnv& batch) { rgb = batch.simulation(copy).picture(width, height); });
-            py::array_t<std::uint8_t> out({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
-            std::ranges::copy(rgb, out.mutable_data());
-            return out;
-          },
-          py::arg("copy") = 0, py::arg("width") = 480, py::arg("height") = 480,
-          "Returns a picture of a copy from above: height x width x 3, uint8, RGB, row 0 on top. Raises "
-          "LookupError if there is no\nsuch copy, and RuntimeError if the library OSMesa is missing.")
-      .def("__repr__",
-           [](const BatchHolder& b) { return fmt::format("<BatchEnv of {} copies>", b->use().copies()); });
+          "Number of threads that step the copies.");
+  bind_team_arrays(type);
+  bind_copy_arrays(type);
+  bind_episodes(type);
+  bind_one_copy(type);
 }
 
 }  // namespace troupe::python

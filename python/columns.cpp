@@ -62,8 +62,8 @@ void refuse(std::string_view name, const py::array& given, std::size_t robots, s
 }
 
 void require_numbers(std::string_view name, const py::array& given) {
-  constexpr std::string_view k_numbers =
-      "biufO";  // kinds of NumPy types; Python objects are converted one by one
+  // Kinds of NumPy types. Python objects (O) are converted one by one.
+  constexpr std::string_view k_numbers = "biufO";
   if (k_numbers.find(given.dtype().kind()) == std::string_view::npos)
     throw py::type_error(fmt::format("{}: found {}: give numbers", name, short_repr(given.attr("tolist")())));
 }

@@ -154,8 +154,7 @@ void bind_models(py::module_& module) {
           "estimate", [](HeldModel& m) { return m.use().estimate(); },
           "Estimated pose, m and rad: with the localization `gps` the true pose, with `odom` the odometry "
           "estimate. The\nparameter `localization_origin` of the drive defines the frame; without it, this "
-          "is "
-          "the world frame for `gps`,\nand the frame of the robot's first pose for `odom`.")
+          "is the world frame for `gps`,\nand the frame of the robot's first pose for `odom`.")
       .def(
           "set_estimate", [](HeldModel& m, const Pose& pose) { m.use().set_estimate(pose); }, py::arg("pose"),
           "Overwrites the odometry estimate, m and rad, in the frame of estimate(). pose.z is ignored. "
@@ -210,9 +209,8 @@ void bind_models(py::module_& module) {
            "Sets fields of the command of a device by name: robot.command(\"lamp\", shows=1, red=1). Other "
            "fields of the\ncommand keep their values. The command applies from the next step on. Returns the "
            "whole command as a dict.\nRaises LookupError for an unknown device or field, ValueError for NaN "
-           "and for "
-           "a value that the field cannot represent,\nTypeError for a text, and RuntimeError for a robot "
-           "that is not in the world.")
+           "and for a value that the field cannot represent,\nTypeError for a text, and RuntimeError for a "
+           "robot that is not in the world.")
       .def(
           "random", [](HeldModel& m, const std::string& name) { return m.use().random(name); },
           py::arg("name"),

@@ -131,8 +131,7 @@ Simulation& Held::use() {
   if (stepping_ || waiting_)
     throw std::logic_error(
         "this simulation is being used by another thread, or by the step that calls this code: only one "
-        "thread "
-        "at a time may use a simulation, and decide() of a controller may use only its argument");
+        "thread at a time may use a simulation, and decide() of a controller may use only its argument");
   return simulation_;
 }
 

@@ -44,7 +44,6 @@ MeasureColumn column_of(const py::object& function) {
   return {function, name + std::string(engine::unit_suffixes(unit).front().suffix), name};
 }
 
-/// Measures of a simulation.
 struct HeldMeasures {
   Holder held;
   std::optional<Measures> measures = {};  ///< not set: all columns are functions
@@ -259,8 +258,7 @@ void bind_observers(py::module_& module) {
           "observe", &HeldRecording::observe,
           "Records the current state if its tick is a multiple of the recording interval. Call it after each "
           "step. Raises\nRuntimeError after close() and after a reset of the simulation: make a new "
-          "recording "
-          "then.")
+          "recording then.")
       .def("flush", &HeldRecording::flush,
            "Writes the frames that are still in memory to the file. Readers that opened it in SWMR mode "
            "(h5py: swmr=True) can\nthen read them.")

@@ -250,9 +250,8 @@ void bind_state(SimulationClass& simulation) {
       .def("statistics", &statistics_of,
            "Returns a dict of numbers that describe the run: robots (number in the world now), ticks "
            "(completed), time_s (simulated\ntime, s), beams (rays cast since tick 0), stalled (robots whose "
-           "last "
-           "motion was blocked or would have left the bounds),\nheld_at_bounds (those that would have left "
-           "the bounds), mean_displacement_m (mean distance of the robots from their\nstart, m), "
+           "last motion was blocked or would have left the bounds),\nheld_at_bounds (those that would have "
+           "left the bounds), mean_displacement_m (mean distance of the robots from their\nstart, m), "
            "conflict_rounds (rounds in which conflicting motions were resolved, since tick 0) and "
            "state_bytes (memory of\nthe state, bytes).")
       .def(
@@ -279,8 +278,7 @@ void bind_recording(SimulationClass& simulation) {
           "Without fields, or without every_s, the value that the world file sets\nunder \"record\" is used. "
           "replace: whether an existing file is replaced. Raises InputError for an unknown field, for "
           "an\nexisting file without `replace`, for an ending of another format than HDF5, such as .csv, and "
-          "if "
-          "the file cannot be\nwritten, and RuntimeError if a recording is already running.")
+          "if the file cannot be\nwritten, and RuntimeError if a recording is already running.")
       .def(
           "stop_recording",
           [](const Holder& held) { held->work([](Simulation& simulation) { simulation.stop_recording(); }); },

@@ -160,8 +160,7 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "estimates", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::estimates); },
           "Estimated poses, n x 4: x, y, z (m), heading (rad). With the localization `gps` they are the true "
           "poses, with `odom` the\nodometry estimates, in the frame that Model.estimate() states. All "
-          "numbers "
-          "are 0 for robots that are not yet born.")
+          "numbers are 0 for robots that are not yet born.")
       .def(
           "speeds", [](HeldSwarm& s) { return rows_of(s, 3, &Swarm::speeds); },
           "Velocities that the drives computed in the last tick, in the body frame, n x 3: forward, left "

@@ -266,6 +266,8 @@ Painter::Composition Painter::compose(const Frame& frame, const View& view) {
   if (!frame.values.empty())
     colors = value_colors(frame.values, view.values.value_or(range_of(frame.values)));
 
+  const Content content{impl_->meshes, frame, colors, shown, theme};
+
   std::vector<AnyLayer> layers;
   std::optional<Projection> projection;
   Framing framing = empty_framing(view);
@@ -274,24 +276,23 @@ Painter::Composition Painter::compose(const Frame& frame, const View& view) {
     projection = Projection::from_above(framing);
     if (shown.grid) layers.emplace_back(flat(floor_grid(framing, theme.grid), true));
     const FixedBodies fixed = fixed_bodies(scene);
-    add_flat_fixed(layers, impl_->meshes, fixed.of_floor, framing, shown, theme);
+    add_flat_fixed(layers, content, fixed.of_floor, framing);
     // Drawn before the walls, which hide the ends of beams: a beam is drawn wider than the ray that was cast.
-    add_in_air(layers, scene, frame, colors, *projection, shown, SolidLayer::Depth::floor);
-    add_flat_fixed(layers, impl_->meshes, fixed.others, framing, shown, theme);
-    add_on_floor(layers, scene, frame, colors, *projection, shown, theme);
-    add_flat_mobile(layers, impl_->meshes, frame, colors, framing, shown);
+    add_in_air(layers, content, *projection, SolidLayer::Depth::floor);
+    add_flat_fixed(layers, content, fixed.others, framing);
+    add_on_floor(layers, content, *projection);
+    add_flat_mobile(layers, content, framing);
   } else {
     projection = project(scene, frame, view, framing);
     std::vector<AnyLayer> on_floor;
     if (shown.grid)
       on_floor.emplace_back(solid_grid(scene, *projection, grid_pitch(*projection), theme.grid));
-    add_on_floor(on_floor, scene, frame, colors, *projection, shown, theme);
+    add_on_floor(on_floor, content, *projection);
     std::vector<AnyLayer> in_air;
-    add_in_air(in_air, scene, frame, colors, *projection, shown, SolidLayer::Depth::air);
-    add_solids(layers, impl_->meshes, frame, colors, *projection, shown, theme, std::move(on_floor),
-               std::move(in_air));
+    add_in_air(in_air, content, *projection, SolidLayer::Depth::air);
+    add_solids(layers, content, *projection, std::move(on_floor), std::move(in_air));
   }
-  add_ties(layers, frame, *projection, shown, theme);
+  add_ties(layers, content, *projection);
   return {std::move(layers), *projection, written(scene, frame, *projection, framing, view)};
 }
 

@@ -12,7 +12,6 @@
 namespace troupe::render {
 namespace {
 
-using engine::Frame;
 using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
@@ -80,32 +79,32 @@ Instances instances_by_type(const FrameScene& scene, const std::vector<FrameBody
 Layer flat(Mesh mesh, bool on_top) { return {std::move(mesh), {{0, 0, 1, 0, 0, 1, {}, {}, {}}}, on_top}; }
 
 // Static bodies have a shadow on the floor, which sets them off from the background.
-void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes,
-                    const std::vector<FrameBody>& bodies, const Framing& framing, const Layers& shown,
-                    const Theme& theme) {
-  const FrameScene& scene = meshes.scene;
+void add_flat_fixed(std::vector<AnyLayer>& layers, const Content& content,
+                    const std::vector<FrameBody>& bodies, const Framing& framing) {
+  const FrameScene& scene = content.scene();
   const auto by_type = instances_by_type(scene, bodies, {}, {}, framing, 0, false).moving;
   std::vector<Layer> shadows;
   std::vector<Layer> fixed;
   for (std::size_t type = 0; type < by_type.size(); ++type) {
     if (by_type[type].empty()) continue;
     const MeshStyle style{.edge = static_cast<float>(framing.stroke)};
-    fixed.push_back({body_mesh(scene.types[type], meshes.pieces[type], style), by_type[type], fixed.empty()});
-    if (!shown.shadows) continue;
+    fixed.push_back(
+        {body_mesh(scene.types[type], content.meshes.pieces[type], style), by_type[type], fixed.empty()});
+    if (!content.layers.shadows) continue;
     shadows.push_back({silhouette(fixed.back().mesh), by_type[type], shadows.empty()});
     for (Instance& instance : shadows.back().instances) {
       instance.x += static_cast<float>(2 * framing.stroke);
       instance.y -= static_cast<float>(2 * framing.stroke);
-      instance.body = theme.shadow;
+      instance.body = content.theme.shadow;
     }
   }
   std::ranges::move(shadows, std::back_inserter(layers));
   std::ranges::move(fixed, std::back_inserter(layers));
 }
 
-void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Frame& frame,
-                     std::span<const Rgba> colors, const Framing& framing, const Layers& shown) {
-  const FrameScene& scene = meshes.scene;
+void add_flat_mobile(std::vector<AnyLayer>& layers, const Content& content, const Framing& framing) {
+  const FrameScene& scene = content.scene();
+  const std::vector<FrameBody>& bodies = content.frame.mobile;
   std::vector<double> across;  // diameter of each type, strokes
   for (const FrameType& type : scene.types)
     across.push_back(2 * type.radius * framing.pixels_per_metre / framing.stroke);
@@ -118,35 +117,35 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
     tops.push_back(heights_of(scene.types[type]).max);
   }
   PointLayer dots{.size = static_cast<float>(k_smallest_robot * framing.stroke), .on_map = true};
-  for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
-    const FrameBody& body = frame.mobile[i];
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const FrameBody& body = bodies[i];
     if (is_dot[body.type] == 0) continue;
     const Vec2 place = framing.to_pixels(body.pose_world_body.position());
     if (std::abs(place.x()) > framing.width || std::abs(place.y()) > framing.height) continue;
     dots.points.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()),
                            static_cast<float>(body.pose_world_body.z + tops[body.type]),
-                           colors.empty() ? to_rgba(body.color) : colors[i]});
+                           content.color_of(i)});
   }
   if (!dots.points.empty()) {
     dots.on_top = std::exchange(first, false);
     layers.emplace_back(std::move(dots));
   }
 
-  const auto by_type = instances_by_type(scene, frame.mobile, is_dot, colors, framing,
-                                         k_smallest_robot * framing.stroke, shown.stalls);
+  const auto by_type = instances_by_type(scene, bodies, is_dot, content.colors, framing,
+                                         k_smallest_robot * framing.stroke, content.layers.stalls);
   for (std::size_t type = 0; type < scene.types.size(); ++type) {
     if (by_type.moving[type].empty() && by_type.stalled[type].empty()) continue;
     MeshStyle style{.least_edged = k_smallest_outlined * framing.stroke / framing.pixels_per_metre};
     if (across[type] >= k_smallest_outlined)
       style.edge = static_cast<float>(framing.stroke * std::clamp(0.08 * across[type], 0.8, 1.6));
-    style.mark = shown.headings && scene.types[type].mobile && across[type] >= k_smallest_marked;
+    style.mark = content.layers.headings && scene.types[type].mobile && across[type] >= k_smallest_marked;
     for (const auto* instances : {&by_type.moving[type], &by_type.stalled[type]}) {
       if (instances == &by_type.stalled[type]) {
         style.edge *= k_stalled_widening;
         style.halo = style.edge * k_stalled_halo;
       }
       if (!instances->empty())
-        layers.push_back(Layer{body_mesh(scene.types[type], meshes.pieces[type], style), *instances,
+        layers.push_back(Layer{body_mesh(scene.types[type], content.meshes.pieces[type], style), *instances,
                                std::exchange(first, false)});
     }
   }

@@ -11,7 +11,6 @@
 namespace troupe::render {
 namespace {
 
-using engine::Frame;
 using engine::FrameBody;
 using engine::FrameScene;
 using engine::FrameType;
@@ -127,29 +126,27 @@ void add_type(std::vector<SolidLayer>& layers, const SceneMeshes& meshes, std::s
 
 }  // namespace
 
-void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const Frame& frame,
-                std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
-                const Theme& theme, std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air) {
-  const FrameScene& scene = meshes.scene;
+void add_solids(std::vector<AnyLayer>& layers, const Content& content, const Projection& projection,
+                std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air) {
+  const FrameScene& scene = content.scene();
+  const std::vector<FrameBody>& bodies = content.frame.mobile;
+  const Layers& shown = content.layers;
   Sorter fixed(scene, projection);
   for (const FrameBody& body : scene.fixed) fixed.add(body, to_rgba(body.color), false, 0);
   Sorter mobile(scene, projection);
-  for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
-    const FrameBody& body = frame.mobile[i];
-    mobile.add(body, colors.empty() ? to_rgba(body.color) : colors[i], shown.stalls && body.stalled,
-               k_smallest_robot);
-  }
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    mobile.add(bodies[i], content.color_of(i), shown.stalls && bodies[i].stalled, k_smallest_robot);
 
   PointLayer dots{std::move(mobile.dots), static_cast<float>(k_smallest_robot * projection.stroke())};
   std::vector<SolidLayer> standing;
   std::vector<SolidLayer> moving;
   for (std::size_t type = 0; type < scene.types.size(); ++type) {
-    add_type(standing, meshes, type, fixed.seen(type), projection, false);
-    add_type(moving, meshes, type, mobile.seen(type), projection, shown.headings);
+    add_type(standing, content.meshes, type, fixed.seen(type), projection, false);
+    add_type(moving, content.meshes, type, mobile.seen(type), projection, shown.headings);
   }
   if (shown.shadows) {
-    for (const SolidLayer& layer : standing) layers.emplace_back(shadow_of(layer, theme.shadow));
-    for (const SolidLayer& layer : moving) layers.emplace_back(shadow_of(layer, theme.shadow));
+    for (const SolidLayer& layer : standing) layers.emplace_back(shadow_of(layer, content.theme.shadow));
+    for (const SolidLayer& layer : moving) layers.emplace_back(shadow_of(layer, content.theme.shadow));
   }
   std::ranges::move(on_floor, std::back_inserter(layers));
   std::ranges::move(standing, std::back_inserter(layers));

@@ -32,8 +32,8 @@ class OsmesaContext {
 
  private:
   void* context_ = nullptr;
-  std::array<std::uint8_t, 16 * 16 * 4>
-      window_;  // required by OSMesa; pictures are drawn into framebuffer objects
+  // Required by OSMesa. Pictures are drawn into framebuffer objects.
+  std::array<std::uint8_t, 16 * 16 * 4> window_;
 };
 
 /// Opens the first library of `library_names` that can be loaded and returns its handle (of dlopen()), which

@@ -55,10 +55,6 @@ SolidLayer in_world(SolidMesh mesh, SolidLayer::Depth depth) {
 
 Rgba with_opacity(Rgba color, std::uint8_t opacity) { return {color[0], color[1], color[2], opacity}; }
 
-Rgba color_of(const Frame& frame, std::span<const Rgba> colors, std::size_t body) {
-  return colors.empty() ? to_rgba(frame.mobile[body].color) : colors[body];
-}
-
 std::uint8_t scan_opacity(const Frame& frame) {
   const double crowd = std::max(1.0, static_cast<double>(frame.scans.size()) / k_few_scans);
   return static_cast<std::uint8_t>(std::max(k_least_opacity, k_scan_opacity / std::sqrt(crowd)));
@@ -87,12 +83,15 @@ void add_slice(SolidMesh& mesh, const Pose& pose_world, double fov, double range
               end_of_beam(pose_world, fan, i + 1, range, origin), color);
 }
 
-void add_scan(SolidMesh& fills, SolidMesh& lines, const FrameScene& scene, const Frame& frame,
-              const FrameScan& scan, const Projection& projection, Rgba color, const Layers& shown) {
+void add_scan(SolidMesh& fills, SolidMesh& lines, const Content& content, const FrameScan& scan,
+              const Projection& projection) {
+  const Frame& frame = content.frame;
+  const Layers& shown = content.layers;
   const Vec3& origin = projection.origin();
+  const Rgba color = content.color_of(scan.body);
   const Rgba fill = with_opacity(color, scan_opacity(frame));
   const Pose pose_world_mount = compose(frame.mobile[scan.body].pose_world_body, scan.moved);
-  for (const FrameTransducer& transducer : scene.rangers[scan.ranger].transducers) {
+  for (const FrameTransducer& transducer : content.scene().rangers[scan.ranger].transducers) {
     const Pose pose = compose(pose_world_mount, transducer.pose_body);
     const Vec3 from = Vec3(pose.x, pose.y, pose.z) - origin;
     const float* const ranges = frame.ranges.data() + scan.first + transducer.first;
@@ -359,9 +358,10 @@ SolidLayer solid_grid(const FrameScene& scene, const Projection& projection, dou
   return in_world(std::move(mesh), SolidLayer::Depth::floor);
 }
 
-void add_on_floor(std::vector<AnyLayer>& layers, const FrameScene& scene, const Frame& frame,
-                  std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
-                  const Theme& theme) {
+void add_on_floor(std::vector<AnyLayer>& layers, const Content& content, const Projection& projection) {
+  const FrameScene& scene = content.scene();
+  const Frame& frame = content.frame;
+  const Layers& shown = content.layers;
   if (shown.coverage && !frame.covered.empty()) layers.emplace_back(covered_squares(frame, projection));
   if (shown.density) {
     const double scale = projection.pixels_per_metre(projection.floor_center());
@@ -372,28 +372,28 @@ void add_on_floor(std::vector<AnyLayer>& layers, const FrameScene& scene, const 
   if (shown.tiles && scene.tile_m > 0)
     layers.emplace_back(squares(scene, frame, projection, scene.tile_m, true, {}));
   if (shown.cells && scene.cell_m > 0)
-    layers.emplace_back(squares(scene, frame, projection, scene.cell_m, false, theme.square));
+    layers.emplace_back(squares(scene, frame, projection, scene.cell_m, false, content.theme.square));
   SolidMesh lines;
-  if (shown.bounds && scene.limits) add_bounds(lines, *scene.limits, projection, theme.line);
+  if (shown.bounds && scene.limits) add_bounds(lines, *scene.limits, projection, content.theme.line);
   if (shown.footprints) {
     for (std::size_t i = 0; i < frame.mobile.size(); ++i)
-      add_footprint(lines, scene, frame.mobile[i], projection, darker(color_of(frame, colors, i)));
+      add_footprint(lines, scene, frame.mobile[i], projection, darker(content.color_of(i)));
   }
   if (shown.trails) {
     for (const engine::FrameTrail& trail : frame.trails)
-      add_trail(lines, trail, projection, color_of(frame, colors, trail.body));
+      add_trail(lines, trail, projection, content.color_of(trail.body));
   }
   if (!lines.empty()) layers.emplace_back(in_world(std::move(lines), SolidLayer::Depth::floor));
 }
 
-void add_in_air(std::vector<AnyLayer>& layers, const FrameScene& scene, const Frame& frame,
-                std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
+void add_in_air(std::vector<AnyLayer>& layers, const Content& content, const Projection& projection,
                 SolidLayer::Depth depth) {
+  const Frame& frame = content.frame;
+  const Layers& shown = content.layers;
   SolidMesh fills;
   SolidMesh lines;
   if (shown.scans || shown.beams) {
-    for (const FrameScan& scan : frame.scans)
-      add_scan(fills, lines, scene, frame, scan, projection, color_of(frame, colors, scan.body), shown);
+    for (const FrameScan& scan : frame.scans) add_scan(fills, lines, content, scan, projection);
   }
   if (shown.sights) {
     for (const engine::FrameSight& sight : frame.sights)
@@ -414,21 +414,20 @@ void add_in_air(std::vector<AnyLayer>& layers, const FrameScene& scene, const Fr
   if (!lines.empty()) layers.emplace_back(in_world(std::move(lines), depth));
 }
 
-void add_ties(std::vector<AnyLayer>& layers, const Frame& frame, const Projection& projection,
-              const Layers& shown, const Theme& theme) {
+void add_ties(std::vector<AnyLayer>& layers, const Content& content, const Projection& projection) {
   SolidMesh lines;
   const auto add = [&](const std::vector<FrameTie>& ties) {
     for (const FrameTie& tie : ties) {
       const bool is_light = tie.kind == FrameTie::Kind::beam || tie.kind == FrameTie::Kind::broken_beam;
-      const Rgba color = !is_light                          ? theme.line
+      const Rgba color = !is_light                          ? content.theme.line
                          : tie.kind == FrameTie::Kind::beam ? k_free_beam
                                                             : k_broken_beam;
       add_stroke(lines, tie.from - projection.origin(), tie.to - projection.origin(),
                  (is_light ? 1.6 : 2.4) * projection.stroke(), Paint::own, color);
     }
   };
-  if (shown.links) add(frame.links);
-  if (shown.grips) add(frame.grips);
+  if (content.layers.links) add(content.frame.links);
+  if (content.layers.grips) add(content.frame.grips);
   if (!lines.empty()) layers.emplace_back(in_world(std::move(lines), SolidLayer::Depth::floor));
 }
 

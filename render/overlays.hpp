@@ -10,8 +10,7 @@ namespace troupe::render {
 // Overlays are drawn in addition to the bodies: grid lines, sensor readings, texts and so on. An
 // engine::FrameScene has the data to draw that are constant during a run, and an engine::Frame the data of
 // one time. The add_ functions append overlays to `layers`, which are in the order of drawing. Each function
-// appends only overlays that `shown` selects. `colors` has one colour per body of Frame::mobile; if it is
-// empty, bodies have their own colours.
+// appends only overlays that Content::layers selects.
 
 /// The part of the floor that the grid of solid_grid() covers, world frame, m: the part of scene.bounds
 /// within 60 times `pitch` of Projection::floor_center() along x and y. If that point is in the middle of the
@@ -31,21 +30,17 @@ double grid_pitch(const Projection& projection);
 
 /// Appends the overlays on the floor: coverage, density, tiles, cells, bounds, footprints and trails. They
 /// cover all earlier layers, and layers that are appended later cover them.
-void add_on_floor(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, const engine::Frame& frame,
-                  std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
-                  const Theme& theme);
+void add_on_floor(std::vector<AnyLayer>& layers, const Content& content, const Projection& projection);
 
 /// Appends the overlays above the floor, which show readings of sensors: scans, beams, sights and blobs.
 /// depth: SolidLayer::Depth::floor in a view from above, where the overlays cover all earlier layers;
 /// SolidLayer::Depth::air in other views, where nearer static bodies hide them.
-void add_in_air(std::vector<AnyLayer>& layers, const engine::FrameScene& scene, const engine::Frame& frame,
-                std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
+void add_in_air(std::vector<AnyLayer>& layers, const Content& content, const Projection& projection,
                 SolidLayer::Depth depth);
 
 /// Appends the overlays that connect bodies: links and grips. They cover all earlier layers, so the layers of
 /// the bodies must have been appended before.
-void add_ties(std::vector<AnyLayer>& layers, const engine::Frame& frame, const Projection& projection,
-              const Layers& shown, const Theme& theme);
+void add_ties(std::vector<AnyLayer>& layers, const Content& content, const Projection& projection);
 
 /// Returns the lettering that `view.layers` selects: names, energy bars, legends, the simulated time and the
 /// scale. In a view from above, the scale is a scale bar. In other views, it is the distance between grid

@@ -15,6 +15,20 @@ struct SceneMeshes {
   std::vector<Pieces> pieces;  ///< for each type of the scene, the convex pieces of its shapes (pieces_of())
 };
 
+/// What a picture shows.
+struct Content {
+  const SceneMeshes& meshes;     ///< the scene and its meshes
+  const engine::Frame& frame;    ///< the data of one time
+  std::span<const Rgba> colors;  ///< one per body of Frame::mobile; empty: bodies have their own colours
+  const Layers& layers;          ///< the layers that are drawn
+  const Theme& theme;
+
+  const engine::FrameScene& scene() const { return meshes.scene; }
+  Rgba color_of(std::size_t body) const {  ///< body: index in Frame::mobile
+    return colors.empty() ? to_rgba(frame.mobile[body].color) : colors[body];
+  }
+};
+
 /// Colour of the outline of a stalled robot: one whose last motion was blocked or out of bounds.
 inline constexpr Rgba k_stalled_edge = {224, 32, 32, 255};
 /// Width of the outline of a stalled robot divided by the width of the outlines of other robots.
@@ -40,13 +54,10 @@ Layer flat(Mesh mesh, bool on_top);
 
 /// Adds the layers of a view from above that show `bodies`, static bodies of the scene such as the floor
 /// plan, and their shadows.
-void add_flat_fixed(std::vector<AnyLayer>& layers, const SceneMeshes& meshes,
-                    const std::vector<engine::FrameBody>& bodies, const Framing& framing, const Layers& shown,
-                    const Theme& theme);
+void add_flat_fixed(std::vector<AnyLayer>& layers, const Content& content,
+                    const std::vector<engine::FrameBody>& bodies, const Framing& framing);
 /// Adds the layers of a view from above that show mobile bodies. These layers cover all earlier layers.
-/// `colors` has one colour per body of Frame::mobile; if it is empty, bodies have their own colours.
-void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
-                     std::span<const Rgba> colors, const Framing& framing, const Layers& shown);
+void add_flat_mobile(std::vector<AnyLayer>& layers, const Content& content, const Framing& framing);
 
 /// Adds the layers of a view that is not from above, in the order of drawing:
 /// - shadows of the bodies
@@ -54,9 +65,7 @@ void add_flat_mobile(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, c
 /// - static bodies
 /// - the overlays `in_air`, which nearer static bodies hide
 /// - mobile bodies, over `in_air`, because a hundred overlapping range scans would hide the robots
-/// `colors` has one colour per body of Frame::mobile; if it is empty, bodies have their own colours.
-void add_solids(std::vector<AnyLayer>& layers, const SceneMeshes& meshes, const engine::Frame& frame,
-                std::span<const Rgba> colors, const Projection& projection, const Layers& shown,
-                const Theme& theme, std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air);
+void add_solids(std::vector<AnyLayer>& layers, const Content& content, const Projection& projection,
+                std::vector<AnyLayer> on_floor, std::vector<AnyLayer> in_air);
 
 }  // namespace troupe::render

@@ -86,7 +86,6 @@ Rgba color_of(const Vertex& v, const Instance& instance) {
   return instance.mark;
 }
 
-/// Adds a flat layer.
 void add(Paths& paths, const Layer& layer) {
   for (const Instance& instance : layer.instances) {
     const auto place = [&](double x, double y) -> Vec2 {

@@ -113,8 +113,8 @@ class Writer {
       return state_.cell<std::int32_t>(slot_, field)[i];
     };
     const double range = blob.sum / static_cast<double>(blob.last - blob.first + 1);
-    cell(k_blob_left) =
-        static_cast<std::int32_t>(params_.image_width - 1 - blob.last);  // columns count from the left
+    // Columns are counted from the left.
+    cell(k_blob_left) = static_cast<std::int32_t>(params_.image_width - 1 - blob.last);
     cell(k_blob_right) = static_cast<std::int32_t>(params_.image_width - 1 - blob.first);
     write_rows(params_, range, cell(k_blob_top), cell(k_blob_bottom));
     state_.cell<float>(slot_, k_blob_range)[i] = static_cast<float>(range);

@@ -97,8 +97,8 @@ class Search {
     ahead_ = mount.transform.rotation * finder.ahead;
     found_.clear();
     lines_.clear();
-    const std::size_t room =
-        std::min<std::size_t>(view.rows(), 1024);  // reserved for as many candidates as a dense crowd has
+    constexpr std::size_t k_dense_crowd = 1024;  // candidates
+    const std::size_t room = std::min(view.rows(), k_dense_crowd);
     found_.reserve(room);
     lines_.reserve(room);
     first_.resize(std::max(first_.size(), room));

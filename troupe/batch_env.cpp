@@ -205,7 +205,6 @@ void BatchEnv::Impl::check_actions(std::span<const std::uint8_t> begins) const {
 
 void BatchEnv::Impl::act(std::size_t c) {
   Copy& copy = *copies[c];
-  engine::World& world = copy.simulation.world();
   for (std::size_t t = 0; t < teams.size(); ++t) {
     const TeamData& team = teams[t];
     TeamCopy& bound = copy.teams[t];
@@ -214,24 +213,30 @@ void BatchEnv::Impl::act(std::size_t c) {
       const std::size_t at = c * team.robots + i;
       const bool is_finished = team.terminated[at] != 0;
       bound.was_terminated[i] = is_finished;
-      const Row row = world.row(bound.ids[i]);
-      if (!world.is_there(row)) continue;
-      std::array<double, k_drive> drive{};
-      for (std::size_t a = 0; a < columns && !is_finished; ++a) {
-        const Action& action = team.actions_plan[a];
-        const double given = std::clamp(team.actions[at * columns + a], -1.0, 1.0);
-        const double asked = action.low + (given + 1) * 0.5 * action.span;
-        if (action.command < k_drive) {
-          drive[action.command] = asked;
-        } else {
-          const DeviceField& command = bound.commands[(action.command - k_drive) * team.robots + i];
-          put_number(world.asked_of(*command.device).row(world.slot(row)) + command.field, action.element,
-                     action.is_bool ? std::clamp(asked, 0.0, 1.0) : asked);
-        }
-      }
-      if (team.drives) world.set_command(row, {drive[0], drive[1], drive[2], engine::ControlMode::velocity});
+      const std::span<const double> all = team.actions;
+      command(copy.simulation.world(), team, bound, i, all.subspan(at * columns, is_finished ? 0 : columns));
     }
   }
+}
+
+/// Commands robot i of a team with its actions, numbers from -1 to 1; without actions, stops its drive.
+void BatchEnv::Impl::command(engine::World& world, const TeamData& team, const TeamCopy& bound, std::size_t i,
+                             std::span<const double> given) {
+  const Row row = world.row(bound.ids[i]);
+  if (!world.is_there(row)) return;
+  std::array<double, k_drive> drive{};
+  for (std::size_t a = 0; a < given.size(); ++a) {
+    const Action& action = team.actions_plan[a];
+    const double asked = action.low + (std::clamp(given[a], -1.0, 1.0) + 1) * 0.5 * action.span;
+    if (action.command < k_drive) {
+      drive[action.command] = asked;
+    } else {
+      const DeviceField& field = bound.commands[(action.command - k_drive) * team.robots + i];
+      put_number(world.asked_of(*field.device).row(world.slot(row)) + field.field, action.element,
+                 action.is_bool ? std::clamp(asked, 0.0, 1.0) : asked);
+    }
+  }
+  if (team.drives) world.set_command(row, {drive[0], drive[1], drive[2], engine::ControlMode::velocity});
 }
 
 void BatchEnv::Impl::read_outputs(std::size_t c) {

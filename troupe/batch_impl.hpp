@@ -155,6 +155,8 @@ struct BatchEnv::Impl {
   void begin(std::size_t c);
   void check_actions(std::span<const std::uint8_t> begins) const;
   void act(std::size_t c);
+  static void command(engine::World& world, const TeamData& team, const TeamCopy& bound, std::size_t i,
+                      std::span<const double> given);
   void read_outputs(std::size_t c);
 
   // troupe/batch_observations.cpp: the arrays

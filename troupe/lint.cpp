@@ -175,7 +175,7 @@ class Lint {
   void check_grippers();
   void check_floor_plans();
   Result<> can_block(const engine::BodySpec& body, const engine::PartSpec& plan) const;
-  void check_who_stands_in(const std::vector<BodyId>& plans);
+  void check_robots_in_walls(const std::vector<BodyId>& plans);
   void check_window();
   void check_interventions();
   void check_selections();
@@ -666,12 +666,12 @@ void Lint::check_floor_plans() {
       break;
     }
   }
-  if (!open.empty()) check_who_stands_in(open);
+  if (!open.empty()) check_robots_in_walls(open);
 }
 
 /// Warns of robots that start inside the walls of the floor plans `plans`, which are not obstacles.
 /// engine::World gives this warning for floor plans that are obstacles.
-void Lint::check_who_stands_in(const std::vector<BodyId>& plans) {
+void Lint::check_robots_in_walls(const std::vector<BodyId>& plans) {
   std::vector<partition::FixedSolid> solids;
   for (const BodyId plan : plans) {
     const engine::BodySpec& body = spec_.bodies[plan.index()];

@@ -72,8 +72,8 @@ Measures::Measures(Simulation& simulation, const std::vector<std::string>& wante
   for (std::size_t i = 0; are_of_world(simulation, wanted) && i < specs.size(); ++i)
     paths.push_back(fmt::format("/measures/{}", i));
   const bool are_usual = wanted.empty() && !are_of_world(simulation, wanted);
-  std::vector<std::size_t>
-      too_large;  // measures that the user has not chosen, and that this world cannot have
+  // Measures that the user has not chosen, and that this world cannot have.
+  std::vector<std::size_t> too_large;
   impl_ =
       std::make_unique<Impl>(Impl{engine::MeasureSet(simulation.world(), simulation.registry(), specs,
                                                      diagnostics, paths, are_usual ? &too_large : nullptr),

@@ -84,10 +84,10 @@ struct RecordedRun::Impl {
     for (const RecordedScene::Type& type : world.types) {
       // If two types have the same name, recordings append "~2" to the second one. Hence type_name(), the
       // name in /bodies/type, is used.
-      for (const RecordedScene::Eye& eye : type.eyes) {
-        const Array* ranges = find(fmt::format("sensors/{}/{}", type_name(type), eye.name), "ranges");
+      for (const RecordedScene::Ranger& ranger : type.rangers) {
+        const Array* ranges = find(fmt::format("sensors/{}/{}", type_name(type), ranger.name), "ranges");
         std::size_t beams = 0;
-        for (const RecordedScene::Fan& fan : eye.fans) beams += fan.beams;
+        for (const RecordedScene::Transducer& each : ranger.transducers) beams += each.beams;
         readings.push_back(ranges && ranges->field.columns == beams ? ranges : nullptr);
       }
       shown_colors.push_back(type.shown_color.empty() ? nullptr
@@ -242,6 +242,26 @@ struct RecordedRun::Impl {
     std::vector<std::size_t> rows_;            // for each recorded row, its row in the arrays of its type
   };
 
+  /// Returns the shapes of a body: those of its type at rest, moved by joints, and with the colours of parts.
+  /// parts: PartColors::of() the body; moved: its row of mounts(), empty at rest; own: colour of the body
+  static engine::FrameType look_of(const RecordedScene::Type& at_rest, std::span<const double> parts,
+                                   std::span<const engine::Mount> moved, const Color& own) {
+    engine::FrameType look = at_rest.look;
+    look.name = at_rest.name;
+    for (std::size_t k = 0; k < look.shapes.size(); ++k) {
+      const std::span<const double> color = parts.subspan(3 * at_rest.shape_parts[k], 3);
+      if (color[0] >= 0) look.shapes[k].color = worldio::shown_color(color, own);
+      if (moved.empty() || at_rest.shape_joints[k] < 0) continue;
+      const engine::Mount& now = moved[static_cast<std::size_t>(at_rest.shape_joints[k])];
+      Solid& solid = look.shapes[k].solid;
+      for (Ring& ring : solid.contours)
+        for (Vec2& point : ring) point = now.transform * point;
+      solid.z = solid.z.shifted(now.z);
+    }
+    look.radius = engine::enclosing_radius(look.shapes);
+    return look;
+  }
+
   /// Replaces the type of each body whose joints were recorded, or whose parts show colours, by a new type.
   /// Bodies of a type without recorded joints share the new type if their parts have the same colours.
   void change_parts(Frame& shown) const {
@@ -249,34 +269,33 @@ struct RecordedRun::Impl {
       const auto moved = mounts(type);
       const PartColors colors(*this, type);
       if (moved.empty() && colors.empty()) continue;
-      const RecordedScene::Type& at_rest = world.types[type];
       std::map<std::vector<double>, std::uint32_t> looks;  // by the colours of the parts
       for (engine::FrameBody& body : shown.mobile) {
         if (body.type != type) continue;
-        const std::vector<double> parts = colors.of(rows[body.id]);
+        const std::uint32_t row = rows[body.id];
+        const std::vector<double> parts = colors.of(row);
         const auto next = static_cast<std::uint32_t>(world.types.size() + shown.types.size());
-        if (moved.empty()) {
-          body.type = looks.try_emplace(parts, next).first->second;
-          if (body.type != next) continue;
-        }
-        engine::FrameType look = at_rest.look;
-        look.name = at_rest.name;
-        for (std::size_t k = 0; k < look.shapes.size(); ++k) {
-          const std::size_t part = at_rest.shape_parts[k];
-          const std::span<const double> color = std::span(parts).subspan(3 * part, 3);
-          if (color[0] >= 0) look.shapes[k].color = worldio::shown_color(color, body.color);
-          if (moved.empty() || at_rest.shape_joints[k] < 0) continue;
-          const engine::Mount& now = moved[rows[body.id]][static_cast<std::size_t>(at_rest.shape_joints[k])];
-          Solid& solid = look.shapes[k].solid;
-          for (Ring& ring : solid.contours)
-            for (Vec2& point : ring) point = now.transform * point;
-          solid.z = solid.z.shifted(now.z);
-        }
-        look.radius = engine::enclosing_radius(look.shapes);
-        body.type = next;
-        shown.types.push_back(std::move(look));
+        body.type = moved.empty() ? looks.try_emplace(parts, next).first->second : next;
+        if (body.type != next) continue;
+        shown.types.push_back(look_of(world.types[type], parts,
+                                      moved.empty() ? std::span<const engine::Mount>() : moved[row],
+                                      body.color));
       }
     }
+  }
+
+  /// Returns Frame::charges, which are NaN for bodies without a recorded power pack.
+  std::vector<double> charges(const Frame& shown) const {
+    const std::vector<double> stored = values(shown, "sensors", "stored", 0);
+    const std::vector<double> capacity = values(shown, "sensors", "capacity", 0);
+    const std::vector<double> infinite = values(shown, "sensors", "infinite", 0);
+    std::vector<double> charges;
+    for (std::size_t i = 0; i < stored.size(); ++i) {
+      const engine::Energy pack{
+          .stored_j = stored[i], .capacity_j = capacity[i], .infinite = infinite[i] == 1};
+      charges.push_back(std::isnan(stored[i]) ? k_nan : pack.proportion_remaining());
+    }
+    return charges;
   }
 
   /// Returns for each row of the recording the index of its body in Frame::mobile; k_none if the frame does
@@ -290,11 +309,11 @@ struct RecordedRun::Impl {
 
   void add_scans(Frame& shown) const {
     const std::vector<std::uint32_t> places = places_in(shown);
-    std::size_t ranger = 0;
+    std::size_t rangers = 0;  // so far
     for (std::size_t type = 0; type < world.types.size(); ++type) {
       const auto moved = mounts(type);
-      for (const RecordedScene::Eye& eye : world.types[type].eyes) {
-        const std::size_t index = ranger++;
+      for (const RecordedScene::Ranger& ranger : world.types[type].rangers) {
+        const std::size_t index = rangers++;
         if (!readings[index]) continue;
         const Array& array = *readings[index];
         const std::vector<double> ranges = read(array);
@@ -307,8 +326,8 @@ struct RecordedRun::Impl {
           if (place == k_none || std::ranges::none_of(of_body, [](double range) { return range > 0; }))
             continue;
           Pose by_joint;
-          if (eye.joint >= 0 && !moved.empty())
-            by_joint = moved[array.bodies[r]][static_cast<std::size_t>(eye.joint)].pose();
+          if (ranger.joint >= 0 && !moved.empty())
+            by_joint = moved[array.bodies[r]][static_cast<std::size_t>(ranger.joint)].pose();
           shown.scans.push_back({place, static_cast<std::uint32_t>(index), shown.ranges.size(), by_joint});
           for (const double range : of_body) shown.ranges.push_back(static_cast<float>(range));
         }
@@ -400,14 +419,14 @@ FrameScene RecordedRun::scene() const {
     const RecordedScene::Type& type = impl_->world.types[t];
     scene.types.push_back(type.look);
     scene.types.back().name = type.name;
-    for (const RecordedScene::Eye& eye : type.eyes) {
-      engine::FrameRanger ranger{static_cast<std::uint32_t>(t), 0, {}};
-      for (const RecordedScene::Fan& fan : eye.fans) {
-        ranger.transducers.push_back(
-            {fan.pose_body_fan, fan.range_max_m, fan.fov_rad, ranger.readings, fan.beams});
-        ranger.readings += fan.beams;
+    for (const RecordedScene::Ranger& ranger : type.rangers) {
+      engine::FrameRanger shown{static_cast<std::uint32_t>(t), 0, {}};
+      for (const RecordedScene::Transducer& each : ranger.transducers) {
+        shown.transducers.push_back(
+            {each.pose_body_transducer, each.range_max_m, each.fov_rad, shown.readings, each.beams});
+        shown.readings += each.beams;
       }
-      scene.rangers.push_back(std::move(ranger));
+      scene.rangers.push_back(std::move(shown));
     }
   }
   const std::vector<std::uint8_t> alive = checked([&] { return impl_->reader.alive(0); });
@@ -490,16 +509,7 @@ Frame RecordedRun::frame(const FrameWishes& wishes) const {
   return checked([&] {
     Frame shown = impl_->bodies();
     if (wishes.scans) impl_->add_scans(shown);
-    if (wishes.charges) {
-      const std::vector<double> stored = impl_->values(shown, "sensors", "stored", 0);
-      const std::vector<double> capacity = impl_->values(shown, "sensors", "capacity", 0);
-      const std::vector<double> infinite = impl_->values(shown, "sensors", "infinite", 0);
-      for (std::size_t i = 0; i < stored.size(); ++i) {
-        const engine::Energy pack{
-            .stored_j = stored[i], .capacity_j = capacity[i], .infinite = infinite[i] == 1};
-        shown.charges.push_back(std::isnan(stored[i]) ? k_nan : pack.proportion_remaining());
-      }
-    }
+    if (wishes.charges) shown.charges = impl_->charges(shown);
     if (wishes.names)
       for (const engine::FrameBody& body : shown.mobile)
         shown.names.push_back(impl_->world.bodies[body.id].name);

@@ -20,6 +20,22 @@ using engine::WorldSpec;
 
 constexpr std::size_t k_most_names = 100;  // names in an error
 
+/// Returns the error that `robots` names neither a type nor a population nor a robot.
+Error unknown_name_of_robots(const WorldSpec& world, const std::string& robots) {
+  std::vector<std::string> names;
+  for (const TypeSpec& type : world.types)
+    if (engine::is_mobile(type)) names.push_back(type.name);
+  for (std::size_t b = 1; b < world.bodies.size(); ++b) {
+    if (!engine::is_mobile(world.type(BodyId(b)))) continue;
+    const std::string name = world.name(BodyId(b));
+    const std::string_view population = engine::without_number(name);
+    const std::string_view listed = population.empty() ? std::string_view(name) : population;
+    if (std::ranges::find(names, listed) == names.end()) names.emplace_back(listed);
+    if (names.size() >= k_most_names) break;
+  }
+  return {unknown_name("type, population or robot", robots, {names.begin(), names.end()})};
+}
+
 /// Returns the types that `robots` selects (Script::Controller::robots). The error says why there are none.
 Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::string& robots) {
   std::vector<std::size_t> types;
@@ -50,20 +66,8 @@ Result<std::vector<std::size_t>> types_of(const WorldSpec& world, const std::str
           world.types[t].name, robots)};
     types.push_back(t);
   }
-  if (!types.empty()) return types;
-  std::vector<std::string> names;
-  for (const TypeSpec& type : world.types)
-    if (engine::is_mobile(type)) names.push_back(type.name);
-  for (std::size_t b = 1; b < world.bodies.size(); ++b) {
-    if (!engine::is_mobile(world.type(BodyId(b)))) continue;
-    const std::string name = world.name(BodyId(b));
-    const std::string_view population = engine::without_number(name);
-    const std::string_view listed = population.empty() ? std::string_view(name) : population;
-    if (std::ranges::find(names, listed) == names.end()) names.emplace_back(listed);
-    if (names.size() >= k_most_names) break;
-  }
-  const std::vector<std::string_view> known(names.begin(), names.end());
-  return Error{unknown_name("type, population or robot", robots, known)};
+  if (types.empty()) return unknown_name_of_robots(world, robots);
+  return types;
 }
 
 /// Adapts the interventions that set parameters of controllers of the type `t`, whose controllers are now

@@ -276,8 +276,7 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
   if (options.simulation.distribute && !options.simulation.processes && std::ranges::max(options.ranks) < 2)
     throw InputError(
         "--distribute: error: no run of this check has several ranks, so no robots would be distributed: "
-        "give "
-        "numbers of ranks, as in --ranks 2,3");
+        "give numbers of ranks, as in --ranks 2,3");
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
   for (const std::string& warning : first.warnings()) print_message(fmt::format("{}\n", warning));

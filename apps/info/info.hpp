@@ -11,7 +11,6 @@ class App;
 
 namespace troupe::apps {
 
-/// Options of `troupe info`.
 struct InfoOptions {
   std::filesystem::path file;  ///< file to summarise
   KindSources sources;         ///< plug-ins and scripts with which a world or a study will run

@@ -168,8 +168,8 @@ class PicturesOutput : public ClonedOutput<PicturesOutput> {
       std::unique_ptr<Snapshots> snapshots;
       std::unique_ptr<Filming> film;
     };
-    const auto prepared =
-        std::make_shared<Prepared>();  // shared, because the returned function must be copyable
+    // Shared, because the returned function must be copyable.
+    const auto prepared = std::make_shared<Prepared>();
     if (!pictures_.snapshot.empty())
       prepared->snapshots = std::make_unique<Snapshots>(pictures_, simulation, end_tick);
     if (!pictures_.film.empty())

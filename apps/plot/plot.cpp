@@ -53,8 +53,7 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
   add_text(command, "--over", "NAME", "Parameter on the x axis (default: the time)", options.over);
   add_text(command, "--by", "NAME,...",
            "Parameters: one line per combination of their values; a name that contains a comma is in double "
-           "quotes, "
-           "as in CSV (default: those that vary)",
+           "quotes, as in CSV (default: those that vary)",
            options.by);
   add_text(command, "--title", "TEXT", "Title above the plot", options.title);
   add_value(command, "-o,--out", "FILE",

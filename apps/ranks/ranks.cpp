@@ -208,43 +208,59 @@ struct Peers {
   unsigned sharing = 1;            ///< count_sharing() of this rank
 };
 
+/// What each rank tells rank 0 in meet().
+struct Introduction {
+  RankPlace place;
+  std::string version;
+  std::string arguments;
+  std::uint64_t contents = 0;  ///< program_contents()
+};
+
+Introduction get_introduction(MessageReader& message) {
+  Introduction other;
+  other.place.host = message.get_text();
+  other.version = message.get_text();
+  other.arguments = message.get_text();
+  // Other versions may send less.
+  if (!message.is_done()) other.contents = message.get<std::uint64_t>();
+  if (!message.is_done()) other.place.processors = message.get_text();
+  return other;
+}
+
+/// Returns the error if a rank and rank 0 run different programs or have different arguments, or else "".
+std::string difference_of(unsigned rank, const Introduction& other, const Introduction& rank_0) {
+  if (other.version != rank_0.version)
+    return fmt::format(
+        "troupe: error: rank {} on {} runs {}, but rank 0 on {} runs {}: start the same program on all ranks",
+        rank, other.place.host, other.version, rank_0.place.host, rank_0.version);
+  if (other.contents != rank_0.contents)
+    return fmt::format(
+        "troupe: error: rank {} on {} runs another build of {} than rank 0 on {}: start the same "
+        "program file on all ranks",
+        rank, other.place.host, rank_0.version, rank_0.place.host);
+  if (other.arguments != rank_0.arguments)
+    return fmt::format(
+        "troupe: error: rank {} on {} was started with the arguments{}, but rank 0 with{}: give all ranks "
+        "the same arguments",
+        rank, other.place.host, other.arguments, rank_0.arguments);
+  return {};
+}
+
 /// Compares the program, its version and its arguments on all ranks. Throws InputError on all ranks if they
 /// differ. limit_s: the longest time that ending the connection may take, s
 Peers meet(MpiTransport& transport, double limit_s) {
   Peers peers;
-  std::vector<RankPlace> places{{host(), partition::affinity_list()}};  // on rank 0, later of all ranks
-  const std::string version = version_line();
-  const std::uint64_t contents = program_contents();
-  const std::string given = arguments();
+  const Introduction own{
+      {host(), partition::affinity_list()}, version_line(), arguments(), program_contents()};
   std::string difference;
   if (transport.rank() == 0) {
+    std::vector<RankPlace> places{own.place};
     for (unsigned rank = 1; rank < transport.ranks(); ++rank) {
       const auto letter = transport.receive(rank);
       MessageReader message(*letter);
-      RankPlace& place = places.emplace_back();
-      place.host = message.get_text();
-      const std::string version_there = message.get_text();
-      const std::string given_there = message.get_text();
-      // Other versions may send less.
-      const auto contents_there = message.is_done() ? 0 : message.get<std::uint64_t>();
-      if (!message.is_done()) place.processors = message.get_text();
-      if (!difference.empty()) continue;
-      if (version_there != version)
-        difference = fmt::format(
-            "troupe: error: rank {} on {} runs {}, but rank 0 on {} runs {}: start the same program on all "
-            "ranks",
-            rank, place.host, version_there, places.front().host, version);
-      else if (contents_there != contents)
-        difference = fmt::format(
-            "troupe: error: rank {} on {} runs another build of {} than rank 0 on {}: start the same program "
-            "file on all ranks",
-            rank, place.host, version, places.front().host);
-      else if (given_there != given)
-        difference = fmt::format(
-            "troupe: error: rank {} on {} was started with the arguments{}, but rank 0 with{}: give all "
-            "ranks "
-            "the same arguments",
-            rank, place.host, given_there, given);
+      const Introduction other = get_introduction(message);
+      places.push_back(other.place);
+      if (difference.empty()) difference = difference_of(rank, other, own);
     }
     MessageWriter verdict;
     verdict.put_text(difference);
@@ -253,13 +269,13 @@ Peers meet(MpiTransport& transport, double limit_s) {
     transport.send_to_all(std::move(verdict));
     peers.sharing = count_sharing(places, 0);
   } else {
-    MessageWriter own;
-    own.put_text(places.front().host);
-    own.put_text(version);
-    own.put_text(given);
-    own.put(contents);
-    own.put_text(places.front().processors);
-    transport.send(0, std::move(own));
+    MessageWriter message;
+    message.put_text(own.place.host);
+    message.put_text(own.version);
+    message.put_text(own.arguments);
+    message.put(own.contents);
+    message.put_text(own.place.processors);
+    transport.send(0, std::move(message));
     const auto letter = transport.receive(0);
     MessageReader verdict(*letter);
     difference = verdict.get_text();

@@ -290,6 +290,7 @@ class Conflicts::Resolver {
   double zone_radius(std::size_t row) const;
   template <class Visit>
   void for_each_zone(std::uint32_t row, Visit&& visit) const;
+  class RowList;
   struct Place;
   struct Pushed;
   Place place_now(const Mover& mover, std::uint32_t row) const;
@@ -300,7 +301,9 @@ class Conflicts::Resolver {
   Transform pushed_to(std::uint32_t row, const Vec2& position) const;
   bool goes_first(std::uint32_t a, std::uint32_t b) const;
   bool meet(std::uint32_t a, const PlacedShape& at_a, std::uint32_t b, const PlacedShape& at_b) const;
+  void find_near(Mover& mover, std::size_t limit, RowList& pushable, RowList& others) const;
   bool push(Mover& mover);
+  void record(std::uint32_t row, std::span<const Pushed> pushed);
   bool make_way(std::uint32_t row, const PlacedShape& mover, std::span<const std::uint32_t> pushable,
                 std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count) const;
   bool can_stand(Mover& mover, const Pushed& pushed, std::span<const std::uint32_t> bodies) const;

@@ -312,8 +312,8 @@ class Conflicts {
   std::vector<PushesOf> pushes_of_;
   std::vector<Push> pushes_;
   std::size_t push_count_ = 0;  // entries in use of pushes_. Accessed atomically while threads resolve rows
-  std::vector<std::uint32_t>
-      pushed_last_;  // one per row: index of its last push in pushes_, plus 1; 0: none. Accessed atomically
+  // One per row: index of its last push in pushes_, plus 1; 0: none. Accessed atomically.
+  std::vector<std::uint32_t> pushed_last_;
 };
 
 }  // namespace troupe::engine

@@ -12,31 +12,28 @@
 /// The parts of conflict resolution that worlds with pushable bodies need.
 
 namespace troupe::engine {
-namespace {
 
-/// A list of numbers that allocates memory only for more than 512 numbers, which are rare.
-class Few {
+/// A list of rows that allocates memory only for more than 512 rows, which are rare.
+class Conflicts::Resolver::RowList {
  public:
-  void add(std::uint32_t n) {
-    if (count_ < few_.size()) {
-      few_[count_] = n;
+  void add(std::uint32_t row) {
+    if (count_ < first_.size()) {
+      first_[count_] = row;
     } else {
-      if (count_ == few_.size()) many_.assign(few_.begin(), few_.end());
-      many_.push_back(n);
+      if (count_ == first_.size()) all_.assign(first_.begin(), first_.end());
+      all_.push_back(row);
     }
     ++count_;
   }
   std::span<std::uint32_t> all() {
-    return count_ <= few_.size() ? std::span(few_).first(count_) : std::span(many_);
+    return count_ <= first_.size() ? std::span(first_).first(count_) : std::span(all_);
   }
 
  private:
-  std::array<std::uint32_t, 512> few_;
-  std::vector<std::uint32_t> many_;
+  std::array<std::uint32_t, 512> first_;
+  std::vector<std::uint32_t> all_;
   std::size_t count_ = 0;
 };
-
-}  // namespace
 
 /// A body that a pusher pushes, and positions of the origin of the pushed body, m, world frame.
 struct Conflicts::Resolver::Pushed {
@@ -176,23 +173,18 @@ bool Conflicts::Resolver::meet(std::uint32_t a, const PlacedShape& at_a, std::ui
   return goes_first(a, b) ? overlap(at_a, at_b) : overlap(at_b, at_a);
 }
 
-/// Returns whether the motion of the mover is free, or becomes free by pushing other bodies. In the second
-/// case, records the pushes.
-bool Conflicts::Resolver::push(Mover& mover) {
-  const std::size_t limit =
-      conflicts_.zones_[mover.row] == Zone::pushes ? crowd_.pushables.limits[mover.row] : 0;
+/// Lists the rows near the mover: those that it can push, and all others, which may therefore block it.
+void Conflicts::Resolver::find_near(Mover& mover, std::size_t limit, RowList& pushable,
+                                    RowList& others) const {
   const Vec2 from = mover.from.position();
   const double reach = zone_radius(mover.row);
-  conflicts_.pushes_of_[mover.row] = {};
-  Few bodies;  // rows near the mover that it cannot push, and that may therefore block it
-  Few others;  // rows near the mover that it can push
   const auto add = [&](std::uint32_t row) {
     const Place now = place_now(mover, row);
     if (!partition::in_reach(from, reach, now.at.position, crowd_.shapes[row]->radius)) return;
     const bool gives_way =
         limit > 0 && is_pushable(row) &&
         !meet(mover.row, mover.here(), row, PlacedShape(*crowd_.shapes[row], now.at, now.z));
-    (gives_way ? others : bodies).add(row);
+    (gives_way ? pushable : others).add(row);
   };
   // A body that was already pushed in this tick is found through the row that pushed it last, because the
   // index contains only the old position of the body, which may be far from the present one.
@@ -208,11 +200,22 @@ bool Conflicts::Resolver::push(Mover& mover) {
       add(row);
     }
   });
-  for (const std::uint32_t row : bodies.all()) {
+}
+
+/// Returns whether the motion of the mover is free, or becomes free by pushing other bodies. In the second
+/// case, records the pushes.
+bool Conflicts::Resolver::push(Mover& mover) {
+  const std::size_t limit =
+      conflicts_.zones_[mover.row] == Zone::pushes ? crowd_.pushables.limits[mover.row] : 0;
+  conflicts_.pushes_of_[mover.row] = {};
+  RowList near_pushable;
+  RowList near_others;
+  find_near(mover, limit, near_pushable, near_others);
+  for (const std::uint32_t row : near_others.all()) {
     const Place now = place_now(mover, row);
     if (blocks(mover, row, now.z, now.at)) return false;
   }
-  const std::span<std::uint32_t> pushable = others.all();
+  const std::span<std::uint32_t> pushable = near_pushable.all();
   if (pushable.empty()) return true;
   std::ranges::sort(pushable, {}, [&](std::uint32_t row) { return crowd_.ids[row]; });
 
@@ -226,19 +229,23 @@ bool Conflicts::Resolver::push(Mover& mover) {
     if (!make_way(mover.row, PlacedShape(mover.shape, at, pose.z), pushable, limit, set, count)) return false;
     for (Pushed& pushed : std::span(set).first(count)) {
       if (pushed.now == pushed.last) continue;
-      if (!can_stand(mover, pushed, bodies.all())) return false;
+      if (!can_stand(mover, pushed, near_others.all())) return false;
       pushed.last = pushed.now;
     }
   }
-  if (count == 0) return true;
-  const std::size_t first = atomic(conflicts_.push_count_).fetch_add(count, std::memory_order_relaxed);
-  conflicts_.pushes_of_[mover.row] = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
-  for (std::size_t i = 0; i < count; ++i) {
-    conflicts_.pushes_[first + i] = {set[i].row, set[i].now};
-    atomic(conflicts_.pushed_last_[set[i].row])
+  if (count > 0) record(mover.row, std::span(set).first(count));
+  return true;
+}
+
+void Conflicts::Resolver::record(std::uint32_t row, std::span<const Pushed> pushed) {
+  const std::size_t first =
+      atomic(conflicts_.push_count_).fetch_add(pushed.size(), std::memory_order_relaxed);
+  conflicts_.pushes_of_[row] = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(pushed.size())};
+  for (std::size_t i = 0; i < pushed.size(); ++i) {
+    conflicts_.pushes_[first + i] = {pushed[i].row, pushed[i].now};
+    atomic(conflicts_.pushed_last_[pushed[i].row])
         .store(static_cast<std::uint32_t>(first + i + 1), std::memory_order_release);
   }
-  return true;
 }
 
 /// Makes passes (class Conflicts, `pushing`) until no bodies overlap. In a pass, first the mover at this

@@ -19,9 +19,10 @@ using Record = std::vector<Value>;
 
 /// The value of a parameter, in SI units, or no value.
 struct Value {
+  /// The value; std::monostate: no value was given.
   std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>,
                std::vector<Record>, std::vector<std::string>>
-      v;  ///< the value; std::monostate: no value was given
+      v;
 
   // None of these functions is inline: nearly every source file makes and copies records, and each would
   // instantiate the variant's members again.

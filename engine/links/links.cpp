@@ -93,7 +93,7 @@ void Links::build() {
   for (auto* buffers : {&shapes_, &moved_, &on_the_way_}) resize_with_room(*buffers, composites_.size());
   resize_with_room(samples_, composites_.size());
   resize_with_room(lifts_, composites_.size());
-  resize_with_room(refused_, composites_.size());
+  resize_with_room(blocked_, composites_.size());
   near_.resize(std::max(near_.size(), (composites_.size() + k_trees_per_task - 1) / k_trees_per_task));
   for (std::vector<std::uint32_t>& list : near_) list.reserve(k_room_near);
 
@@ -174,7 +174,7 @@ void Links::forget() {
   for (auto* buffers : {&shapes_, &moved_, &on_the_way_})
     for (ShapeBuffer& buffer : *buffers) buffer.begin();
   for (auto* list : {&samples_, &state_.roots, &first_cargo_, &next_cargo_}) std::ranges::fill(*list, k_junk);
-  for (auto* list : {&lifts_, &refused_}) std::ranges::fill(*list, std::uint8_t{1});
+  for (auto* list : {&lifts_, &blocked_}) std::ranges::fill(*list, std::uint8_t{1});
   state_.now.carried = k_junk;
   asked_ = true;
 }
@@ -369,11 +369,11 @@ void Links::resolve_joints(double longest_motion, Border* border) {
     if (longest == 0) continue;
     reach += value_of(longest) + partition::k_rounding_m;
     for_roots([&](std::size_t c, std::uint32_t r) {
-      if (samples_[c] > 0 && r < state_.own_rows) refused_[c] = refuses_joints(c, Row(r), round, reach);
+      if (samples_[c] > 0 && r < state_.own_rows) blocked_[c] = joints_blocked(c, Row(r), round, reach);
     });
     if (border) border->exchange_blocked(*this);
     for_roots([&](std::size_t c, std::uint32_t r) {
-      if (samples_[c] > 0) answer_joints(Row(r), round, refused_[c] != 0);
+      if (samples_[c] > 0) answer_joints(Row(r), round, blocked_[c] != 0);
     });
   }
 }
@@ -429,7 +429,7 @@ Links::Way Links::aim_joints(const TreeBody& body, std::size_t round, double t, 
 /// point moves, m; 0 if no joint of the tree moves in this round.
 double Links::ask_joints(std::size_t c, Row root, std::size_t round) {
   samples_[c] = 0;
-  refused_[c] = 0;
+  blocked_[c] = 0;
   const auto is_asked = [](const Joint& joint) { return joint.state == Goal::asked; };
   const bool carries = first_cargo_[root.index()] != k_none;
   if (!carries && std::ranges::none_of(joints(root), is_asked)) return 0;
@@ -456,7 +456,7 @@ double Links::ask_joints(std::size_t c, Row root, std::size_t round) {
   return way;
 }
 
-bool Links::refuses_joints(std::size_t c, Row root, std::size_t round, double reach) {
+bool Links::joints_blocked(std::size_t c, Row root, std::size_t round, double reach) {
   ShapeBuffer& on_the_way = on_the_way_[c];
   const Transform& at = state_.view.transform(root);
   const double z = state_.poses()[root.index()].z;
@@ -482,7 +482,7 @@ bool Links::refuses_joints(std::size_t c, Row root, std::size_t round, double re
       // Only a vertical motion can bring a piece into a solid without crossing one of the solid's edges.
       if (lifts_[c] != 0 && state_.scene.swallowed(after, passes)) return true;
     }
-    if (others_refuse(root, others, before, after)) return true;
+    if (blocked_by_others(root, others, before, after)) return true;
   }
   return false;
 }
@@ -525,8 +525,8 @@ std::span<const std::uint32_t> Links::roots_near(std::size_t c, Row root, double
 
 /// Whether the moving pieces of a tree, as placed in `after`, overlap another tree that the whole tree, as
 /// placed in `before`, does not overlap. `others`: the trees to test, roots_near()
-bool Links::others_refuse(Row root, std::span<const std::uint32_t> others, const PlacedShape& before,
-                          const PlacedShape& after) const {
+bool Links::blocked_by_others(Row root, std::span<const std::uint32_t> others, const PlacedShape& before,
+                              const PlacedShape& after) const {
   const auto meets = [&](Row other, const PlacedShape& mine, const ObstacleShape& shape) {
     const Transform& at = state_.view.transform(other);
     if (!partition::in_reach(mine.position(), mine.shape().radius, at.position, shape.radius)) return false;
@@ -558,9 +558,9 @@ void Links::mark_joints(Row row, std::size_t round, Goal state) {
     mark_joints(Row(c), round, state);
 }
 
-/// Ends a round of resolution for a body and for all bodies that it carries. If `refused` is false, their
+/// Ends a round of resolution for a body and for all bodies that it carries. If `blocked` is false, their
 /// joints move to their goals. If it is true, the joints stay, and are marked as blocked.
-void Links::answer_joints(Row row, std::size_t round, bool refused) {
+void Links::answer_joints(Row row, std::size_t round, bool blocked) {
   const BodyType& type = state_.type(row);
   if (round < type.joint_devices.size()) {
     const BodyType::Device& device = type.devices[type.joint_devices[round]];
@@ -568,18 +568,18 @@ void Links::answer_joints(Row row, std::size_t round, bool refused) {
     for (std::size_t n = 0; n < device.kind->joints.size(); ++n) {
       const std::size_t j = static_cast<std::size_t>(device.moves) + n;
       if (all[j].state != Goal::asked) continue;
-      all[j].state = refused ? Goal::refused : Goal::moved;
-      if (!refused) state_.joint_state(row, j) = all[j].goal;
+      all[j].state = blocked ? Goal::refused : Goal::moved;
+      if (!blocked) state_.joint_state(row, j) = all[j].goal;
     }
   }
-  if (!refused) {
+  if (!blocked) {
     move_to_joints(row);
     // carry() updates the outlines of carried bodies.
     if (state_.roots[row.index()] == row.value) state_.update_outlines(row, type, state_.view.transform(row));
   }
   for (std::uint32_t c = first_cargo_[row.index()]; c != k_none; c = next_cargo_[c])
-    answer_joints(Row(c), round, refused);
-  if (!refused) reshape(row.value);
+    answer_joints(Row(c), round, blocked);
+  if (!blocked) reshape(row.value);
 }
 
 // ---- Cargo

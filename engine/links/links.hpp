@@ -138,10 +138,10 @@ class Links {
   bool moves_joints(Row root) const;
   /// For a Border: whether the motion of the joints of the tree with this root is blocked in the present
   /// round of resolve_joints().
-  bool is_blocked(Row root) const { return refused_[composite_of_[root.index()]] != 0; }
+  bool is_blocked(Row root) const { return blocked_[composite_of_[root.index()]] != 0; }
   /// For a Border: marks the motion of the joints of the tree with this root as blocked in the present round
   /// of resolve_joints(). moves_joints() must be true for the root.
-  void block(Row root) { refused_[composite_of_[root.index()]] = 1; }
+  void block(Row root) { blocked_[composite_of_[root.index()]] = 1; }
 
   /// State of the motion of a joint in this tick.
   Goal goal(Row row, std::size_t joint) const { return joints(row)[joint].state; }
@@ -189,12 +189,12 @@ class Links {
   void add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const;
   Way aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
   double ask_joints(std::size_t c, Row root, std::size_t round);
-  bool refuses_joints(std::size_t c, Row root, std::size_t round, double reach);
+  bool joints_blocked(std::size_t c, Row root, std::size_t round, double reach);
   std::span<const std::uint32_t> roots_near(std::size_t c, Row root, double reach);
-  bool others_refuse(Row root, std::span<const std::uint32_t> others, const partition::PlacedShape& before,
-                     const partition::PlacedShape& after) const;
+  bool blocked_by_others(Row root, std::span<const std::uint32_t> others,
+                         const partition::PlacedShape& before, const partition::PlacedShape& after) const;
   void mark_joints(Row row, std::size_t round, Goal state);
-  void answer_joints(Row row, std::size_t round, bool refused);
+  void answer_joints(Row row, std::size_t round, bool blocked);
   void carry_cargo_of(Row carrier);
   template <class Work>
   void for_roots(Work&& work);
@@ -217,7 +217,7 @@ class Links {
   std::vector<ShapeBuffer> on_the_way_;  // the same pieces, at the pose that is tested now
   std::vector<std::uint32_t> samples_;   // number of poses to test in this round; 0: no motion
   std::vector<std::uint8_t> lifts_;      // 1 if a joint moves vertically in this round
-  std::vector<std::uint8_t> refused_;    // 1 if the motion of this round is blocked
+  std::vector<std::uint8_t> blocked_;    // 1 if the motion of this round is blocked
   // One per task of for_roots(): the roots of the trees near the tree that is tested now.
   std::vector<std::vector<std::uint32_t>> near_;
 

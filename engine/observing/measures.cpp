@@ -108,59 +108,56 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
     : world_(world) {
   world.require_whole();
   world.gather_distributed();
-  for (const MeasureSpec& spec : specs) {
-    const auto index = static_cast<std::size_t>(&spec - specs.data());
+  for (std::size_t i = 0; i < specs.size(); ++i) {
     const auto error = [&](const std::string& message) {
-      diagnostics.error(spec.where,
-                        index < paths.size() ? fmt::format("{}: {}", paths[index], message) : message);
+      diagnostics.error(specs[i].where,
+                        i < paths.size() ? fmt::format("{}: {}", paths[i], message) : message);
     };
-    const auto found = registry.find_measure(spec.kind);
-    if (!found) {
-      error(found.error().text);
-      continue;
-    }
-    const MeasureKind* kind = *found;
-    std::vector<BodyId> robots = robots_of(world, spec.of);
-    if (robots.empty() && !spec.of.empty() && !is_name_of_no_robots(world, spec.of)) {
-      error(unknown_robots(world, spec.of));
-      continue;
-    }
-    std::string column = measure_name(spec, unit_suffixes(kind->unit).front().suffix);
-    if (column == "tick" || column == "time_s") {  // the first columns of every table of measures
-      error(
-          fmt::format("a measure cannot have the column \"{}\", which contains the time in tables of "
-                      "measures: give the measure another \"name\"",
-                      column));
-      continue;
-    }
-    if (std::ranges::find(columns_, column) != columns_.end()) {
-      error(fmt::format("two measures have the column \"{}\": give one of them another \"name\"", column));
-      continue;
-    }
-    std::size_t memory_bytes = 0;
     try {
-      std::unique_ptr<Measure> measure = make_measure(*kind, world, spec.params, robots);
-      memory_bytes = measure->memory().size();
-      measures_.push_back(std::move(measure));
+      if (const Result<> added = add(specs[i], registry); !added) error(added.error().text);
     } catch (const std::length_error& thrown) {
       if (too_large != nullptr)
-        too_large->push_back(index);
+        too_large->push_back(i);
       else
-        error(fmt::format("{}: {}", spec.kind, thrown.what()));
-      continue;
-    } catch (const std::logic_error& thrown) {
-      error(fmt::format("{}: {}", spec.kind, thrown.what()));
-      continue;
-    } catch (...) {
-      if (kind->is_foreign) throw;
-      error(fmt::format("measure \"{}\" {}", spec.kind, thrown_text()));
-      continue;
+        error(fmt::format("{}: {}", specs[i].kind, thrown.what()));
     }
-    parts_.push_back({kind, spec.params, std::move(robots), memory_bytes, identity_of(spec)});
-    columns_.push_back(std::move(column));
   }
   note_present();
   see_all(world_, parts_, columns_, measures_);
+}
+
+Result<> MeasureSet::add(const MeasureSpec& spec, const Registry& registry) {
+  const auto found = registry.find_measure(spec.kind);
+  if (!found) return found.error();
+  const MeasureKind* kind = *found;
+  std::vector<BodyId> robots = robots_of(world_, spec.of);
+  if (robots.empty() && !spec.of.empty() && !is_name_of_no_robots(world_, spec.of))
+    return Error{unknown_robots(world_, spec.of)};
+  std::string column = measure_name(spec, unit_suffixes(kind->unit).front().suffix);
+  if (column == "tick" || column == "time_s")  // the first columns of every table of measures
+    return Error{
+        fmt::format("a measure cannot have the column \"{}\", which contains the time in tables of "
+                    "measures: give the measure another \"name\"",
+                    column)};
+  if (std::ranges::find(columns_, column) != columns_.end())
+    return Error{
+        fmt::format("two measures have the column \"{}\": give one of them another \"name\"", column)};
+  std::size_t memory_bytes = 0;
+  try {
+    std::unique_ptr<Measure> measure = make_measure(*kind, world_, spec.params, robots);
+    memory_bytes = measure->memory().size();
+    measures_.push_back(std::move(measure));
+  } catch (const std::length_error&) {
+    throw;
+  } catch (const std::logic_error& thrown) {
+    return Error{fmt::format("{}: {}", spec.kind, thrown.what())};
+  } catch (...) {
+    if (kind->is_foreign) throw;
+    return Error{fmt::format("measure \"{}\" {}", spec.kind, thrown_text())};
+  }
+  parts_.push_back({kind, spec.params, std::move(robots), memory_bytes, identity_of(spec)});
+  columns_.push_back(std::move(column));
+  return {};
 }
 
 void MeasureSet::note_present() {

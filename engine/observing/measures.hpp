@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/exact_sum.hpp"
+#include "base/result.hpp"
 #include "engine/kinds/measure_kind.hpp"
 #include "engine/world/world.hpp"
 
@@ -99,6 +100,8 @@ class MeasureSet {
     std::size_t memory_bytes;  // of a new measure
     std::uint64_t identity;    // identity_of()
   };
+  /// Adds a measure. The error says why it cannot be added. Throws std::length_error as MeasureKind::make.
+  Result<> add(const MeasureSpec& spec, const Registry& registry);
   void begin();
   void note_present();  // stores the tick and the seed of the world
 

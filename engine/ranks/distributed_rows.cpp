@@ -107,15 +107,13 @@ void DistributedRows::add_candidates(std::vector<Experiment::Candidate>& candida
     own.put(candidate.body);
   }
   post_.send_to_all(std::move(own));
-  for (unsigned from = 0; from < post_.ranks; ++from) {
-    if (from == post_.rank) continue;
-    ReceivedOrder received = post_.receive(Order::candidates, from);
-    while (!received.rest.is_done()) {
+  post_.receive_from_all(Order::candidates, [&](unsigned, MessageReader& message) {
+    while (!message.is_done()) {
       Experiment::Candidate& candidate = candidates.emplace_back();
-      candidate.key = received.rest.get<std::uint64_t>();
-      candidate.body = received.rest.get_below<BodyId>(world_.spec().bodies.size());
+      candidate.key = message.get<std::uint64_t>();
+      candidate.body = message.get_below<BodyId>(world_.spec().bodies.size());
     }
-  }
+  });
 }
 
 void DistributedRows::put_rows_of(unsigned, MessageWriter&) const { throw_collective(); }

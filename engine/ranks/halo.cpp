@@ -50,6 +50,37 @@ partition::GridGeometry owned_squares(const World& world) {
 /// The place of the row's body (class Halo, `owners`), m, world frame.
 Vec2 place_of(const World& world, Row row) { return world.transform(world.root(row)).position; }
 
+/// The keys of the squares of all bodies in the world among the first `rows` rows, sorted.
+std::vector<TileOwners::Key> sorted_keys(const World& world, std::size_t rows) {
+  std::vector<TileOwners::Key> keys;
+  for (std::size_t r = 0; r < rows; ++r)
+    if (world.is_there(Row(r)))
+      keys.push_back(TileOwners::key(owned_squares(world), place_of(world, Row(r))));
+  std::ranges::sort(keys);
+  return keys;
+}
+
+/// The key of a square, and the part of the time of its rank that counts for the key, ns.
+struct WeightedKey {
+  TileOwners::Key key;
+  std::uint64_t weight;
+};
+
+/// Returns the keys at which the list must be cut so that each rank gets about the same weight.
+std::vector<TileOwners::Key> weighted_cut(std::vector<WeightedKey> all, unsigned ranks) {
+  std::ranges::sort(all, {}, [](const WeightedKey& each) { return std::pair(each.key, each.weight); });
+  std::uint64_t total = 0;
+  for (const WeightedKey& each : all) total += each.weight;
+  std::vector<TileOwners::Key> cut;
+  std::uint64_t before = 0;
+  for (const WeightedKey& each : all) {
+    while (cut.size() + 1 < ranks && before >= total / ranks * (cut.size() + 1)) cut.push_back(each.key);
+    before += each.weight;
+  }
+  cut.resize(ranks - 1, all.empty() ? 0 : all.back().key + 1);
+  return cut;
+}
+
 }  // namespace
 
 Halo::Extent Halo::extent_of(const World& world) {
@@ -141,11 +172,7 @@ Halo::Halo(World& world, std::span<StateTable> tables, Links& links, std::vector
 HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
   HaloPlan plan{.coverage_m = Halo::extent_of(world).of_all(longest_motion) + k_skin_motions * longest_motion,
                 .ranks = std::vector<HaloPlan::Rank>(ranks)};
-  std::vector<TileOwners::Key> keys;
-  for (std::size_t r = 0; r < world.rows(); ++r)
-    if (world.is_there(Row(r)))
-      keys.push_back(TileOwners::key(owned_squares(world), place_of(world, Row(r))));
-  std::ranges::sort(keys);
+  const std::vector<TileOwners::Key> keys = sorted_keys(world, world.rows());
   const TileOwners owners(owned_squares(world), TileOwners::equal_cut(keys, ranks));
   std::vector<std::set<unsigned>> neighbours(ranks);
   std::vector<unsigned> near;
@@ -185,10 +212,7 @@ void Halo::choose_coverage(double longest) {
 }
 
 void Halo::divide() {
-  keys_.clear();
-  for (std::size_t r = 0; r < world_.rows(); ++r)
-    if (world_.is_there(Row(r))) keys_.push_back(TileOwners::key(owned_squares(world_), place(Row(r))));
-  std::ranges::sort(keys_);
+  keys_ = sorted_keys(world_, world_.rows());
   owners_ = TileOwners(owned_squares(world_), TileOwners::equal_cut(keys_, post_.ranks));
   if (cut_seed_)
     cut_again();
@@ -237,47 +261,24 @@ void Halo::cut_again() {
 void Halo::balance(std::span<const std::uint64_t> times) {
   // Each rank sends the keys of at most k_most_keys of its rows, evenly spaced in the order of keys.
   constexpr std::size_t k_most_keys = 512;
-  std::vector<TileOwners::Key> keys;
-  for (std::size_t r = 0; r < own_; ++r)
-    if (world_.is_there(Row(r))) keys.push_back(TileOwners::key(owned_squares(world_), place(Row(r))));
-  std::ranges::sort(keys);
+  const std::vector<TileOwners::Key> keys = sorted_keys(world_, own_);
   const std::size_t sent = std::min(keys.size(), k_most_keys);
-  MessageWriter own = post_.begin(Order::rows);
-  for (std::size_t i = 0; i < sent; ++i) own.put(keys[(2 * i + 1) * keys.size() / (2 * sent)]);
-  const auto message = std::make_shared<const partition::Message>(own.take());
-  struct Weighted {
-    TileOwners::Key key;
-    std::uint64_t weight;
+  std::vector<TileOwners::Key> own;
+  for (std::size_t i = 0; i < sent; ++i) own.push_back(keys[(2 * i + 1) * keys.size() / (2 * sent)]);
+  MessageWriter message = post_.begin(Order::rows);
+  message.put_bytes(std::as_bytes(std::span(own)));
+  post_.send_to_all(std::move(message));
+  std::vector<WeightedKey> all;
+  const auto add = [&](unsigned from, std::span<const TileOwners::Key> some) {
+    for (const TileOwners::Key key : some) all.push_back({key, 1 + times[from] / some.size()});
   };
-  std::vector<Weighted> all;
-  for (unsigned to = 0; to < post_.ranks; ++to)
-    if (to != post_.rank) post_.send(to, message);
-  for (unsigned from = 0; from < post_.ranks; ++from) {
-    ReceivedOrder received;
-    if (from == post_.rank) {
-      received.message = message;
-      received.rest = MessageReader(*message);
-      static_cast<void>(received.rest.get<Order>());
-      static_cast<void>(received.rest.get<std::uint32_t>());
-    } else {
-      received = post_.receive(Order::rows, from);
-    }
-    const std::size_t first = all.size();
-    while (!received.rest.is_done()) all.push_back({received.rest.get<TileOwners::Key>(), 0});
-    for (std::size_t i = first; i < all.size(); ++i) all[i].weight = 1 + times[from] / (all.size() - first);
-  }
-  std::ranges::sort(all, {}, [](const Weighted& each) { return std::pair(each.key, each.weight); });
-  std::uint64_t total = 0;
-  for (const Weighted& each : all) total += each.weight;
-  std::vector<TileOwners::Key> cut;
-  std::uint64_t before = 0;
-  for (const Weighted& each : all) {
-    while (cut.size() + 1 < post_.ranks && before >= total / post_.ranks * (cut.size() + 1))
-      cut.push_back(each.key);
-    before += each.weight;
-  }
-  cut.resize(post_.ranks - 1, all.empty() ? 0 : all.back().key + 1);
-  owners_ = TileOwners(owned_squares(world_), std::move(cut));
+  add(post_.rank, own);
+  post_.receive_from_all(Order::rows, [&](unsigned from, MessageReader& theirs) {
+    std::vector<TileOwners::Key> received;
+    while (!theirs.is_done()) received.push_back(theirs.get<TileOwners::Key>());
+    add(from, received);
+  });
+  owners_ = TileOwners(owned_squares(world_), weighted_cut(std::move(all), post_.ranks));
 }
 
 void Halo::put_row(MessageWriter& message, Row row) const {
@@ -367,16 +368,14 @@ void Halo::send_rows(std::vector<BodyId>& leaving, std::vector<Arrival>& arrival
   }
   for (std::size_t r = own_; r < world_.rows(); ++r) leaving.push_back(world_.body(Row(r)));
   for (unsigned to = 0; to < post_.ranks; ++to)
-    if (to != post_.rank) post_.send(to, std::make_shared<const partition::Message>(messages[to].take()));
+    if (to != post_.rank) post_.send(to, std::move(messages[to]));
 }
 
 /// Receives the rows that send_rows() of the other ranks has sent to this rank.
 void Halo::receive_rows(std::vector<Arrival>& arrivals) {
-  for (unsigned from = 0; from < post_.ranks; ++from) {
-    if (from == post_.rank) continue;
-    ReceivedOrder received = post_.receive(Order::rows, from);
-    while (!received.rest.is_done()) arrivals.push_back(get_row(received.rest));
-  }
+  post_.receive_from_all(Order::rows, [&](unsigned, MessageReader& message) {
+    while (!message.is_done()) arrivals.push_back(get_row(message));
+  });
 }
 
 /// Removes the rows of `leaving` from the world, and adds those of `arrivals`: first the rows that this rank
@@ -417,7 +416,7 @@ void Halo::give(std::span<const Gift> gifts) {
     put_row(*message, Row(r));
   }
   for (unsigned to = 0; to < post_.ranks; ++to)
-    if (messages[to]) post_.send(to, std::make_shared<const partition::Message>(messages[to]->take()));
+    if (messages[to]) post_.send(to, *std::move(messages[to]));
   std::vector<World::RowState> coming;
   for (unsigned from = 0; from < post_.ranks; ++from) {
     const auto is_from = [&](const Gift& gift) { return gift.to == self && gift.from == from; };

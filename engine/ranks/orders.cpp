@@ -20,10 +20,14 @@ ReceivedOrder receive_order(partition::Transport& transport, unsigned from) {
   return received;
 }
 
+void RankPost::send(unsigned to, partition::MessageWriter message) const {
+  send_shared(to, std::make_shared<const partition::Message>(message.take()));
+}
+
 void RankPost::send_to_all(partition::MessageWriter message) const {
   const auto shared = std::make_shared<const partition::Message>(message.take());
   for (unsigned to = 0; to < ranks; ++to)
-    if (to != rank) send(to, shared);
+    if (to != rank) send_shared(to, shared);
 }
 
 }  // namespace troupe::engine

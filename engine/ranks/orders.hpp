@@ -67,14 +67,26 @@ struct RankPost {
   unsigned rank = 0;                                     ///< number of this rank
   unsigned ranks = 1;                                    ///< number of ranks
   std::function<partition::MessageWriter(Order)> begin;  ///< begin_message() for this world
-  /// Sends a message to the rank `to`.
-  std::function<void(unsigned to, std::shared_ptr<const partition::Message> message)> send;
+  /// Sends a message, which several calls may share, to the rank `to`.
+  std::function<void(unsigned to, std::shared_ptr<const partition::Message> message)> send_shared;
   /// Waits for a message with this order from rank `from`. If that rank has failed in this tick, throws an
   /// exception that ends the tick.
   std::function<ReceivedOrder(Order order, unsigned from)> receive;
 
+  /// Sends a message to the rank `to`.
+  void send(unsigned to, partition::MessageWriter message) const;
   /// Sends a message to every other rank.
   void send_to_all(partition::MessageWriter message) const;
+  /// Receives a message with this order from every other rank, in the order of ranks, and calls
+  /// read(from, message).
+  template <class Read>
+  void receive_from_all(Order order, Read&& read) const {
+    for (unsigned from = 0; from < ranks; ++from) {
+      if (from == rank) continue;
+      ReceivedOrder received = receive(order, from);
+      read(from, received.rest);
+    }
+  }
   /// Combines the values `own` of all ranks, and returns the result on all ranks. For example, if `choose`
   /// returns the larger of two values, the result is the largest `own` of any rank. `choose` must be
   /// associative and commutative. All ranks must call this with the same `order`, the type of the messages.
@@ -83,8 +95,8 @@ struct RankPost {
     partition::MessageWriter message = begin(order);
     message.put(own);
     send_to_all(std::move(message));
-    for (unsigned from = 0; from < ranks; ++from)
-      if (from != rank) own = choose(own, receive(order, from).rest.template get<T>());
+    receive_from_all(order,
+                     [&](unsigned, partition::MessageReader& theirs) { own = choose(own, theirs.get<T>()); });
     return own;
   }
 };

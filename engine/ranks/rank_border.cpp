@@ -87,7 +87,7 @@ void RankBorder::send_outcomes(unsigned to, const Conflicts& conflicts) {
     if (has_pushable_) put_pushes(message, conflicts.pushes_by(rows[*i]));
   }
   moving.erase(resolved, moving.end());
-  post_.send(to, std::make_shared<const partition::Message>(message.take()));
+  post_.send(to, std::move(message));
 }
 
 void RankBorder::receive_outcomes(unsigned from, Conflicts& conflicts) {
@@ -141,13 +141,11 @@ void RankBorder::exchange_places(Conflicts& conflicts) {
   own.put(pushed_);
   put_pushes(own, pushes_);
   post_.send_to_all(std::move(own));
-  for (unsigned from = 0; from < post_.ranks; ++from) {
-    if (from == post_.rank) continue;
-    ReceivedOrder received = post_.receive(Order::places, from);
-    pushed_ = std::max(pushed_, received.rest.get<double>());
-    get_pushes(received.rest);
+  post_.receive_from_all(Order::places, [&](unsigned, MessageReader& message) {
+    pushed_ = std::max(pushed_, message.get<double>());
+    get_pushes(message);
     for (const Conflicts::Push& push : pushes_) conflicts.receive_place(push);
-  }
+  });
   if (pushed_ > farthest_)
     throw StepError(
         fmt::format("tick {}: several robots pushed one body by {:.3g} m in one tick, too far for ranks that "
@@ -166,7 +164,7 @@ void RankBorder::exchange_blocked(Links& links) {
       if (!message) message = post_.begin(Order::joints);
       message->put(static_cast<std::uint8_t>(links.is_blocked(Row(row))));
     }
-    if (message) post_.send(to, std::make_shared<const partition::Message>(message->take()));
+    if (message) post_.send(to, *std::move(message));
   }
   for (unsigned from = 0; from < post_.ranks; ++from) {
     std::optional<ReceivedOrder> received;

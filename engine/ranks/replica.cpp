@@ -43,7 +43,7 @@ std::unique_ptr<RankRows> Replica::make_rows() {
   RankPost post{.rank = transport_.rank(),
                 .ranks = ranks(),
                 .begin = [this](Order order) { return message_of(order); },
-                .send =
+                .send_shared =
                     [this](unsigned to, std::shared_ptr<const partition::Message> message) {
                       transport_.send(to, std::move(message));
                     },

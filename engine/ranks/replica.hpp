@@ -228,6 +228,10 @@ class Replica {
   void put_changes(partition::MessageWriter& message);
   void get_changes(partition::MessageReader& message, bool is_in_tick);
   void take_all();
+  template <class Work>
+  void keep_step_error(Work&& work);
+  void follow_restart(partition::MessageReader& message);
+  void follow_set(partition::MessageReader& message);
   void require_whole() const;
   void require_equal_rejections(std::uint64_t rejections) const;
   RankCounts own_counts() const;

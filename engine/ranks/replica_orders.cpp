@@ -18,13 +18,21 @@ using partition::MessageWriter;
 
 }  // namespace
 
+/// Calls work(). A StepError is only stored, because rank 0 also throws it, and reports it.
+template <class Work>
+void Replica::keep_step_error(Work&& work) {
+  try {
+    work();
+  } catch (const StepError& error) {
+    unreported_ = error.what();
+  }
+}
+
 void Replica::follow(Order order, MessageReader message) {
-  const auto ignore_step_error = [this](auto&& work) {
-    try {
-      work();
-    } catch (const StepError& error) {  // rank 0 also throws it, and reports it
-      unreported_ = error.what();
-    }
+  const auto answer = [&](auto&& put_data) {
+    MessageWriter data = message_of(order);
+    put_data(data);
+    transport_.send(0, std::move(data));
   };
   switch (order) {
     case Order::step:
@@ -32,66 +40,55 @@ void Replica::follow(Order order, MessageReader message) {
       require_equal_rejections(message.get<std::uint64_t>());
       get_changes(message, false);
       require_whole();
-      return ignore_step_error([&] { world_.step(); });
-    case Order::reset: return ignore_step_error([&] { world_.reset(); });
-    case Order::restart: {
-      const auto seed = message.get<std::uint64_t>();
-      std::vector<BodySpec> bodies = world_.spec().bodies;
-      for (BodySpec& body : bodies) {
-        body.pose_world_body = message.get<Pose>();
-        body.color = message.get<Color>();
-      }
-      // If the new bodies are rejected, rank 0 also throws the error, and all worlds return to the old
-      // bodies.
-      try {
-        ignore_step_error([&] { world_.restart(seed, bodies, registry_); });
-      } catch (const InputError& error) {
-        unreported_ = error.what();
-      } catch (const std::logic_error& error) {
-        unreported_ = error.what();
-      }
-      return;
-    }
-    case Order::set: {
-      const auto tick = message.get<std::uint64_t>();
-      SettingSpec setting;
-      setting.type = message.get<TypeId>();
-      setting.of = message.get<SettingSpec::Of>();
-      setting.index = message.get<std::uint32_t>();
-      message.require(has_params(world_.spec().types, setting));
-      setting.params = get_record(message);
-      if (const Result<> done = world_.set_at(tick, setting, registry_); !done)
-        throw std::logic_error(
-            fmt::format("internal error: rank {}: {}; this is no error of your input: please report it",
-                        transport_.rank(), done.error().text));
-      return;
-    }
-    case Order::hash: {
-      MessageWriter answer = message_of(Order::hash);
-      answer.put(own_hashes());
-      if (message.get<bool>())
-        for (const std::uint64_t sum : rows_->sums()) answer.put(sum);
-      transport_.send(0, std::move(answer));
-      return;
-    }
-    case Order::gather: {
-      MessageWriter answer = message_of(Order::gather);
-      rows_->put_missing(answer);
-      transport_.send(0, std::move(answer));
-      return;
-    }
-    case Order::counts: {
-      MessageWriter answer = message_of(Order::counts);
-      answer.put(own_counts());
-      transport_.send(0, std::move(answer));
-      return;
-    }
+      return keep_step_error([&] { world_.step(); });
+    case Order::reset: return keep_step_error([&] { world_.reset(); });
+    case Order::restart: return follow_restart(message);
+    case Order::set: return follow_set(message);
+    case Order::hash:
+      return answer([&](MessageWriter& data) {
+        data.put(own_hashes());
+        if (message.get<bool>())
+          for (const std::uint64_t sum : rows_->sums()) data.put(sum);
+      });
+    case Order::gather: return answer([&](MessageWriter& data) { rows_->put_missing(data); });
+    case Order::counts: return answer([&](MessageWriter& data) { data.put(own_counts()); });
     default:
       throw std::logic_error(
           fmt::format("internal error: rank {} got order {} between two ticks; this is no error of your "
                       "input: please report it",
                       transport_.rank(), static_cast<int>(order)));
   }
+}
+
+/// If the new bodies are rejected, rank 0 also throws the error, and all worlds return to the old bodies.
+void Replica::follow_restart(MessageReader& message) {
+  const auto seed = message.get<std::uint64_t>();
+  std::vector<BodySpec> bodies = world_.spec().bodies;
+  for (BodySpec& body : bodies) {
+    body.pose_world_body = message.get<Pose>();
+    body.color = message.get<Color>();
+  }
+  try {
+    keep_step_error([&] { world_.restart(seed, bodies, registry_); });
+  } catch (const InputError& error) {
+    unreported_ = error.what();
+  } catch (const std::logic_error& error) {
+    unreported_ = error.what();
+  }
+}
+
+void Replica::follow_set(MessageReader& message) {
+  const auto tick = message.get<std::uint64_t>();
+  SettingSpec setting;
+  setting.type = message.get<TypeId>();
+  setting.of = message.get<SettingSpec::Of>();
+  setting.index = message.get<std::uint32_t>();
+  message.require(has_params(world_.spec().types, setting));
+  setting.params = get_record(message);
+  if (const Result<> done = world_.set_at(tick, setting, registry_); !done)
+    throw std::logic_error(
+        fmt::format("internal error: rank {}: {}; this is no error of your input: please report it",
+                    transport_.rank(), done.error().text));
 }
 
 /// Rank 0 makes no tick after a tick that has failed on all ranks, until the program has replaced the state.

@@ -187,7 +187,7 @@ void ReplicatedRows::adopt_cut(Cut cut) {
     if (to == own || rows.first >= rows.end) continue;
     MessageWriter message = post_.begin(Order::exchange);
     put_rows(Sharing::kept, rows, message);
-    post_.send(to, std::make_shared<const partition::Message>(message.take()));
+    post_.send(to, std::move(message));
   }
   for (unsigned from = 0; from < post_.ranks; ++from) {
     const RowRange rows = common(before, from, cut_, own);

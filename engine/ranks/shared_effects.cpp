@@ -116,11 +116,7 @@ void SharedEffects::find_lacking() {
     if (world_.location(body) == RowLocation::here && halo_.owner(body) == post_.rank) note_tree(body);
   put_affected(own, std::span(affected_).subspan(known));
   post_.send_to_all(std::move(own));
-  for (unsigned from = 0; from < post_.ranks; ++from) {
-    if (from == post_.rank) continue;
-    ReceivedOrder received = post_.receive(Order::effects, from);
-    get_affected(received.rest);
-  }
+  post_.receive_from_all(Order::effects, [&](unsigned, MessageReader& message) { get_affected(message); });
   unite();
 }
 
@@ -276,7 +272,7 @@ void SharedEffects::bring(Affected& body, unsigned to) {
   if (from == post_.rank) {
     MessageWriter message = post_.begin(Order::effects);
     if (is_here) halo_.put_state(message, body.body);
-    post_.send(to, std::make_shared<const partition::Message>(message.take()));
+    post_.send(to, std::move(message));
   } else if (to == post_.rank) {
     // Both ranks have a row of the body, unless a device acts beyond its reach. Applying its effect then
     // throws.
@@ -295,7 +291,7 @@ void SharedEffects::show() {
       if (!message) message = post_.begin(Order::effects);
       halo_.put_state(*message, body);
     }
-    if (message) post_.send(to, std::make_shared<const partition::Message>(message->take()));
+    if (message) post_.send(to, *std::move(message));
   }
   std::vector<Row> in_groups;
   for (unsigned from = 0; from < post_.ranks; ++from) {

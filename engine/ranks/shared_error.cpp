@@ -28,15 +28,13 @@ void SharedError::agree(const RankPost& post) {
   std::uint64_t first = std::exchange(failed_, k_none);
   std::string text = std::exchange(text_, {});
   std::exception_ptr error = std::exchange(error_, nullptr);
-  for (unsigned from = 0; from < post.ranks; ++from) {
-    if (from == post.rank) continue;
-    ReceivedOrder received = post.receive(Order::ended, from);
-    const auto number = received.rest.get<std::uint64_t>();
-    if (number >= first) continue;
+  post.receive_from_all(Order::ended, [&](unsigned, partition::MessageReader& message) {
+    const auto number = message.get<std::uint64_t>();
+    if (number >= first) return;
     first = number;
-    text = received.rest.get_text();
+    text = message.get_text();
     error = nullptr;
-  }
+  });
   if (error) std::rethrow_exception(error);
   if (first != k_none) throw StepError(text);
 }

@@ -13,8 +13,7 @@ using partition::BodyCircle;
 // Margin, m, of tests that discard bodies and walls too far from a line to cross it. It is far above the
 // rounding errors of doubles within a world.
 constexpr double k_crossing_slack_m = 1e-9;
-constexpr double k_stride_m =
-    4;  // length of the pieces in which the surroundings of a long line are searched
+constexpr double k_stride_m = 4;  // length of the pieces in which a long line is searched
 
 /// Divides the line into pieces and calls search(box) with a box around each piece, until a call returns
 /// true. Returns whether a call returned true.

@@ -29,52 +29,56 @@ std::vector<std::int32_t> joints_of_pieces(const TypeSpec& spec, bool (*counts)(
   return joints;
 }
 
-void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
-  double radius2 = 0;
-  std::uint32_t solid_number = 0;
-  const auto add = [&](bool hidden, std::vector<RayOutline>& outlines) {
-    for (std::uint32_t p = 0; p < spec.parts.size(); ++p) {
-      const PartSpec& part = spec.parts[p];
-      if ((part.returns.ranger < 0) != hidden) continue;
-      for (const Solid& solid : part.solids) {
-        for (const Ring& ring : solid.contours) {
-          for (const Vec2& v : ring) radius2 = std::max(radius2, v.squaredNorm());
-          outlines.push_back({static_cast<std::uint32_t>(type.outline_vertices.size()),
-                              static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger, p,
-                              solid_number, part.joint});
-          type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
-        }
-        ++solid_number;
+/// Adds the outlines of the parts that rangers do not see (`hidden`), or of all others. Counts the solids of
+/// all parts in `solids`.
+void add_outlines(const TypeSpec& spec, bool hidden, std::uint32_t& solids, BodyType& type) {
+  std::vector<RayOutline>& outlines = hidden ? type.hidden_outlines : type.outlines;
+  for (std::uint32_t p = 0; p < spec.parts.size(); ++p) {
+    const PartSpec& part = spec.parts[p];
+    if ((part.returns.ranger < 0) != hidden) continue;
+    for (const Solid& solid : part.solids) {
+      for (const Ring& ring : solid.contours) {
+        outlines.push_back({static_cast<std::uint32_t>(type.outline_vertices.size()),
+                            static_cast<std::uint32_t>(ring.size()), solid.z, part.returns.ranger, p, solids,
+                            part.joint});
+        type.outline_vertices.insert(type.outline_vertices.end(), ring.begin(), ring.end());
       }
+      ++solids;
     }
-  };
-  add(false, type.outlines);
-  add(true, type.hidden_outlines);
+  }
+}
+
+/// Adds the shapes with which bodies of a type block others and are gripped.
+void add_shapes(const TypeSpec& spec, BodyType& type) {
+  type.obstacle = obstacle_shape(spec);
+  const auto is_gripped = [](const PartSpec& part) { return part.returns.gripper; };
+  type.grip = shape_of(spec, is_gripped);
+  if (!spec.joints.empty())
+    type.obstacle_joints = joints_of_pieces(spec, [](const PartSpec& part) { return part.returns.obstacle; });
+  // Left empty where possible, because grippers then need not place each piece by its joint.
+  const auto has_joint = [&](const PartSpec& part) { return is_gripped(part) && part.joint != k_rigid; };
+  if (std::ranges::any_of(spec.parts, has_joint)) type.grip_joints = joints_of_pieces(spec, is_gripped);
+}
+
+void add_geometry(const TypeSpec& spec, BodyType& type, Diagnostics& diagnostics) {
+  std::uint32_t solids = 0;
+  for (const bool hidden : {false, true}) add_outlines(spec, hidden, solids, type);
+  type.radius = solids_radius(spec);
   for (std::uint32_t p = 0; p < spec.parts.size(); ++p) {
     if (spec.parts[p].returns.fiducial == 0) continue;
     type.targets.push_back(p);
-    radius2 = std::max(radius2, spec.parts[p].pose_body_part.position().squaredNorm());
+    type.radius = std::max(type.radius, sqrt(spec.parts[p].pose_body_part.position().squaredNorm()));
   }
   type.pushable = std::ranges::any_of(spec.parts, [](const PartSpec& part) { return part.returns.pushable; });
-  // All other types belong to the static scene: BodyType::runs().
-  if (is_mobile(spec) || !spec.devices.empty() || !spec.controllers.empty() || can_be_gripped(spec) ||
-      type.pushable) {
-    try {
-      type.obstacle = obstacle_shape(spec);
-      const auto is_gripped = [](const PartSpec& part) { return part.returns.gripper; };
-      type.grip = shape_of(spec, is_gripped);
-      if (!spec.joints.empty())
-        type.obstacle_joints =
-            joints_of_pieces(spec, [](const PartSpec& part) { return part.returns.obstacle; });
-      // Left empty where possible, because grippers then need not place each piece by its joint.
-      const auto has_joint = [&](const PartSpec& part) { return is_gripped(part) && part.joint != k_rigid; };
-      if (std::ranges::any_of(spec.parts, has_joint)) type.grip_joints = joints_of_pieces(spec, is_gripped);
-    } catch (const std::length_error& error) {
-      diagnostics.error(spec.parts.front().where,
-                        fmt::format("a body of type \"{}\": {}", spec.name, error.what()));
-    }
+  if (!is_mobile(spec) && spec.devices.empty() && spec.controllers.empty() && !can_be_gripped(spec) &&
+      !type.pushable)
+    return;  // the type belongs to the static scene: BodyType::runs()
+  try {
+    add_shapes(spec, type);
+  } catch (const std::length_error& error) {
+    diagnostics.error(spec.parts.front().where,
+                      fmt::format("a body of type \"{}\": {}", spec.name, error.what()));
   }
-  type.radius = sqrt(radius2);
 }
 
 /// Names of the device kinds that supply power.
@@ -387,10 +391,9 @@ Result<DeviceKind::Prepared> prepare_device(const DeviceKind& kind, const Device
                                             const WorldSpec& world, const TypeSpec& spec) try {
   DeviceKind::Prepared prepared = kind.prepare(device.params, device.pose_body_device);
   if (kind.bind_part)
-    if (const Result<> mounted = kind.bind_part(prepared.data, spec, device.part); !mounted)
-      return mounted.error();
+    if (const Result<> bound = kind.bind_part(prepared.data, spec, device.part); !bound) return bound.error();
   if (kind.bind_world)
-    if (const Result<> looked = kind.bind_world(prepared.data, world); !looked) return looked.error();
+    if (const Result<> bound = kind.bind_world(prepared.data, world); !bound) return bound.error();
   if (kind.reach_m) prepared.reach_m = kind.reach_m(prepared.data);
   if (const Result<> fits = check_prepared(kind, prepared); !fits)
     return Error{fmt::format("({}) {}", kind.name, fits.error().text)};
@@ -436,8 +439,8 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
     s = shown[s];
   }
   if (kind.bind_world)
-    if (const Result<> looked = kind.bind_world(prepared->data, world, spec, controller.part); !looked)
-      return looked.error();
+    if (const Result<> bound = kind.bind_world(prepared->data, world, spec, controller.part); !bound)
+      return bound.error();
   return prepared;
 } catch (...) {
   return Error{thrown_text()};

@@ -24,10 +24,8 @@ bool circles_meet(double radius_a, const Pose& a, double radius_b, const Pose& b
   return dx * dx + dy * dy <= reach * reach;
 }
 
-double cells_along(double length, double pitch) {
-  return std::floor(length / pitch + 1e-9) +
-         1;  // 1e-9, so that 3 m at a pitch of 0.1 m are 31 cells in spite of rounding
-}
+/// Adds 1e-9, so that 3 m at a pitch of 0.1 m are 31 cells in spite of rounding.
+double cells_along(double length, double pitch) { return std::floor(length / pitch + 1e-9) + 1; }
 
 double box_cells(const Box& box, double pitch) {
   if (box.empty()) return 0;
@@ -386,8 +384,8 @@ template <class Visit>
 bool Crowd::each_near(double radius, const Pose& pose, Visit visit) const {
   bool goes_on = true;
   for (const Level& level : levels_) {
-    const double reach =
-        radius + 0.5 * level.grid.cell_m + 1e-6;  // margin for rounding, for coordinates up to 100 km
+    // The margin covers the rounding of coordinates up to 100 km.
+    const double reach = radius + 0.5 * level.grid.cell_m + 1e-6;
     const auto visit_run = [&](std::uint32_t slot, std::size_t begin, std::size_t end, partition::Cell) {
       const std::uint32_t* first = &level.first[slot * level.grid.cells_per_tile()];
       for (std::size_t cell = begin; goes_on && cell < end; ++cell)

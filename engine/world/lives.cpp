@@ -65,8 +65,8 @@ bool World::lives_hold(std::uint64_t tick) const {
     const Row by = id == 0 || id > state_.rows.size() ? Row() : row(BodyId(id - 1));
     if (by.valid() && presence(by) != Presence::there) return false;
   }
-  for (const ReserveSpec& reserve :
-       state_.spec.reserves)  // bodies of a reserve are born in the order of their ids
+  // Bodies of a reserve are born in the order of their ids.
+  for (const ReserveSpec& reserve : state_.spec.reserves)
     for (std::uint32_t i = 1; i < reserve.count; ++i) {
       const BodyId id(reserve.first.index() + i);
       if (presence(row(BodyId(id.index() - 1))) == Presence::unborn && presence(row(id)) != Presence::unborn)

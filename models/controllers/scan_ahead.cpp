@@ -76,8 +76,7 @@ std::string always_turns_text(const Scanner& scanner, double distance, std::stri
   if (distance <= scanner.reach_ahead()) return {};
   return fmt::format(
       "always sees an obstacle ahead: it turns away while a reading ahead is below its \"{}\" of {:.9g} m, "
-      "but "
-      "its ranger reads at most {:.9g} m there",
+      "but its ranger reads at most {:.9g} m there",
       parameter, distance, scanner.reach_ahead());
 }
 

@@ -489,8 +489,7 @@ engine::MeasureKind state_mean_measure() {
       "The mean, over the robots, of one variable of their state, such as a variable in the memory of a "
       "controller or a reading of a sensor. Robots that do not have this variable are left out, and so are "
       "readings of sensors that do not run; the mean is NaN if no robot remains. Before a sensor runs for "
-      "the "
-      "first time, as at tick 0, its readings are 0. If the variable is always 0 or 1, the mean is the "
+      "the first time, as at tick 0, its readings are 0. If the variable is always 0 or 1, the mean is the "
       "fraction of the remaining robots for which it is 1.",
       "m = 1/n sum_i s_i");
 }

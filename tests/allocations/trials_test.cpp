@@ -1,5 +1,5 @@
-// Thousands of trials of one world, and many worlds one after another, in one process: what is taken is given
-// back.
+// Thousands of trials of one world, and many worlds one after another, in one process: the process returns
+// all memory that they allocate.
 
 #include "tests/allocations/counting.hpp"
 #include "tests/support/scratch.hpp"

@@ -1,4 +1,4 @@
-// Command lines that are hostile, or wrong by accident.
+// Command lines with wrong or malicious arguments.
 
 #include "tests/apps/program.hpp"
 

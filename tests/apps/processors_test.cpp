@@ -1,4 +1,4 @@
-// Where fewer processors are allowed than there are: taskset, SLURM, containers.
+// Default numbers of threads if the process may use only some of the processors: taskset, SLURM, containers.
 
 #include "tests/apps/program.hpp"
 

@@ -116,7 +116,7 @@ TEST(ConflictRule, LargeCrowdsWithLongChainsAreResolvedAsTheRuleSays) {
   report(tally);
   EXPECT_GT(100 * tally.blocked, tally.moving) << "too easy: under 1 % are blocked";
   EXPECT_EQ(tally.order_matters, tally.crowds);
-  EXPECT_GT(2 * k_fewer * tally.deep, tally.crowds) << "too easy: few wait for one who waits";
+  EXPECT_GT(2 * k_fewer * tally.deep, tally.crowds) << "too easy: few wait for a waiting robot";
 }
 
 // Bodies of whole millimetres on a lattice of their own width touch on all sides, and touching is free: a row

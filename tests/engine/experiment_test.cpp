@@ -1,5 +1,5 @@
-// What is done to a world while it runs, and how its robots fail: at its tick, to those whom it should meet,
-// whatever the threads, and again after a reset or from the middle of it.
+// Interventions and faults: they take effect at their ticks and in the selected bodies, for any number of
+// threads, after a reset, and if a run continues from any tick.
 
 #include "base/random.hpp"
 #include "engine/interventions/groups.hpp"
@@ -996,7 +996,7 @@ TEST(Experiment, AWorldWithoutOneHasNoSuchComponent) {
   const auto world = row.world();
   EXPECT_TRUE(has_conditions(*world));
   step(*world, 3);
-  EXPECT_EQ(world->hashes().state, plain->hashes().state) << "who is sound adds nothing";
+  EXPECT_EQ(world->hashes().state, plain->hashes().state) << "faults add nothing before they occur";
 }
 
 // ---- the end

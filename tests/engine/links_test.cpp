@@ -1,4 +1,5 @@
-// Joints and cargo: nothing overlaps, whatever moves; and the same comes out wherever it is worked out.
+// Joints and cargo: moving joints and carried bodies never overlap other bodies, and the results do not
+// depend on threads, tiles or the order of rows.
 
 #include "base/random.hpp"
 #include "engine/world/world.hpp"

@@ -1,4 +1,5 @@
-// Births and deaths: who is not there is nowhere, lives begin alike, and nothing of it depends on threads.
+// Births and deaths: unborn and dead bodies have no effect on others, a newborn body has the state of a body
+// at tick 0, and the results do not depend on threads.
 
 #include "base/random.hpp"
 #include "engine/kinds/controller.hpp"
@@ -7,6 +8,7 @@
 #include "engine/world/world.hpp"
 #include "models/devices/gripper.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/slow_build.hpp"
 
 #include <fmt/format.h>
@@ -31,7 +33,6 @@ using ::testing::IsEmpty;
 
 constexpr std::uint32_t k_reserve = 3;
 
-/// Adds the bodies of a reserve.
 void add_reserve(SceneBuilder& scene, const std::string& name, TypeId type, std::uint32_t count) {
   scene.spec.reserves.push_back({name, BodyId(scene.spec.bodies.size()), count});
   for (std::uint32_t i = 0; i < count; ++i) scene.body(fmt::format("{}{}", name, i), type);
@@ -85,7 +86,7 @@ TEST(Lives, AWorldWithoutThemHasNoSuchComponentAndNoDeaths) {
 
   scene.spec.mortal = true;
   World mortal = scene.world();
-  EXPECT_EQ(mortal.hashes().state, hash) << "who is there from the start adds nothing";
+  EXPECT_EQ(mortal.hashes().state, hash) << "bodies present at tick 0 add nothing";
   mortal.remove(mortal.row(robot));
   EXPECT_NE(mortal.hashes().state, hash);
   EXPECT_EQ(mortal.robots(), 0u);
@@ -151,7 +152,7 @@ TEST(Lives, ABirthNeedsAFreePlaceInTheWorldAndAnUnbornBody) {
   EXPECT_EQ(world.spawn(0, {2.9, 0, 0, 0}).status, BirthStatus::occupied) << "its edge";
   EXPECT_EQ(world.spawn(0, {11, 0, 0, 0}).status, BirthStatus::occupied) << "outside";
   EXPECT_THROW(world.spawn(0, {std::nan(""), 0, 0, 0}), std::invalid_argument);
-  EXPECT_EQ(world.hashes().state, before) << "who is refused leaves no trace";
+  EXPECT_EQ(world.hashes().state, before) << "a failed birth changes nothing";
   EXPECT_EQ(world.unborn(0), k_reserve);
   EXPECT_EQ(world.spawn(0, {0.4, 0, 0, 0}).body, world.find("more0")) << "touching is free";
   EXPECT_EQ(world.spawn(0, {0.4, 0, 0, 0}).status, BirthStatus::occupied) << "by the one before";
@@ -321,12 +322,9 @@ TEST(Lives, AReserveOfBodiesThatDoNothingIsRefused) {
   const TypeId crate = scene.type("crate", {box(0.4, 0.4)});
   add_reserve(scene, "c", crate, 2);
   Diagnostics diagnostics;
-  try {
-    World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("the reserve of population \"c\" needs a type that"));
-  }
+  EXPECT_THAT(test::message_of<InputError>(
+                  [&] { World world(scene.spec, test::registry(), {.threads = 1}, diagnostics); }),
+              HasSubstr("the reserve of population \"c\" needs a type that"));
 }
 
 // ---- many births and deaths in crowded ticks

@@ -1,4 +1,4 @@
-// Populations are placed by the engine, into any spec.
+// Placement of populations in a WorldSpec.
 
 #include "engine/spec/populations.hpp"
 

@@ -1,4 +1,4 @@
-// Pushing, against the rule carried out one body after the other.
+// Compares pushing with a direct implementation of its rule, which resolves one body after the other.
 #include "tests/engine/conflict_crowds.hpp"
 #include "tests/engine/push_oracle.hpp"
 

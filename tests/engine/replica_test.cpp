@@ -8,6 +8,7 @@
 #include "engine/spec/experiment_spec.hpp"
 #include "engine/world/world.hpp"
 #include "partition/mailboxes.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/troupe.hpp"
 
@@ -33,12 +34,7 @@ using ::testing::HasSubstr;
 constexpr std::uint64_t k_too_many = std::uint64_t{1} << 50;
 
 void expect_error(const std::function<void()>& work, const std::string& text) {
-  try {
-    work();
-    ADD_FAILURE() << "no exception";
-  } catch (const std::exception& error) {
-    EXPECT_THAT(std::string(error.what()), HasSubstr(text));
-  }
+  EXPECT_THAT(test::message_of<std::exception>([&] { work(); }), HasSubstr(text));
 }
 
 void expect_too_short(const std::function<void()>& work) {

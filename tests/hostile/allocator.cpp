@@ -1,7 +1,7 @@
-// An allocator to be preloaded (LD_PRELOAD) by scripts/prove: addresses come descending, or in random order
-// (TROUPE_ALLOCATOR=descending|shuffled), where glibc's mostly ascend; what is handed out, and what was given
-// back, is filled with junk that differs from run to run. Code that orders by address, or reads what was
-// never written, gets other bits.
+// An allocator for LD_PRELOAD, used by scripts/prove. It returns addresses in descending or random order
+// (TROUPE_ALLOCATOR=descending|shuffled); those of glibc mostly ascend. It fills new and freed memory with
+// junk that differs from run to run. Code whose results depend on the order of addresses, or that reads
+// memory before writing it, gets other bits.
 #include <sys/mman.h>
 #include <unistd.h>
 

@@ -1,6 +1,6 @@
-// A third backend of the parallel loop (partition/parallel.hpp), for scripts/prove: each loop runs on threads
-// that have never run anything, takes its tasks in a random order, and sleeps or yields at random before and
-// after them. Orders that a real scheduler shows once a year come up in every tick.
+// A third backend of the parallel loop (partition/parallel.hpp), for scripts/prove. Each loop runs on new
+// threads, runs its tasks in a random order, and sleeps or yields at random before and after them. Orders
+// that are rare with a real scheduler thus occur in every tick.
 #include "base/fp_environment.hpp"
 #include "partition/parallel.hpp"
 

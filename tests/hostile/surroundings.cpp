@@ -1,6 +1,6 @@
-// A library to be preloaded (LD_PRELOAD) by scripts/prove, that does to a program what a careless plug-in or
-// caller does: it is linked with -ffast-math, so that gcc's start-up code switches denormal numbers off for
-// the loading thread; it rounds upwards; and it makes a locale with decimal commas the global one.
+// A library for LD_PRELOAD, used by scripts/prove. It changes the process as a careless plug-in or caller
+// may do. It is linked with -ffast-math, so that gcc's start-up code disables denormal numbers in the
+// loading thread; it sets rounding to upwards; and it sets a global locale with decimal commas.
 #include <cfenv>
 #include <clocale>
 #include <cstdio>

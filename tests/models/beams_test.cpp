@@ -1,5 +1,5 @@
-// Controllers that read rangers, by where each beam looks: however its beams are shared out among
-// transducers, in whatever order and wherever the ranger is turned to, a robot does the same.
+// Controllers that use rangers by the directions of the beams: a robot does the same whatever the division
+// of the beams into transducers, the order of the beams and the heading of the ranger are.
 
 #include "models/controllers/beams.hpp"
 
@@ -8,6 +8,7 @@
 #include "models/controllers/evasion.hpp"
 #include "models/controllers/scan_ahead.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/slow_build.hpp"
 
 #include <fmt/format.h>
@@ -378,12 +379,9 @@ TEST_P(OfRanges, WhatLooksBackIsRefused) {
   form.pose_body_device.heading = k_pi;
   const SceneBuilder scene = robots(controller_of(GetParam()), form, false);
   Diagnostics diagnostics;
-  try {
-    World(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-    FAIL() << "it was taken";
-  } catch (const std::exception& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("ahead"));
-  }
+  EXPECT_THAT(test::message_of<std::exception>(
+                  [&] { World(scene.spec, test::registry(), {.threads = 1}, diagnostics); }),
+              ::testing::HasSubstr("ahead"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Controllers, OfRanges,

@@ -1,4 +1,5 @@
-// What stands on a joint senses, shows and collides where the joint is: as if it had been built there.
+// Devices and parts on a joint sense, show and collide as if they had been mounted at the place to which the
+// joint has moved them.
 
 #include "engine/kinds/sensor_params.hpp"
 #include "models/devices/power.hpp"

@@ -2,6 +2,7 @@
 
 #include "tests/support/devices.hpp"
 #include "tests/support/draw.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -358,13 +359,8 @@ TEST(Measures, ThatChangeTheWorldThrow) {
                                            }};
   for (const auto change : k_changes) {
     Changing::change = change;
-    try {
-      set.value(0);
-      ADD_FAILURE() << "nothing was thrown";
-    } catch (const std::runtime_error& error) {
-      EXPECT_THAT(error.what(),
-                  HasSubstr("tick 0: measure \"changing\" threw: a measure must not change the world"));
-    }
+    EXPECT_THAT(test::message_of<std::runtime_error>([&] { set.value(0); }),
+                HasSubstr("tick 0: measure \"changing\" threw: a measure must not change the world"));
     EXPECT_EQ(world.hashes().state, before);
   }
   EXPECT_NO_THROW(world.step());
@@ -447,12 +443,8 @@ TEST(Measures, WhoseMemoryGrowsCannotBeSaved) {
   World world = crowd().world();
   Diagnostics diagnostics;
   const MeasureSet set(world, registry, std::vector<MeasureSpec>{{.kind = "growing"}}, diagnostics);
-  try {
-    static_cast<void>(set.memory());
-    ADD_FAILURE() << "nothing was thrown";
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("the memory of the measure \"growing\" has 8 bytes, but had 0"));
-  }
+  EXPECT_THAT(test::message_of<std::runtime_error>([&] { static_cast<void>(set.memory()); }),
+              HasSubstr("the memory of the measure \"growing\" has 8 bytes, but had 0"));
 }
 
 /// A measure whose memory() throws in the call with the number `throws_in`, counted from 1.
@@ -631,7 +623,7 @@ TEST(Measures, DeathsAreOfTheBodiesOfAType) {
   World world = scene.world();
   const MeasureSpec pucks = spec("deaths", "", {{"type", "puck"}});
   const MeasureSpec bots = spec("deaths", "", {{"type", "bot"}});
-  EXPECT_EQ(value(world, pucks), 0) << "who is not born yet has not died";
+  EXPECT_EQ(value(world, pucks), 0) << "an unborn body has not died";
   world.remove(world.row(world.find("p0")));
   world.remove(world.row(world.find("p2")));
   world.remove(world.row(world.find("a")));

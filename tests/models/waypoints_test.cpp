@@ -1,4 +1,4 @@
-// Movers: bodies that keep to times and speeds, and to the rule of motions.
+// The controller `waypoints`: bodies keep to times and speeds, and motions are resolved as those of robots.
 
 #include "base/math.hpp"
 #include "engine/world/world.hpp"

@@ -2,6 +2,7 @@
 
 #include "base/fp_environment.hpp"
 #include "partition/processors.hpp"
+#include "tests/support/message_of.hpp"
 
 #include <gtest/gtest.h>
 
@@ -157,15 +158,13 @@ TEST_P(ParallelOf, RethrowsTheExceptionOfTheLowestIndex) {
   Parallel parallel(GetParam());
   for (int round = 0; round < 50; ++round) {
     std::atomic<int> run = 0;
-    try {
-      parallel.for_each(100, [&](std::size_t i) {
-        ++run;
-        if (i % 30 == 13) throw std::runtime_error(std::to_string(i));
-      });
-      FAIL() << "no exception";
-    } catch (const std::runtime_error& error) {
-      ASSERT_STREQ(error.what(), "13");
-    }
+    ASSERT_EQ(test::message_of<std::runtime_error>([&] {
+                parallel.for_each(100, [&](std::size_t i) {
+                  ++run;
+                  if (i % 30 == 13) throw std::runtime_error(std::to_string(i));
+                });
+              }),
+              "13");
     ASSERT_EQ(run, 100);
   }
 }
@@ -197,14 +196,9 @@ TEST_P(ParallelOf, PutsEachThreadsArithmeticRight) {
 
 TEST(Parallel, TakesTheProcessorsThatItMayUseByDefault) {
   EXPECT_EQ(Parallel(0).threads(), processors_allowed());
-  try {
-    Parallel(Parallel::k_most_threads + 1);
-    FAIL() << "taken";
-  } catch (const std::invalid_argument& error) {
-    EXPECT_STREQ(error.what(),
-                 "1025 threads: must be 1 to 1024, or 0 for one per processor that the process "
-                 "may use");
-  }
+  EXPECT_EQ(test::message_of<std::invalid_argument>([&] { Parallel(Parallel::k_most_threads + 1); }),
+            "1025 threads: must be 1 to 1024, or 0 for one per processor that the process "
+            "may use");
 }
 
 }  // namespace

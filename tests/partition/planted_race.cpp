@@ -1,5 +1,5 @@
-// A loop whose two tasks write one number. Under the thread sanitizer it must be reported
-// (tests/CMakeLists.txt): a sanitizer that cannot see through the loop would pass every test.
+// A loop whose two tasks write the same number. The thread sanitizer must report it (tests/CMakeLists.txt):
+// a sanitizer that does not report it would pass every test.
 #include "partition/parallel.hpp"
 
 #include <atomic>

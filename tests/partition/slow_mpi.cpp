@@ -1,6 +1,6 @@
-// An MPI module (partition/mpi/mpi_module.h) of rank 0 of two. A transfer is done when this was tested eight
-// times. The process seems to be suspended for 1000 s between any two readings of the clock. Until a message
-// has arrived, MPI writes it again whenever the clock is read.
+// An MPI module (partition/mpi/mpi_module.h) of rank 0 of two. A transfer completes at its eighth test. The
+// process seems to be suspended for 1000 s between any two readings of the clock. Until a message has
+// arrived, MPI writes it again whenever the clock is read.
 
 #include "partition/mpi/mpi_module.h"
 

@@ -1,7 +1,7 @@
-// Plug-ins with names that cannot be: built as clash.so, two controllers of one name; as expand.so, a name
-// that Troupe's own controller has; as twice.so and ranger.so, the same of sensors; as unprepared.so, a
-// sensor whose kind lacks what it needs; as misnamed.so, a sensor and a controller with parameters that are
-// called like keys of JSON worlds; as command.so, a controller that is called like a component of the state.
+// Plug-ins with names that are not allowed. clash.so: two controllers of one name; expand.so: the name of a
+// built-in controller; twice.so and ranger.so: the same for sensors; unprepared.so: a sensor whose kind lacks
+// a required function; misnamed.so: a device with a parameter named like a key of JSON worlds; command.so: a
+// controller named like a component of the state.
 #include <troupe/plugin.hpp>
 
 namespace {

@@ -4,6 +4,8 @@
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/hash_log.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/lint.hpp"
 #include "troupe/plugin_library.hpp"
@@ -73,17 +75,9 @@ class PluginsTest : public test::ScratchTest {
     made.plugin_path = path;
     return made;
   }
-  static std::vector<std::string> log(Simulation& simulation, int ticks) {
-    std::vector<std::string> lines{simulation.hash_log_line()};
-    for (int i = 0; i < ticks; ++i) {
-      simulation.step();
-      lines.push_back(simulation.hash_log_line());
-    }
-    return lines;
-  }
   std::vector<std::string> log_with(std::string_view folder, unsigned threads = 2) const {
     Simulation simulation(stage_world("walker"), options({folder_of(folder)}, threads));
-    return log(simulation, 20);
+    return test::hash_log(simulation, 20);
   }
   static std::string error_of(const fs::path& world, const SimulationOptions& with) {
     try {
@@ -193,7 +187,7 @@ TEST_F(PluginsTest, ComeAfterTroupesOwnAndInTheOrderOfThePath) {
   EXPECT_THAT(own.effective_options(), Not(Contains(Key("plugin script"))));
   const auto first_of = [&](const std::vector<fs::path>& path) {
     Simulation simulation(stage_world("walker"), options(path));
-    return log(simulation, 5).back();
+    return test::hash_log(simulation, 5).back();
   };
   const std::string here = first_of({folder_of("plugins")});
   const std::string there = first_of({folder_of("other")});
@@ -373,7 +367,7 @@ TEST_F(PluginsTest, LinkedWithFastMathsChangeNoBit) {
                                               "/walker.so: warning: this plug-in was linked with "
                                               "-ffast-math, which changed the arithmetic")));
 #endif
-  EXPECT_EQ(log(simulation, 20), expected);
+  EXPECT_EQ(test::hash_log(simulation, 20), expected);
 }
 
 TEST_F(PluginsTest, ThatWereBuiltAgainNeedAnotherProcess) {
@@ -488,7 +482,7 @@ class PluginSensors : public PluginsTest {
   }
   std::vector<std::string> log_of(const fs::path& world, unsigned threads = 2) const {
     Simulation simulation(world, options({folder_of("plugins")}, threads));
-    return log(simulation, 20);
+    return test::hash_log(simulation, 20);
   }
 };
 
@@ -534,35 +528,22 @@ TEST_F(PluginSensors, ThatThrowAreNamedWithTickAndRobot) {
   Simulation simulation(bots("sensor"), options({folder_of("plugins")}));
   simulation.step();
   simulation.step();
-  try {
-    simulation.step();
-    FAIL() << "nothing was thrown";
-  } catch (const engine::StepError& error) {
-    EXPECT_THAT(error.what(),
-                MatchesRegex("tick 3: device \"eye\" .thrower:sensor. of \"r[0-2]\", the first of a "
-                             "batch of 3 robots, threw an exception that is not a std::exception"));
-  }
+  EXPECT_THAT(test::message_of<engine::StepError>([&] { simulation.step(); }),
+              MatchesRegex("tick 3: device \"eye\" .thrower:sensor. of \"r[0-2]\", the first of a "
+                           "batch of 3 robots, threw an exception that is not a std::exception"));
   EXPECT_EQ(error(bots("unpreparable")),
             ":2: error: device \"eye\" (thrower:unpreparable) threw: the map is missing");
-  try {
-    const Simulation unstartable(bots("unstartable"), options({folder_of("plugins")}));
-    ADD_FAILURE() << "loaded";
-  } catch (const engine::StepError& error) {
-    EXPECT_THAT(error.what(),
-                MatchesRegex("tick 0: device \"eye\" .thrower:unstartable. of \"r[0-2]\" threw: the "
-                             "map is missing"));
-  }
+  EXPECT_THAT(test::message_of<engine::StepError>([&] {
+                const Simulation unstartable(bots("unstartable"), options({folder_of("plugins")}));
+              }),
+              MatchesRegex("tick 0: device \"eye\" .thrower:unstartable. of \"r[0-2]\" threw: the "
+                           "map is missing"));
   SimulationOptions mortal = options({folder_of("plugins")});
   mortal.mortal = true;
   Simulation unhaltable(bots("unhaltable"), mortal);
   unhaltable.disable(unhaltable.find("r1"));
-  try {
-    unhaltable.step();
-    FAIL() << "nothing was thrown";
-  } catch (const engine::StepError& error) {
-    EXPECT_STREQ(error.what(),
-                 "tick 1: device \"eye\" (thrower:unhaltable) of \"r1\" threw: the brake is missing");
-  }
+  EXPECT_EQ(test::message_of<engine::StepError>([&] { unhaltable.step(); }),
+            "tick 1: device \"eye\" (thrower:unhaltable) of \"r1\" threw: the brake is missing");
 }
 
 TEST_F(PluginSensors, AreRangersForWhoReadsRangers) {
@@ -652,7 +633,7 @@ class PluginsResumed : public PluginsTest {
   void SetUp() override {
     if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
     Simulation simulation(stage_world("walker"), options({folder_of("plugins")}));
-    expected_ = log(simulation, 10);
+    expected_ = test::hash_log(simulation, 10);
     Simulation saved(stage_world("walker"), options({folder_of("plugins")}));
     saved.run_for(0.4);
     saved.save(folder_ / "c.h5");

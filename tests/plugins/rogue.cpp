@@ -1,4 +1,4 @@
-// Controllers that are no functions of what they are given.
+// Controllers whose results depend on more than their arguments.
 #include <troupe/plugin.hpp>
 
 #include <atomic>

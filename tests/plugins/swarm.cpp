@@ -1,4 +1,4 @@
-// One of two files of a plug-in with several controllers.
+// One of the two files of a plug-in with several controllers; the other is swarm_main.cpp.
 #include <troupe/plugin.hpp>
 
 namespace {

@@ -1,4 +1,4 @@
-// The other one.
+// The other file of the plug-in of swarm.cpp.
 #include <troupe/plugin.hpp>
 
 namespace {

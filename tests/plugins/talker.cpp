@@ -1,5 +1,5 @@
-// Robots that say their heading, turn to the mean heading of those that they hear, and show how many these
-// are: the law of tests/python/swarm_devices_test.py, to compare what both show.
+// Robots that send their heading, turn to the mean of the headings that they receive, and show the number of
+// these: the controller of tests/python/swarm_devices_test.py, so that a test can compare both.
 #include <models/devices/led.hpp>
 #include <sensors/radio.hpp>
 #include <troupe/plugin.hpp>

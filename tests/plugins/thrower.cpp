@@ -1,5 +1,4 @@
-// Controllers, sensors and measures whose authors let exceptions out, among them such that are no
-// std::exception.
+// Controllers, sensors and measures that throw exceptions, some of which are no std::exception.
 #include <troupe/plugin.hpp>
 
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// Libraries that cannot be used, each for the reason that FAULT names.
+// Libraries that cannot be used; FAULT selects the reason.
 #define FAULT_of_stage 1
 #define FAULT_nothing 2
 #define FAULT_undefined_symbol 3

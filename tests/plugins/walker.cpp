@@ -1,5 +1,5 @@
-// A plug-in as it should be: a parameter, memory, random numbers and Troupe's own maths. Built as TURN says,
-// to have several builds of it.
+// A correct plug-in: a parameter, memory, random numbers and Troupe's maths. TURN selects one of several
+// builds.
 #include <troupe/plugin.hpp>
 
 #ifndef TURN

@@ -1,4 +1,5 @@
 #include "render/osmesa_context.hpp"
+#include "tests/support/message_of.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,16 +15,12 @@ using ::testing::HasSubstr;
 
 TEST(OsmesaContext, SaysWhatToInstallWhenThereIsNone) {
   const std::array names = {"libOSMesa-that-is-nowhere.so.1", "libOSMesa-nor-here.so"};
-  try {
-    open_osmesa(names);
-    FAIL() << "opened a library that does not exist";
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(),
-                HasSubstr("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): "));
-    EXPECT_THAT(error.what(), HasSubstr("; maps as .svg or .pdf do not need OSMesa"));
-    EXPECT_THAT(error.what(), HasSubstr(names[0]));
-    EXPECT_THAT(error.what(), HasSubstr(names[1]));
-  }
+  const std::string error = test::message_of<std::runtime_error>([&] { open_osmesa(names); });
+  EXPECT_THAT(error,
+              HasSubstr("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): "));
+  EXPECT_THAT(error, HasSubstr("; maps as .svg or .pdf do not need OSMesa"));
+  EXPECT_THAT(error, HasSubstr(names[0]));
+  EXPECT_THAT(error, HasSubstr(names[1]));
 }
 
 TEST(OsmesaContext, TakesTheFirstThatOpens) {

@@ -1,9 +1,11 @@
 #include "sensors/camera.hpp"
 
 #include "base/random.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -236,16 +238,12 @@ TEST(Camera, IsTrueToAMarchThroughSolids) {
 }
 
 TEST(Camera, WhatCanSeeNothingIsRefused) {
-  try {
-    static_cast<void>(CameraScene(camera(k_square, {{"range_near", 3.0}, {"range_far", 2.0}})).world());
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(
-        std::string(error.what())
-            .find("device \"camera\" has a range_near of 3 m, which must be below its range_far of 2 m"),
-        std::string::npos)
-        << error.what();
-  }
+  EXPECT_THAT(
+      test::message_of<InputError>([&] {
+        static_cast<void>(CameraScene(camera(k_square, {{"range_near", 3.0}, {"range_far", 2.0}})).world());
+      }),
+      ::testing::HasSubstr(
+          "device \"camera\" has a range_near of 3 m, which must be below its range_far of 2 m"));
 }
 
 TEST(Camera, TheSameForAnyThreadsAndTiles) {

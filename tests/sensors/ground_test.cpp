@@ -6,6 +6,7 @@
 #include "engine/world/world.hpp"
 #include "models/devices/brush.hpp"
 #include "models/devices/led.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -260,14 +261,9 @@ TEST(Brush, ThreadsAndTilesChangeNothing) {
 TEST(Ground, WhatCannotBeIsAnError) {
   GroundScene scene;
   scene.robot_with({device("ground", {{"points", std::vector<double>{0, 1, 2}}})}, {});
-  try {
-    scene.world();
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(),
-                HasSubstr("device \"ground\" needs an even number of values in \"points\", at least 2 (x "
-                          "and y of each point), found "));
-  }
+  EXPECT_THAT(test::message_of<InputError>([&] { scene.world(); }),
+              HasSubstr("device \"ground\" needs an even number of values in \"points\", at least 2 (x "
+                        "and y of each point), found "));
 }
 
 }  // namespace

@@ -259,7 +259,7 @@ TEST(Radio, MessagesAreNumbersOneBehindAnother) {
   EXPECT_THAT(heard(world, small), IsEmpty()) << "it takes four bytes";
   EXPECT_EQ(number(world, small, k_radio_lost), 1u);
   world.step();
-  EXPECT_THAT(heard(world, listener), IsEmpty()) << "who asks for more than there is room for is silent";
+  EXPECT_THAT(heard(world, listener), IsEmpty()) << "a message that is too long is not sent";
 }
 
 TEST(Radio, AsManyMessagesAreDroppedAsItSays) {

@@ -1,4 +1,5 @@
 #include "sensors/ranger_grid.hpp"
+#include "tests/support/message_of.hpp"
 
 #include "tests/support/scene.hpp"
 
@@ -93,13 +94,9 @@ TEST(RangerGrid, AnOutlineThatTheWorldCannotHoldIsSaidAtTheResolution) {
   yard.wall(-4e4, -4e4, 4e4, 4e4);
   Diagnostics diagnostics;
   yard.spec.resolution_where = {diagnostics.files()->add("yard.json"), 7};
-  try {
-    const World world(yard.spec, test::registry(), {}, diagnostics);
-    FAIL() << "it was built";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), ::testing::StartsWith(
-                                  "yard.json:7: error: the grid ray engine: cells of 0.0001 m would take "));
-  }
+  EXPECT_THAT(
+      test::message_of<InputError>([&] { const World world(yard.spec, test::registry(), {}, diagnostics); }),
+      ::testing::StartsWith("yard.json:7: error: the grid ray engine: cells of 0.0001 m would take "));
 }
 
 TEST(RangerGrid, TheExactEngineHasNoGrid) {

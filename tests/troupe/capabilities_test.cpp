@@ -1,5 +1,5 @@
-// What the engine and the library do with a kind follows from what the kind declares
-// (engine/kinds/kinds.hpp), never from what it is called: a kind of a plug-in can declare the same.
+// How the engine and the library treat a kind follows from what the kind declares (engine/kinds/kinds.hpp),
+// never from its name, so that kinds of plug-ins can have all capabilities.
 
 #include "troupe/registry.hpp"
 
@@ -93,7 +93,7 @@ TEST(Capabilities, NoTextOfTheEngineOrTheLibraryIsTheNameOfAKind) {
   }
   EXPECT_GT(files, 100u);
   EXPECT_GT(names.size(), 40u);
-  EXPECT_THAT(found, IsEmpty()) << "let the kind declare what is asked of it: docs/extending.md";
+  EXPECT_THAT(found, IsEmpty()) << "test what the kind declares, not its name: docs/extending.md";
 }
 
 TEST(Capabilities, ANameInASourceIsFound) {

@@ -1,9 +1,11 @@
-// A run that was saved and resumed is the run that never stopped, bit for bit.
+// A resumed run has the same bits as a run that was not interrupted.
 
 #include "worldio/results/checkpoint.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/hash_log.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -36,16 +38,6 @@ using ::testing::StartsWith;
 const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
 const fs::path k_stage_styles = fs::path(TROUPE_SOURCE_DIR) / "tests/troupe/stage_styles";
 const fs::path k_stage_worlds = fs::path(TROUPE_SOURCE_DIR) / ".." / "shared" / "stage-worlds";
-
-/// The lines of a hash log of the next ticks.
-std::vector<std::string> log_of(Simulation& simulation, int ticks) {
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  for (int tick = 0; tick < ticks; ++tick) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
-  return lines;
-}
 
 void expect_same_statistics(const Statistics& a, const Statistics& b) {
   EXPECT_EQ(a.robots, b.robots);
@@ -132,14 +124,14 @@ TEST_P(CheckpointOf, GoesOnAsIfTheRunHadNeverStopped) {
   SimulationOptions options = GetParam().options;
   options.threads = 1;
   Simulation straight(GetParam().world, options);
-  log_of(straight, before);
+  test::hash_log(straight, before);
   straight.save(file_);
-  const std::vector<std::string> expected = log_of(straight, after);
+  const std::vector<std::string> expected = test::hash_log(straight, after);
 
   for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(3u, 1.7), std::pair(2u, 45.1)}) {
     Simulation resumed = Simulation::resume(file_, {.threads = threads, .tile_size_m = tile_m});
     EXPECT_EQ(resumed.tick(), static_cast<std::uint64_t>(before));
-    EXPECT_EQ(log_of(resumed, after), expected) << threads << " threads, tiles of " << tile_m << " m";
+    EXPECT_EQ(test::hash_log(resumed, after), expected) << threads << " threads, tiles of " << tile_m << " m";
     expect_same_statistics(resumed.statistics(), straight.statistics());
     EXPECT_EQ(resumed.robot_names(), straight.robot_names());
   }
@@ -165,12 +157,12 @@ std::string world_of_births(const std::string& odom_error) {
 TEST_F(Checkpoint, GoesOnWithTheOdometryOfRobotsThatWereBornBeforeIt) {
   for (const char* error : {"", R"(, "odom_error": [0.01, -0.02, 0.03])"}) {
     Simulation straight = Simulation::from_text(world_of_births(error), "births.json");
-    log_of(straight, 12);
+    test::hash_log(straight, 12);
     ASSERT_EQ(straight.robots(), 3u);
     fs::remove(file_);
     straight.save(file_);
     Simulation resumed = Simulation::resume(file_);
-    EXPECT_EQ(log_of(resumed, 30), log_of(straight, 30)) << "odometry" << error;
+    EXPECT_EQ(test::hash_log(resumed, 30), test::hash_log(straight, 30)) << "odometry" << error;
     const auto off = [&straight](const char* name) {
       const Model robot = straight.find(name);
       return (robot.pose().position() - robot.estimate().position()).norm();
@@ -182,34 +174,34 @@ TEST_F(Checkpoint, GoesOnWithTheOdometryOfRobotsThatWereBornBeforeIt) {
 TEST_F(Checkpoint, OfTickZeroIsTheWholeRun) {
   Simulation straight(k_worlds / "crowd.json");
   straight.save(file_);
-  const auto expected = log_of(straight, 4);
+  const auto expected = test::hash_log(straight, 4);
   Simulation resumed = Simulation::resume(file_);
   EXPECT_EQ(resumed.tick(), 0u);
-  EXPECT_EQ(log_of(resumed, 4), expected);
+  EXPECT_EQ(test::hash_log(resumed, 4), expected);
 }
 
 TEST_F(Checkpoint, SavedAgainIsTheSameFile) {
   Simulation simulation(k_worlds / "crowd.json");
-  log_of(simulation, 3);
+  test::hash_log(simulation, 3);
   simulation.save(file_);
   simulation.save(folder_ / "again.h5");
   EXPECT_EQ(content(file_), content(folder_ / "again.h5"));
   // A chain of resumed runs loses nothing either; the header tells where each was taken up.
   Simulation resumed = Simulation::resume(file_);
-  const auto expected = log_of(simulation, 2);
-  EXPECT_EQ(log_of(resumed, 2), expected);
+  const auto expected = test::hash_log(simulation, 2);
+  EXPECT_EQ(test::hash_log(resumed, 2), expected);
   resumed.save(folder_ / "later.h5");
   Simulation third = Simulation::resume(folder_ / "later.h5");
-  EXPECT_EQ(log_of(third, 3), log_of(simulation, 3));
+  EXPECT_EQ(test::hash_log(third, 3), test::hash_log(simulation, 3));
 }
 
 TEST_F(Checkpoint, ResetGoesBackToTickZero) {
   Simulation simulation(k_worlds / "crowd.json");
-  const auto from_the_start = log_of(simulation, 4);
+  const auto from_the_start = test::hash_log(simulation, 4);
   simulation.save(file_);
   Simulation resumed = Simulation::resume(file_);
   resumed.reset();
-  EXPECT_EQ(log_of(resumed, 4), from_the_start);
+  EXPECT_EQ(test::hash_log(resumed, 4), from_the_start);
 }
 
 // A sensor and a drive with periods of their own, a sensor that only a program has run, a part with a name.
@@ -239,18 +231,18 @@ TEST_F(Checkpoint, HoldsSpeedsThatWereSetSubscriptionsAndReadingsBetweenTwoPerio
   straight.find("r0").set_speed(0.3, 0.1);
   straight.find("r1").set_speed(-0.2, 0);
   for (int tick = 0; tick < 9; ++tick) {  // whatever phase the periods are in
-    log_of(straight, 1);
+    test::hash_log(straight, 1);
     straight.save(file_);
     Simulation resumed = Simulation::resume(file_);
     EXPECT_EQ(resumed.find("r0").ranges()[0], straight.find("r0").ranges()[0]);
     EXPECT_THROW(resumed.find("r1").ranges(), std::logic_error) << "it has no subscription";
     Simulation reference = Simulation::resume(file_, {.threads = 1});
-    EXPECT_EQ(log_of(resumed, 12), log_of(reference, 12));
+    EXPECT_EQ(test::hash_log(resumed, 12), test::hash_log(reference, 12));
   }
   straight.save(file_);
   Simulation resumed = Simulation::resume(file_);
   EXPECT_EQ(resumed.find("r0").speed().forward, straight.find("r0").speed().forward);
-  EXPECT_EQ(log_of(resumed, 30), log_of(straight, 30));
+  EXPECT_EQ(test::hash_log(resumed, 30), test::hash_log(straight, 30));
   EXPECT_EQ(resumed.title(), "A room");
   EXPECT_EQ(resumed.quit_time_s(), 9);
 }
@@ -261,11 +253,11 @@ TEST_F(Checkpoint, NeedsNoOtherFile) {
   SimulationOptions few;
   few.robots = {{"", 10}};
   Simulation straight(folder_ / "cave-simple.json", few);
-  log_of(straight, 2);
+  test::hash_log(straight, 2);
   straight.save(folder_ / "elsewhere" / "run.h5");
   for (const char* name : {"cave-simple.json", "cave.png"}) fs::remove(folder_ / name);
   Simulation resumed = Simulation::resume(folder_ / "elsewhere" / "run.h5");
-  EXPECT_EQ(log_of(resumed, 3), log_of(straight, 3));
+  EXPECT_EQ(test::hash_log(resumed, 3), test::hash_log(straight, 3));
 }
 
 TEST_F(Checkpoint, KeepsTheOptionsOfTheRun) {
@@ -293,9 +285,9 @@ TEST_F(Checkpoint, GoesOnOtherwiseWithWhatIsSet) {
   straight.save(file_);
   const auto seed = [&](const char* value) {
     Simulation resumed = Simulation::resume(file_, {.set = {{"/seed", value}}});
-    return log_of(resumed, 40);
+    return test::hash_log(resumed, 40);
   };
-  EXPECT_EQ(seed("1"), log_of(straight, 40));
+  EXPECT_EQ(seed("1"), test::hash_log(straight, 40));
   Simulation slower =
       Simulation::resume(file_, {.set = {{"/types/2/drive/params/velocity_min_x_mps", "-0.1"}}});
   slower.step();
@@ -406,10 +398,10 @@ TEST_F(Checkpoint, HoldsTheMemoriesOfControllersThatOnlyTheProgramKnows) {
     "types": {"bot": {"size_m": [0.4, 0.3, 0.25], "drive": {"kind": "diff"}, "controller": {"kind": "counter"}}},
     "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "bot", "pose": {"x_m": 2}}]})"),
                       {}, registry());
-  log_of(straight, 5);
+  test::hash_log(straight, 5);
   straight.save(file_);
   Simulation resumed = Simulation::resume(file_, {}, registry());
-  EXPECT_EQ(log_of(resumed, 5), log_of(straight, 5));
+  EXPECT_EQ(test::hash_log(resumed, 5), test::hash_log(straight, 5));
   EXPECT_THAT(error_of(file_),
               HasSubstr("run.h5: error: /types/1/controllers/0: unknown controller \"counter\""));
 }
@@ -460,14 +452,9 @@ TEST_F(Checkpoint, NamesAFieldThatTheRunDoesNotHave) {
     "types": {"bot": {"size_m": [0.4, 0.3, 0.25], "drive": {"kind": "diff"}, "controller": {"kind": "counter"}}},
     "models": [{"name": "a", "type": "bot"}]})";
   Simulation(write("own.json", world), {}, newer).save(file_);
-  try {
-    Simulation::resume(file_, {}, older);
-    FAIL() << "resumed";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(),
-                HasSubstr("has the field \"luck\", which this run does not have: resume with the version of "
-                          "Troupe and the plug-ins that saved the checkpoint"));
-  }
+  EXPECT_THAT(test::message_of<InputError>([&] { Simulation::resume(file_, {}, older); }),
+              HasSubstr("has the field \"luck\", which this run does not have: resume with the version of "
+                        "Troupe and the plug-ins that saved the checkpoint"));
 }
 
 TEST_F(Checkpoint, RefusesWhatIsNoCheckpoint) {
@@ -482,7 +469,7 @@ TEST_F(Checkpoint, RefusesWhatIsNoCheckpoint) {
 
 TEST_F(Checkpoint, RefusesOneThatWasCutOffOrDamagedOrIsNewer) {
   Simulation simulation(write("room.json", k_room));
-  log_of(simulation, 2);
+  test::hash_log(simulation, 2);
   simulation.save(file_);
   const std::string good = content(file_);
   const auto fault_of = [&](const std::string& bytes) { return error_of(write("bad.h5", bytes)); };
@@ -564,13 +551,10 @@ TEST_F(Checkpoint, HoldsDataOfProgramsThatAreEmpty) {
 
 TEST_F(Checkpoint, ThatHasNoFolderIsAnError) {
   const Simulation simulation(write("room.json", k_room));
-  try {
-    simulation.save(folder_ / "no" / "run.h5");
-    FAIL();
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("there is no folder " + (folder_ / "no").string()));
-    EXPECT_THAT(error.what(), StartsWith((folder_ / "no" / "run.h5").string() + ": error: "));
-  }
+  const std::string error =
+      test::message_of<std::runtime_error>([&] { simulation.save(folder_ / "no" / "run.h5"); });
+  EXPECT_THAT(error, HasSubstr("there is no folder " + (folder_ / "no").string()));
+  EXPECT_THAT(error, StartsWith((folder_ / "no" / "run.h5").string() + ": error: "));
 }
 
 }  // namespace

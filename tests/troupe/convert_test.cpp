@@ -1,8 +1,9 @@
-// A world in another format runs with the same hashes.
+// A world that was converted to another format runs with the same hashes.
 
 #include "worldio/convert.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -55,12 +56,7 @@ class ConvertTest : public test::ScratchTest {
 
   static std::vector<std::string> hash_log(const fs::path& world, int ticks) {
     Simulation simulation(world, SimulationOptions{.threads = 2});
-    std::vector<std::string> lines{simulation.hash_log_line()};
-    for (int tick = 0; tick < ticks; ++tick) {
-      simulation.step();
-      lines.push_back(simulation.hash_log_line());
-    }
-    return lines;
+    return test::hash_log(simulation, ticks);
   }
 
   std::vector<std::string> found;
@@ -551,7 +547,7 @@ TEST_F(ConvertTest, NumbersOfMarkedBodiesAreKept) {
   for (const fs::path& other : {json, back}) EXPECT_EQ(hash_log(other, 5), hash_log(world, 5));
   const Simulation simulation(back, {.threads = 1});
   const engine::WorldSpec& spec = simulation.world().spec();
-  EXPECT_EQ(spec.types.size(), 3u) << "the ground, those that are marked, and the one whose number is 0";
+  EXPECT_EQ(spec.types.size(), 3u) << "ground, bodies with a number, and the body with the number 0";
   for (std::uint32_t b = 1; b <= 5; ++b)
     EXPECT_EQ(fiducial_of(spec, BodyId(b), 0), 10 * static_cast<int>(b) - 30);
 }

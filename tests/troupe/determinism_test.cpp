@@ -1,11 +1,12 @@
-// The short form of scripts/prove: the same bits for any number of threads and any tile size, and those of
-// the golden hashes. What else must not reach the state has a test here too: the caller's rounding and
-// denormals, the locale, the working directory.
+// The short form of scripts/prove: runs have the same bits for any number of threads and any tile size,
+// and the golden hashes. The rounding mode, denormals and locale of the caller, and the working directory,
+// do not change the state.
 
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
 #include "engine/observing/remade_world.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -51,11 +52,7 @@ SimulationOptions options_of(const scenes::Run& run, unsigned threads, double ti
 /// The lines of the hash log of a run.
 std::vector<std::string> log_of(const scenes::Run& run, unsigned threads, double tile_size_m = 0) {
   Simulation simulation(run.file(), options_of(run, threads, tile_size_m));
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  while (simulation.tick() < run.ticks) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
+  const std::vector<std::string> lines = test::hash_log(simulation, run.ticks);
   EXPECT_EQ(lines.back().find(hex(simulation.state_hash())), lines.back().find(' ') + 1);
   return lines;
 }

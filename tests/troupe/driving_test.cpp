@@ -1,6 +1,7 @@
-// Robots that are sent somewhere, accelerated, put elsewhere, and whose estimated poses are wrong.
+// Robots that drive to goals, accelerate, are moved by the program, and have wrong estimated poses.
 
 #include "engine/world/world.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/recording.hpp"
@@ -22,15 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path k_errands = fs::path(TROUPE_SOURCE_DIR) / "worlds" / "errands.json";
-
-std::vector<std::string> log_of(Simulation& simulation, int ticks) {
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  for (int tick = 0; tick < ticks; ++tick) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
-  return lines;
-}
 
 class Driving : public test::ScratchTest {
  protected:
@@ -142,13 +134,13 @@ TEST_F(Driving, WherePutDependsOnNeitherThreadsNorTiles) {
   std::vector<std::string> first;
   for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(3u, 1.7), std::pair(2u, 20.0)}) {
     Simulation simulation(k_errands, {.threads = threads, .tile_size_m = tile_m});
-    std::vector<std::string> lines = log_of(simulation, 3);
+    std::vector<std::string> lines = test::hash_log(simulation, 3);
     std::vector<std::pair<Model, Pose>> poses;
     const std::vector<std::string> names = simulation.robot_names();
     for (std::size_t i = 0; i < names.size(); i += 3)  // some of them into others
       poses.emplace_back(simulation.find(names[i]), Pose{0.3 * static_cast<double>(i) - 3, 0.1, 0, 0.7});
     simulation.set_poses(poses);
-    for (const std::string& line : log_of(simulation, 20)) lines.push_back(line);
+    for (const std::string& line : test::hash_log(simulation, 20)) lines.push_back(line);
     if (first.empty()) first = lines;
     EXPECT_EQ(lines, first) << threads << " threads, tiles of " << tile_m;
   }
@@ -177,7 +169,7 @@ TEST_F(Driving, ACheckpointKeepsModesAndBeliefs) {
   straight.run_for(1);
   straight.save(folder_ / "run.h5");
   Simulation resumed = Simulation::resume(folder_ / "run.h5");
-  EXPECT_EQ(log_of(resumed, 20), log_of(straight, 20));
+  EXPECT_EQ(test::hash_log(resumed, 20), test::hash_log(straight, 20));
 }
 
 TEST_F(Driving, ARecordingTellsTheModeOfACommand) {

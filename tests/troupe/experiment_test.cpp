@@ -1,6 +1,7 @@
-// Experiments as programs and files see them: worlds/door.json, worlds/failures.json and the API.
+// Experiments in programs and files: worlds/door.json, worlds/failures.json and the C++ interface.
 
 #include "engine/world/world.hpp"
+#include "tests/support/hash_log.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -30,15 +31,6 @@ const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
 
 void step(Simulation& simulation, int ticks) {
   for (int tick = 0; tick < ticks; ++tick) simulation.step();
-}
-
-std::vector<std::string> log_of(Simulation& simulation, int ticks) {
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  for (int tick = 0; tick < ticks; ++tick) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
-  return lines;
 }
 
 TEST(Interventions, ThatAddMoreThanTheReserveHasAreWarnedOf) {
@@ -123,13 +115,13 @@ constexpr int k_ticks = test::k_slow_build ? 30 : 260;
 
 TEST_P(ExperimentScenes, DependOnNeitherThreadsNorTilesAndComeAgain) {
   Simulation first(GetParam().file(), {.threads = 1});
-  const std::vector<std::string> expected = log_of(first, k_ticks);
+  const std::vector<std::string> expected = test::hash_log(first, k_ticks);
   for (const auto& [threads, tile_m] : {std::pair(2u, 0.7), std::pair(8u, 20.0)}) {
     Simulation simulation(GetParam().file(), {.threads = threads, .tile_size_m = tile_m});
-    EXPECT_EQ(log_of(simulation, k_ticks), expected) << threads << " threads";
+    EXPECT_EQ(test::hash_log(simulation, k_ticks), expected) << threads << " threads";
   }
   first.reset();
-  EXPECT_EQ(log_of(first, k_ticks), expected) << "after a reset";
+  EXPECT_EQ(test::hash_log(first, k_ticks), expected) << "after a reset";
 }
 
 TEST_P(ExperimentScenes, GoOnFromTheMiddleOfThem) {
@@ -138,9 +130,9 @@ TEST_P(ExperimentScenes, GoOnFromTheMiddleOfThem) {
   Simulation straight(GetParam().file(), {.threads = 1});
   step(straight, before);
   straight.save(folder_ / "run.h5");
-  const std::vector<std::string> expected = log_of(straight, k_ticks - before);
+  const std::vector<std::string> expected = test::hash_log(straight, k_ticks - before);
   Simulation resumed = Simulation::resume(folder_ / "run.h5", {.threads = 3, .tile_size_m = 1.7});
-  EXPECT_EQ(log_of(resumed, k_ticks - before), expected);
+  EXPECT_EQ(test::hash_log(resumed, k_ticks - before), expected);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, ExperimentScenes, ::testing::ValuesIn(scenes::runs_of("experiments")),
@@ -240,9 +232,9 @@ TEST_F(StopWhen, TheRunIsOverWithTheFirstTickAfterWhichOneHolds) {
   EXPECT_EQ(simulation.tick(), 52u) << "5.1 m, 0.1 m each tick from the second on";
   EXPECT_EQ(simulation.stopped(), "displacement >= 5.01");
   simulation.run_for(1);
-  EXPECT_EQ(simulation.tick(), 52u) << "it stays over";
+  EXPECT_EQ(simulation.tick(), 52u) << "run_for() makes no further step";
   simulation.step();
-  EXPECT_EQ(simulation.tick(), 53u) << "but for who steps all the same";
+  EXPECT_EQ(simulation.tick(), 53u) << "step() does not test the condition";
   simulation.reset();
   EXPECT_FALSE(simulation.stopped());
   simulation.run_for(100);

@@ -1,4 +1,4 @@
-// The worlds of grippers and actuators, with outcomes that were worked out by hand: docs/gripping.md.
+// The scenes of grippers and actuators, with results that were computed by hand: docs/gripping.md.
 
 #include "engine/observing/events.hpp"
 #include "engine/world/world.hpp"

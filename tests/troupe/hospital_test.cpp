@@ -1,6 +1,6 @@
-// The hospital after its swarm has dispersed: no robot in a wall, none in another robot, and as crowded with
-// walls as it is meant to be. Looked at with the static scene's own predicates, but pair by pair and edge by
-// edge, without any grid.
+// The hospital after its swarm has dispersed: no robot overlaps a wall or another robot, and the density of
+// walls is as intended. Uses the predicates of the static scene, but for each pair and each edge, without
+// a grid.
 
 #include "engine/world/world.hpp"
 #include "tests/support/slow_build.hpp"

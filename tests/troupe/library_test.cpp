@@ -1,4 +1,4 @@
-// What programs have to build worlds, look into them and drive them, beside the simulation's own tests.
+// Functions with which programs build, inspect and drive worlds, in addition to simulation_test.cpp.
 #include "engine/kinds/controller.hpp"
 #include "models/devices/gripper.hpp"
 #include "models/devices/led.hpp"
@@ -431,7 +431,7 @@ TEST(ForEach, GivesTheExceptionOfTheFirstRobot) {
   EXPECT_THAT(called, ::testing::Each(1));
 }
 
-/// What one call of for_each() gets for what it does with the simulation's other robots, or with all of it.
+/// Returns the error of act(robot) in for_each(): act() uses other robots or the whole simulation.
 template <class Do>
 std::string refused_in_for_each(Simulation& simulation, Do&& act) {
   Swarm swarm = simulation.swarm("bot");

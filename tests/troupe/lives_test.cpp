@@ -1,9 +1,11 @@
-// Births and deaths as programs and files see them: worlds/colony.json and the API.
+// Births and deaths in programs and files: worlds/colony.json and the C++ interface.
 
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "models/devices/power.hpp"
 #include "models/devices/spawner.hpp"
+#include "tests/support/hash_log.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/recording.hpp"
@@ -99,24 +101,15 @@ TEST(ColonyScene, AntsAreBornForEveryTwoFlagsAndDieWithEmptyPacks) {
   EXPECT_EQ(simulation.unborn("ant"), 60 - brood.born);
 }
 
-std::vector<std::string> log_of(Simulation& simulation, int ticks) {
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  for (int tick = 0; tick < ticks; ++tick) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
-  return lines;
-}
-
 TEST(ColonyScene, DependsOnNeitherThreadsNorTilesAndComesAgain) {
   Simulation first(k_colony, {.threads = 1});
-  const std::vector<std::string> expected = log_of(first, k_ticks);
+  const std::vector<std::string> expected = test::hash_log(first, k_ticks);
   for (const auto& [threads, tile_m] : {std::pair(2u, 0.7), std::pair(8u, 20.0)}) {
     Simulation simulation(k_colony, {.threads = threads, .tile_size_m = tile_m});
-    EXPECT_EQ(log_of(simulation, k_ticks), expected) << threads << " threads";
+    EXPECT_EQ(test::hash_log(simulation, k_ticks), expected) << threads << " threads";
   }
   first.reset();
-  EXPECT_EQ(log_of(first, k_ticks), expected) << "after a reset";
+  EXPECT_EQ(test::hash_log(first, k_ticks), expected) << "after a reset";
 }
 
 class Lives : public test::ScratchTest {
@@ -139,10 +132,10 @@ TEST_F(Lives, ARunGoesOnFromTheMiddleOfThem) {
   Simulation straight(k_colony, {.threads = 1});
   step(straight, before);
   straight.save(folder_ / "run.h5");
-  const std::vector<std::string> expected = log_of(straight, k_ticks - before);
+  const std::vector<std::string> expected = test::hash_log(straight, k_ticks - before);
   for (const auto& [threads, tile_m] : {std::pair(1u, 0.0), std::pair(3u, 1.7)}) {
     Simulation resumed = Simulation::resume(folder_ / "run.h5", {.threads = threads, .tile_size_m = tile_m});
-    EXPECT_EQ(log_of(resumed, k_ticks - before), expected) << threads << " threads";
+    EXPECT_EQ(test::hash_log(resumed, k_ticks - before), expected) << threads << " threads";
     EXPECT_EQ(resumed.robot_names(), straight.robot_names());
     EXPECT_EQ(resumed.statistics().mean_displacement_m, straight.statistics().mean_displacement_m);
   }
@@ -247,12 +240,8 @@ TEST_F(Lives, DevicesTakeNoCommandsBeforeTheBirthOrAfterTheDeath) {
   const std::uint64_t hash = simulation.state_hash();
   Model first = simulation.find("more0");
   const auto expect_refused = [&] {
-    try {
-      first.command<models::LedCommand>("lamp");
-      FAIL();
-    } catch (const std::logic_error& error) {
-      EXPECT_STREQ(error.what(), "\"more0\" is not in the world: it is not yet born, or dead");
-    }
+    EXPECT_EQ(test::message_of<std::logic_error>([&] { first.command<models::LedCommand>("lamp"); }),
+              "\"more0\" is not in the world: it is not yet born, or dead");
     EXPECT_THROW(first.asked("lamp"), std::logic_error);
     EXPECT_THROW(simulation.find("more0.feet").set_speed(1, 0), std::logic_error);
     EXPECT_EQ(first.command_fields("lamp").front().name, "shows");
@@ -273,13 +262,9 @@ TEST_F(Lives, DevicesTakeNoCommandsBeforeTheBirthOrAfterTheDeath) {
 
 TEST_F(Lives, WhatIsWrongIsTold) {
   Simulation simulation(write("w.json", k_world));
-  try {
-    simulation.spawn("mroe", {});
-    FAIL();
-  } catch (const std::out_of_range& error) {
-    EXPECT_THAT(error.what(), HasSubstr("no population \"mroe\" with a reserve in"));
-    EXPECT_THAT(error.what(), HasSubstr("known: more"));
-  }
+  const std::string error = test::message_of<std::out_of_range>([&] { simulation.spawn("mroe", {}); });
+  EXPECT_THAT(error, HasSubstr("no population \"mroe\" with a reserve in"));
+  EXPECT_THAT(error, HasSubstr("known: more"));
   EXPECT_THROW(simulation.spawn("more", {std::nan(""), 0, 0, 0}), std::invalid_argument);
   EXPECT_THROW(simulation.remove(simulation.find("wall")), std::logic_error);
 

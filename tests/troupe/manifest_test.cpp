@@ -1,5 +1,4 @@
-// The reader of worlds/scenes.json that tests and benchmarks share: what is wrong in a manifest is said, with
-// its place.
+// The reader of worlds/scenes.json that tests and benchmarks share: its errors name the line.
 
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"

@@ -2,6 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/observing/measures.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
@@ -45,12 +46,8 @@ TEST_F(MeasuresOfASimulation, AreAskedForByName) {
   EXPECT_NEAR(measures.value("path_length:b"), 0.5, 1e-12);
   EXPECT_EQ(measures.value("near"), 1);
   EXPECT_EQ(measures.values().size(), 4u);
-  try {
-    measures.value("displacment");
-    ADD_FAILURE();
-  } catch (const std::out_of_range& error) {
-    EXPECT_THAT(error.what(), HasSubstr("unknown measure \"displacment\"; known: displacement_m, "));
-  }
+  EXPECT_THAT(test::message_of<std::out_of_range>([&] { measures.value("displacment"); }),
+              HasSubstr("unknown measure \"displacment\"; known: displacement_m, "));
 }
 
 TEST_F(MeasuresOfASimulation, BeginAgainWithAnotherSeed) {
@@ -128,14 +125,9 @@ TEST_F(MeasuresOfASimulation, ListWhatIsWrong) {
 
 TEST_F(MeasuresOfASimulation, SuggestTheNameOfAMeasureThatTheWorldLists) {
   Simulation world = simulation(make_registry(), R"([{"kind": "coverage", "name": "visited"}])");
-  try {
-    const Measures measures(world, {"visitd"});
-    ADD_FAILURE();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(),
-                testing::StartsWith("measure visitd: error: unknown measure \"visitd\"; known: "));
-    EXPECT_THAT(error.what(), testing::EndsWith(", visited (did you mean \"visited\"?)"));
-  }
+  const std::string error = test::message_of<InputError>([&] { const Measures measures(world, {"visitd"}); });
+  EXPECT_THAT(error, testing::StartsWith("measure visitd: error: unknown measure \"visitd\"; known: "));
+  EXPECT_THAT(error, testing::EndsWith(", visited (did you mean \"visited\"?)"));
 }
 
 /// The greatest x of all robots.

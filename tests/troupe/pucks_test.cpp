@@ -1,4 +1,4 @@
-// worlds/pucks.json: finders, grippers, packs, wells and a mill, all together.
+// worlds/pucks.json: finders, grippers, power packs, wells and a mill together.
 
 #include "engine/world/world.hpp"
 #include "models/devices/gripper.hpp"

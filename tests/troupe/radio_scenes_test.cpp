@@ -1,4 +1,4 @@
-// worlds/gradient.json, flock.json, perception.json and chatter.json: swarms that talk.
+// worlds/gradient.json, flock.json, perception.json and chatter.json: swarms that communicate by radio.
 
 #include "engine/world/world.hpp"
 #include "models/controllers/gradient.hpp"

@@ -1,5 +1,5 @@
-// Several ranks compute a world with the same bits as one, however late and shuffled their messages arrive
-// and whichever robots each of them works for (docs/cluster.md).
+// Several ranks compute a world with the same bits as one rank, whatever the delays and the order of their
+// messages are, and whichever robots each rank computes (docs/cluster.md).
 
 #include "base/hash.hpp"
 #include "engine/kinds/controller.hpp"
@@ -7,6 +7,8 @@
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
 #include "partition/mailboxes.hpp"
+#include "tests/support/hash_log.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -71,12 +73,7 @@ SimulationOptions options_of(const Team& team, const scenes::Run& run) {
 
 std::vector<std::string> log_of(const scenes::Run& run, const Team& team) {
   Simulation simulation(run.file(), options_of(team, run));
-  std::vector<std::string> lines{simulation.hash_log_line()};
-  while (simulation.tick() < run.ticks) {
-    simulation.step();
-    lines.push_back(simulation.hash_log_line());
-  }
-  return lines;
+  return test::hash_log(simulation, run.ticks);
 }
 
 /// Each pair of values of two columns is in a row.
@@ -377,11 +374,7 @@ class RanksThatResume : public DistributedRanks {
   using Program = std::function<void(Simulation& simulation)>;
   std::vector<std::string> log_of(Simulation simulation, const Program& program) const {
     program(simulation);
-    std::vector<std::string> lines{simulation.hash_log_line()};
-    for (std::uint64_t i = 0; i < k_ticks; ++i) {
-      simulation.step();
-      lines.push_back(simulation.hash_log_line());
-    }
+    std::vector<std::string> lines = test::hash_log(simulation, k_ticks);
     lines.push_back(simulation.parameters("wanderer"));
     return lines;
   }
@@ -754,13 +747,9 @@ TEST_F(RanksOfLeds, EndAfterARestartThatOnlyOneRankRejects) {
   Simulation simulation = load(2, {}, PickyLed::registry());
   simulation.step();
   EXPECT_EQ(PickyLed::restart_far_away(simulation), "");
-  try {
-    simulation.step();
-    ADD_FAILURE();
-  } catch (const std::exception& error) {
-    EXPECT_THAT(error.what(), HasSubstr("rank 1 failed: an error that did not occur on rank 0"));
-    EXPECT_THAT(error.what(), HasSubstr("is too far from home"));
-  }
+  const std::string error = test::message_of<std::exception>([&] { simulation.step(); });
+  EXPECT_THAT(error, HasSubstr("rank 1 failed: an error that did not occur on rank 0"));
+  EXPECT_THAT(error, HasSubstr("is too far from home"));
 }
 
 // The callback of rank 0 reads data of the ranks that have already failed in this tick.
@@ -909,15 +898,10 @@ TEST_F(RanksOfAProgram, AreOneIfALauncherStartedSeveralProcesses) {
   setenv("OMPI_COMM_WORLD_RANK", "0", 1);
   setenv("OMPI_COMM_WORLD_SIZE", "3", 1);
   EXPECT_EQ(load(1).ranks(), 1u);
-  try {
-    load(2);
-    ADD_FAILURE();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_EQ(std::string(error.what()),
-              "2 ranks: the ranks of a program are threads of one process, but mpirun of Open MPI started 3 "
-              "processes: start the program without the launcher, or use troupe run, whose ranks may be "
-              "processes");
-  }
+  EXPECT_EQ(test::message_of<std::invalid_argument>([&] { load(2); }),
+            "2 ranks: the ranks of a program are threads of one process, but mpirun of Open MPI started 3 "
+            "processes: start the program without the launcher, or use troupe run, whose ranks may be "
+            "processes");
   setenv("OMPI_COMM_WORLD_SIZE", "1", 1);
   EXPECT_EQ(load(2).ranks(), 2u);
   unsetenv("OMPI_COMM_WORLD_RANK");
@@ -929,12 +913,8 @@ TEST_F(RanksOfAProgram, AreOneIfALauncherInASlurmStepStartedSeveralProcesses) {
   const std::array<std::pair<const char*, const char*>, 4> variables{
       {{"PMIX_RANK", "0"}, {"SLURM_STEP_NUM_TASKS", "1"}, {"PMI_RANK", "1"}, {"PMI_SIZE", "3"}}};
   for (const auto& [name, value] : variables) setenv(name, value, 1);
-  try {
-    load(2);
-    ADD_FAILURE();
-  } catch (const std::invalid_argument& error) {
-    EXPECT_THAT(error.what(), HasSubstr("mpirun of MPICH started 3 processes"));
-  }
+  EXPECT_THAT(test::message_of<std::invalid_argument>([&] { load(2); }),
+              HasSubstr("mpirun of MPICH started 3 processes"));
   unsetenv("PMI_SIZE");
   EXPECT_EQ(load(2).ranks(), 2u) << "srun started one process";
   for (const auto& [name, value] : variables) unsetenv(name);

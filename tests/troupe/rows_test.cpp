@@ -5,6 +5,7 @@
 #include "engine/observing/events.hpp"
 #include "engine/observing/remade_world.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/message_of.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/results/recording_fields.hpp"
 
@@ -343,12 +344,8 @@ TEST(RowOrder, CannotBeShuffledOnSeveralRanks) {
   SimulationOptions options;
   options.ranks = 2;
   Simulation simulation(k_shipped / "colony.json", options);
-  try {
-    simulation.world().shuffle_rows(1);
-    ADD_FAILURE() << "the rows of a world on two ranks were shuffled";
-  } catch (const std::logic_error& error) {
-    EXPECT_STREQ(error.what(), "the rows of a world that several ranks compute cannot be shuffled");
-  }
+  EXPECT_EQ(test::message_of<std::logic_error>([&] { simulation.world().shuffle_rows(1); }),
+            "the rows of a world that several ranks compute cannot be shuffled");
 }
 
 }  // namespace

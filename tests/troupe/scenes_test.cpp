@@ -1,5 +1,5 @@
 // worlds/beeclust.json, coverage.json, chain.json, brazil_nut.json, segregation.json and harvest.json: the
-// experiments of docs/scenes.md, each over ten seeds, and what their controllers do by hand.
+// experiments of docs/scenes.md, each with ten seeds, and single decisions of their controllers.
 
 #include "engine/world/world.hpp"
 #include "tests/support/scratch.hpp"
@@ -304,8 +304,8 @@ TEST(SegregationScene, EachGathersOnTheGroundOfItsColour) {
   if (test::k_slow_build) GTEST_SKIP() << "takes 144,000 ticks";
   for (std::uint64_t seed = 1; seed <= k_few_seeds; ++seed) {
     const std::vector<double> shares = gathered(seed, {});
-    EXPECT_GT(shares[0], 0.85) << "seed " << seed << ", who is for black";
-    EXPECT_GT(shares[1], 0.85) << "seed " << seed << ", who is for white";
+    EXPECT_GT(shares[0], 0.85) << "seed " << seed << ", robots for black ground";
+    EXPECT_GT(shares[1], 0.85) << "seed " << seed << ", robots for white ground";
   }
 }
 

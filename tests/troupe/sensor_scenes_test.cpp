@@ -1,5 +1,4 @@
-// The scenes of worlds/ that show a sensor each, and what they must come to: worked out by hand from the
-// files.
+// The scenes that show one sensor each, with results that were computed by hand from the files.
 
 #include "engine/world/world.hpp"
 #include "sensors/blobfinder.hpp"

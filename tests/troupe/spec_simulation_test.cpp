@@ -1,4 +1,4 @@
-// A simulation of a WorldSpec: filled by hand, or loaded from a file beforehand.
+// A Simulation of a WorldSpec that was filled by a program, or loaded from a file beforehand.
 
 #include "base/diagnostics.hpp"
 #include "engine/spec/populations.hpp"

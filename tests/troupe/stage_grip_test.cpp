@@ -1,6 +1,7 @@
 #include "engine/world/world.hpp"
 #include "models/devices/actuator.hpp"
 #include "models/devices/gripper.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/simulation.hpp"
 
@@ -40,14 +41,10 @@ class StageGrip : public test::ScratchTest {
 };
 
 TEST_F(StageGrip, AnActuatorsLimitsStandInTheirOrder) {
-  try {
-    load("\nposition( actuator( name \"lift\" min_position 2 ) )");
-    ADD_FAILURE() << "it was read";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(),
-                ::testing::EndsWith("w.world:2: error: device \"lift\" has a \"min_position\" of 2, "
-                                    "above its \"max_position\" of 1"));
-  }
+  EXPECT_THAT(
+      test::message_of<InputError>([&] { load("\nposition( actuator( name \"lift\" min_position 2 ) )"); }),
+      ::testing::EndsWith("w.world:2: error: device \"lift\" has a \"min_position\" of 2, "
+                          "above its \"max_position\" of 1"));
 }
 
 TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
@@ -68,17 +65,13 @@ TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
   const Row row = world.row(world.find("r"));
   EXPECT_EQ(world.joint_state(row, 0), (Pose{0, -1, 0.5, 0})) << "left: a metre to the middle, half one up";
   EXPECT_EQ(world.joint_state(row, 1), (Pose{0, 1, 0.5, 0}));
-  try {
-    load("position( gripper( paddle_size [1 2 3] ) gripper( paddle_state [\"shut\" \"up\"] ) )");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(),
-                HasSubstr("w.world:1: error: \"paddle_size\" needs three fractions of the "
-                          "gripper's size, [x y z], each above 0 and below 1, with y below 0.5"));
-    EXPECT_THAT(
-        error.what(),
-        HasSubstr("\"paddle_state\" needs two strings: \"open\" or \"closed\", then \"up\" or \"down\""));
-  }
+  const std::string error = test::message_of<InputError>(
+      [&] { load("position( gripper( paddle_size [1 2 3] ) gripper( paddle_state [\"shut\" \"up\"] ) )"); });
+  EXPECT_THAT(error, HasSubstr("w.world:1: error: \"paddle_size\" needs three fractions of the "
+                               "gripper's size, [x y z], each above 0 and below 1, with y below 0.5"));
+  EXPECT_THAT(
+      error,
+      HasSubstr("\"paddle_state\" needs two strings: \"open\" or \"closed\", then \"up\" or \"down\""));
 }
 
 // The gripper reaches from 0.2 to 0.4 m before the robot's origin; the puck stands between its paddles.

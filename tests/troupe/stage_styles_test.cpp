@@ -1,6 +1,5 @@
-// Worlds in the styles of those that come with Stage: what each of them is there to show, in words of our
-// own. They load with the warnings that belong to them and no others, run, and give the same bits on other
-// threads.
+// Worlds in the styles of the worlds of Stage, written for these tests. They load with the expected warnings
+// only, run, and give the same bits with any number of threads.
 
 #include "base/diagnostics.hpp"
 #include "engine/kinds/sensor_params.hpp"

@@ -1,5 +1,5 @@
-// Stage's own worlds, unmodified: they load, they run, and in its hospital the swarm spreads as it does in
-// Stage. Where they are not: stage_styles_test.cpp, and a swarm of our own that spreads as was worked out.
+// The worlds of Stage, unmodified: they load and run, and in the hospital the swarm disperses as in Stage. If
+// the files are missing, stage_styles_test.cpp and a swarm with a computed dispersion replace them.
 
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"

@@ -160,7 +160,7 @@ TEST(Swarms, GiveReadingsOfSensorsThatRun) {
   bots.subscribe();
   simulation.step();
   bots.ranges(nape, "nape");
-  nape.pop_back();  // who is yet to be born reads 0
+  nape.pop_back();  // the reading of an unborn robot, 0
   EXPECT_THAT(nape, Each(testing::Gt(0)));
   EXPECT_THAT(message_of<std::logic_error>([&] { bots.subscribe(); }), HasSubstr("before the first step"));
 }

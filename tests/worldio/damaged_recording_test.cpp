@@ -1,6 +1,7 @@
 #ifdef TROUPE_HAS_HDF5
 
 #include "base/diagnostics.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/worldio/recording_by_hand.hpp"
 #include "worldio/results/recording_reader.hpp"
@@ -171,12 +172,8 @@ TEST_F(DamagedRecording, ATextThatIsNotThereIsAnError) {
   std::string bytes = content(file_);
   bytes[bytes.find("GCOL")] = 'X';
   write("run.h5", bytes);
-  try {
-    RecordingReader recording(file_);
-    FAIL();
-  } catch (const Hdf5Error& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("whose string is missing: the file is damaged"));
-  }
+  EXPECT_THAT(test::message_of<Hdf5Error>([&] { RecordingReader recording(file_); }),
+              ::testing::HasSubstr("whose string is missing: the file is damaged"));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// `stop_when`, `at` and `faults` of JSON worlds: what is read, and what is told of what is wrong.
+// `stop_when`, `at` and `faults` of JSON worlds: how they are read, and the errors.
 
 #include "worldio/json/experiment_json.hpp"
 #include "tests/worldio/json_test_world.hpp"

@@ -1,5 +1,5 @@
-// World files of all versions of the format are read as before. The files in tests/worldio/formats are never
-// changed.
+// World files of all earlier versions of the format are still read with the same results. The files in
+// tests/worldio/formats are never changed.
 
 #include "base/hash.hpp"
 #include "troupe/registry.hpp"

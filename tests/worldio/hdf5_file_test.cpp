@@ -1,5 +1,6 @@
 #include "worldio/results/hdf5_file.hpp"
 
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 
 #include <gmock/gmock.h>
@@ -9,6 +10,8 @@
 #include <cstring>
 #include <fstream>
 #include <numeric>
+#include <string>
+#include <utility>
 
 namespace troupe::worldio {
 namespace {
@@ -26,16 +29,9 @@ class Hdf5 : public test::ScratchTest {
   void SetUp() override {
     if (!has_hdf5()) GTEST_SKIP() << "built without HDF5";
   }
-  /// The message of the Hdf5Error that `call` throws.
   template <class Call>
-  std::string error_of(Call&& call) {
-    try {
-      call();
-    } catch (const Hdf5Error& error) {
-      return error.what();
-    }
-    ADD_FAILURE() << "no error";
-    return {};
+  static std::string error_of(Call&& call) {
+    return test::message_of<Hdf5Error>(std::forward<Call>(call));
   }
 
   fs::path file_ = folder_ / "a.h5";

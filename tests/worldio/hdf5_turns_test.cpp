@@ -1,5 +1,5 @@
-// Threads take turns inside HDF5's library. A library that was built to be safe for threads hides it where
-// they do not, so this program's H5Dwrite stands before the library's, and counts.
+// Threads take turns inside HDF5's library. A library that was built thread-safe would hide an error in
+// this.  The H5Dwrite of this program therefore replaces that of the library, and counts the calls.
 
 #ifdef TROUPE_HAS_HDF5
 

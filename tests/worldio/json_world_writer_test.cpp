@@ -1,4 +1,4 @@
-// What is written of a world reads back as the same world, to the last bit.
+// A world that was written as JSON reads back as the same world, to the last bit.
 
 #include "engine/spec/add_device.hpp"
 #include "tests/support/slow_build.hpp"

@@ -1,5 +1,5 @@
-// A file of some kilobytes must not take all memory, nor all day: what macros, images and numbers can
-// multiply has limits that are met with an error.
+// A file of some kilobytes must not use all memory or take hours: macros, images and numbers that multiply
+// have limits, and a file beyond a limit is an error.
 
 #include "base/diagnostics.hpp"
 #include "tests/support/scratch.hpp"

@@ -1,5 +1,6 @@
 #include "worldio/results/recording_reader.hpp"
 
+#include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/worldio/recording_by_hand.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
@@ -36,14 +37,9 @@ class Reader : public test::ScratchTest {
   }
   std::string error_of(const RecordingByHand& recording) {
     recording.write(file_);
-    try {
-      RecordingReader reader(file_);
-    } catch (const Hdf5Error& error) {
-      EXPECT_THAT(error.what(), ::testing::StartsWith(file_.string() + ": error: "));
-      return error.what();
-    }
-    ADD_FAILURE() << "no error";
-    return {};
+    const std::string error = test::message_of<Hdf5Error>([&] { RecordingReader reader(file_); });
+    EXPECT_THAT(error, ::testing::StartsWith(file_.string() + ": error: "));
+    return error;
   }
   fs::path file_ = folder_ / "run.h5";
 };

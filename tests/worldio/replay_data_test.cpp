@@ -123,14 +123,14 @@ TEST_F(Replay, SensorsWithEqualNamesAreNumberedAsInTheRun) {
   const RecordingReader recording(folder_ / "run.h5");
   const RecordedScene scene = recorded_scene(recording);
   const RecordedScene::Type& bot = scene.types[scene.bodies[1].type];
-  ASSERT_EQ(bot.eyes.size(), 3u);
-  EXPECT_EQ(bot.eyes[1].name, "eye#2");
-  EXPECT_EQ(bot.eyes[2].name, "eye#3");
-  for (const RecordedScene::Eye& eye : bot.eyes) {
-    const auto array =
-        std::ranges::find(recording.arrays(), "sensors/bot/" + eye.name, &RecordingReader::Array::component);
-    ASSERT_NE(array, recording.arrays().end()) << eye.name;
-    EXPECT_EQ(array->field.columns, eye.fans.at(0).beams) << eye.name;
+  ASSERT_EQ(bot.rangers.size(), 3u);
+  EXPECT_EQ(bot.rangers[1].name, "eye#2");
+  EXPECT_EQ(bot.rangers[2].name, "eye#3");
+  for (const RecordedScene::Ranger& ranger : bot.rangers) {
+    const auto array = std::ranges::find(recording.arrays(), "sensors/bot/" + ranger.name,
+                                         &RecordingReader::Array::component);
+    ASSERT_NE(array, recording.arrays().end()) << ranger.name;
+    EXPECT_EQ(array->field.columns, ranger.transducers.at(0).beams) << ranger.name;
   }
 }
 
@@ -151,14 +151,14 @@ TEST_F(Replay, TheSceneIsThatOfTheWorld) {
 
   const RecordedScene::Type& bot = scene.types[scene.bodies[1].type];
   EXPECT_TRUE(bot.look.mobile);
-  ASSERT_EQ(bot.eyes.size(), 1u);
-  EXPECT_EQ(bot.eyes[0].name, "eye");
-  ASSERT_EQ(bot.eyes[0].fans.size(), 2u);
-  EXPECT_EQ(bot.eyes[0].fans[0].beams, 9u);
-  EXPECT_NEAR(bot.eyes[0].fans[0].fov_rad, radians(90), 1e-12);
-  EXPECT_NEAR(bot.eyes[0].fans[1].pose_body_fan.x, -0.1, 1e-12);
-  EXPECT_NEAR(std::abs(bot.eyes[0].fans[1].pose_body_fan.heading), radians(180), 1e-12);
-  EXPECT_EQ(bot.eyes[0].fans[1].range_max_m, 1.5);
+  ASSERT_EQ(bot.rangers.size(), 1u);
+  EXPECT_EQ(bot.rangers[0].name, "eye");
+  ASSERT_EQ(bot.rangers[0].transducers.size(), 2u);
+  EXPECT_EQ(bot.rangers[0].transducers[0].beams, 9u);
+  EXPECT_NEAR(bot.rangers[0].transducers[0].fov_rad, radians(90), 1e-12);
+  EXPECT_NEAR(bot.rangers[0].transducers[1].pose_body_transducer.x, -0.1, 1e-12);
+  EXPECT_NEAR(std::abs(bot.rangers[0].transducers[1].pose_body_transducer.heading), radians(180), 1e-12);
+  EXPECT_EQ(bot.rangers[0].transducers[1].range_max_m, 1.5);
 }
 
 TEST_F(Replay, PosesAreThoseOfTheRunToAMillimetre) {
@@ -301,8 +301,8 @@ TEST_F(Replay, JointsComeWithPoses) {
   EXPECT_EQ(crane.joints[1].parent, 0);
   EXPECT_NEAR(crane.joints[1].pose_body_joint.x, 0.5, 1e-12);
   EXPECT_EQ(crane.shape_joints, (std::vector<std::int32_t>{-1, 0, 1}));
-  ASSERT_EQ(crane.eyes.size(), 1u);
-  EXPECT_EQ(crane.eyes[0].joint, 1);
+  ASSERT_EQ(crane.rangers.size(), 1u);
+  EXPECT_EQ(crane.rangers[0].joint, 1);
 
   const ReplayData data = replay_data(recording, {.fields = {"pose"}});
   EXPECT_FALSE(data.at_rest);

@@ -1,4 +1,4 @@
-// A stored world comes back to the last bit, without the files that it was loaded from.
+// A stored world reads back to the last bit, without the files from which it was loaded.
 
 #include "worldio/json/spec_json.hpp"
 #include "engine/kinds/sensor_params.hpp"

@@ -1,5 +1,4 @@
-// What unseen worlds that were written for Stage may hold: where they are odd, but
-// Stage reads them.
+// Unusual constructs that worlds written for Stage may contain, and that Stage accepts.
 
 #include "engine/kinds/sensor_params.hpp"
 #include "tests/worldio/stage_fixture.hpp"

@@ -241,8 +241,8 @@ bool bmp_is_damaged(std::string_view bytes) {
   };
   const bool is_old = number(14, 4) == 12;  // the OS/2 header
   const std::uint32_t width = is_old ? number(18, 2) : number(18, 4);
-  const auto height =
-      static_cast<std::int32_t>(is_old ? number(20, 2) : number(22, 4));  // negative: the top row is first
+  // Negative if the top row is first.
+  const auto height = static_cast<std::int32_t>(is_old ? number(20, 2) : number(22, 4));
   const std::uint32_t bits = is_old ? number(24, 2) : number(28, 2);
   const double row_bytes = 4 * std::ceil(static_cast<double>(width) * bits / 32);
   return static_cast<double>(bytes.size()) <
@@ -256,6 +256,44 @@ bool bmp_is_compressed(std::string_view bytes) {
   constexpr unsigned char k_old_header = 12;  // bytes of the OS/2 header, which has no compression
   if (!bytes.starts_with("BM") || bytes.size() <= k_compression_at || bytes[14] == k_old_header) return false;
   return bytes[k_compression_at] != k_uncompressed && bytes[k_compression_at] != k_uncompressed_with_masks;
+}
+
+const stbi_uc* data_of(std::string_view bytes) { return reinterpret_cast<const stbi_uc*>(bytes.data()); }
+int size_of(std::string_view bytes) { return static_cast<int>(bytes.size()); }
+
+/// Checks the bytes of an image before it is decoded. The text of an error continues the words `the image
+/// NAME`.
+Result<> check_encoded(std::string_view bytes, double most_pixels) {
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    return Error{fmt::format("has {} bytes; at most 2^31 - 1 are allowed", bytes.size())};
+  if (const std::string format = unread_pnm(bytes); !format.empty())
+    return Error{
+        fmt::format("is a {}; of the PNM formats, binary PGM (P5) and binary PPM (P6) are read: convert the "
+                    "image to one of these or to PNG",
+                    format)};
+  if (bmp_is_compressed(bytes))
+    return Error{"is a compressed BMP; only BMPs that are not compressed are read: convert the image to PNG"};
+  struct Format {
+    bool (*is_damaged)(std::string_view bytes);
+    std::string_view what;
+  };
+  constexpr Format k_formats[] = {
+      {png_is_damaged,
+       "a part is cut off, a checksum does not match, or there is more data than the pixels need"},
+      {jpeg_is_damaged, "it violates the JPEG format, or is cut off"},
+      {pnm_is_damaged, "its header is invalid, has a number above 999999, or the image is cut off"},
+      {bmp_is_damaged, "it is cut off"}};
+  for (const auto& [is_damaged, what] : k_formats)
+    if (is_damaged(bytes)) return Error{fmt::format("is damaged: {}", what)};
+  int width = 0, height = 0, channels = 0;
+  if (stbi_info_from_memory(data_of(bytes), size_of(bytes), &width, &height, &channels) &&
+      static_cast<double>(width) * height > most_pixels)
+    return Error{fmt::format("is too large: {} x {} pixels; at most {:.0f} million are allowed", width,
+                             height, most_pixels / 1e6)};
+  // stb_image would read uninitialized memory for an index beyond the palette.
+  if (const std::string error = palette_error(bytes); !error.empty())
+    return Error{fmt::format("is damaged: {}", error)};
+  return {};
 }
 
 /// Returns the total number of corners of the outlines of the solid pixels.
@@ -336,80 +374,32 @@ std::optional<Bitmap> read_bitmap(const std::filesystem::path& file, Where where
 
 std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view name, Where where,
                                     Diagnostics& diagnostics, double most_pixels, const PixelRule& is_solid) {
-  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) {
-    diagnostics.error(
-        where, fmt::format("the image {} has {} bytes; at most 2^31 - 1 are allowed", name, bytes.size()));
-    return {};
-  }
-  if (const std::string format = unread_pnm(bytes); !format.empty()) {
-    diagnostics.error(
-        where,
-        fmt::format("the image {} is a {}; of the PNM formats, binary PGM (P5) and binary PPM (P6) are "
-                    "read: convert the image to one of these or to PNG",
-                    name, format));
-    return {};
-  }
-  if (bmp_is_compressed(bytes)) {
-    diagnostics.error(
-        where, fmt::format("the image {} is a compressed BMP; only BMPs that are not compressed are read: "
-                           "convert the image to PNG",
-                           name));
-    return {};
-  }
-  struct Format {
-    bool (*is_damaged)(std::string_view bytes);
-    std::string_view what;
+  const auto refuse = [&](std::string message) {
+    diagnostics.error(where, std::move(message));
+    return std::nullopt;
   };
-  constexpr Format k_formats[] = {
-      {png_is_damaged,
-       "a part is cut off, a checksum does not match, or there is more data than the pixels need"},
-      {jpeg_is_damaged, "it violates the JPEG format, or is cut off"},
-      {pnm_is_damaged, "its header is invalid, has a number above 999999, or the image is cut off"},
-      {bmp_is_damaged, "it is cut off"}};
-  for (const auto& [is_damaged, what] : k_formats)
-    if (is_damaged(bytes)) {
-      diagnostics.error(where, fmt::format("the image {} is damaged: {}", name, what));
-      return {};
-    }
-  const auto data = [&] { return reinterpret_cast<const stbi_uc*>(bytes.data()); };
-  const auto size = [&] { return static_cast<int>(bytes.size()); };
-  Bitmap bitmap;
-  int channels = 0;
-  // Check the size in the header before memory is allocated for the pixels.
-  if (stbi_info_from_memory(data(), size(), &bitmap.width, &bitmap.height, &channels) &&
-      static_cast<double>(bitmap.width) * bitmap.height > most_pixels) {
-    diagnostics.error(
-        where, fmt::format("the image {} is too large: {} x {} pixels; at most {:.0f} million are allowed",
-                           name, bitmap.width, bitmap.height, most_pixels / 1e6));
-    return {};
-  }
-  // stb_image would read uninitialized memory for an index beyond the palette.
-  if (const std::string error = palette_error(bytes); !error.empty()) {
-    diagnostics.error(where, fmt::format("the image {} is damaged: {}", name, error));
-    return {};
-  }
+  if (const Result<> checked = check_encoded(bytes, most_pixels); !checked)
+    return refuse(fmt::format("the image {} {}", name, checked.error().text));
   const std::string scaled = scaled_pnm(bytes);
   if (!scaled.empty()) bytes = scaled;
+  Bitmap bitmap;
+  int channels = 0;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-      stbi_load_from_memory(data(), size(), &bitmap.width, &bitmap.height, &channels, 0), stbi_image_free);
-  if (!pixels) {
-    diagnostics.error(
-        where, fmt::format("{} is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image ({})", name,
-                           stbi_failure_reason()));
-    return {};
-  }
+      stbi_load_from_memory(data_of(bytes), size_of(bytes), &bitmap.width, &bitmap.height, &channels, 0),
+      stbi_image_free);
+  if (!pixels)
+    return refuse(fmt::format("{} is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image ({})",
+                              name, stbi_failure_reason()));
   const std::size_t count = static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
   bitmap.solid.resize(count);
   const auto stride = static_cast<std::size_t>(channels);
   for (std::size_t i = 0; i < count; ++i)
     bitmap.solid[i] = is_solid(std::span<const std::uint8_t>(pixels.get() + i * stride, stride));
-  if (const std::size_t corners = count_corners(bitmap); corners > k_most_corners) {
-    diagnostics.error(
-        where, fmt::format("the image {} is too large: its outlines have {} corners; at most {} are allowed: "
-                           "use a drawing of the walls, not a photograph",
-                           name, corners, k_most_corners));
-    return {};
-  }
+  if (const std::size_t corners = count_corners(bitmap); corners > k_most_corners)
+    return refuse(
+        fmt::format("the image {} is too large: its outlines have {} corners; at most {} are allowed: use a "
+                    "drawing of the walls, not a photograph",
+                    name, corners, k_most_corners));
   return bitmap;
 }
 

@@ -99,7 +99,6 @@ void take_png_bytes(png_structp png, png_bytep data, std::size_t size) {
   rest.remove_prefix(size);
 }
 
-/// The palette indices of an image.
 struct PaletteIndices {
   std::vector<std::uint8_t> row;  // one byte per pixel, of the row that was read last
   int largest = 0;

@@ -127,11 +127,11 @@ struct DocumentKey {
   void* (*make)(void* object) = nullptr;  ///< returns the member; an empty std::optional gets a value
   const void* (*find)(const void* object) = nullptr;  ///< returns the member; null: an empty std::optional
   std::size_t (*size)(const void* object) = nullptr;  ///< returns the number of entries
-  void* (*append)(void* object,
-                  std::string_view name) = nullptr;  ///< adds an entry and returns it; name: key, for maps
+  /// Adds an entry and returns it. name: its key in a map
+  void* (*append)(void* object, std::string_view name) = nullptr;
   const void* (*item)(const void* object, std::size_t index) = nullptr;  ///< returns entry `index`
-  const std::string* (*item_name)(const void* object,
-                                  std::size_t) = nullptr;  ///< returns the key of an entry of a map
+  /// Returns the key of an entry of a map.
+  const std::string* (*item_name)(const void* object, std::size_t) = nullptr;
 
   /// Text that follows `missing "key": ` in errors: the first of `hint`, the meaning of the key and `expects`
   /// that is not empty.

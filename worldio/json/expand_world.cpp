@@ -367,8 +367,7 @@ PlacementRule WorldExpander::expand_rule(const PlaceDocument& document, const Do
     DocumentPath(at, "spill_m", document.where_of("spill_m"))
         .error(
             "outside \"polygon_m\", in which all bodies must lie: give a rectangle that overlaps the "
-            "polygon, or "
-            "remove \"spill_m\"");
+            "polygon, or remove \"spill_m\"");
   rule.jitter_m = document.jitter;
   if (document.pitch) rule.pitch_m = *document.pitch;
   if (document.mean) rule.mean = pair(*document.mean);

@@ -183,6 +183,36 @@ Record SettingExpander::expand_controller(const JsonCursor& at, const engine::Ty
   return read_some(object, kind->params);
 }
 
+InterventionSpec expand_intervention(const InterventionDocument& document, const DocumentPath& at,
+                                     const SettingExpander& settings) {
+  InterventionSpec intervention{.time_s = document.time.value_or(0), .where = document.where};
+  if (document.set) {
+    intervention.action = Action::set;
+    intervention.setting = settings.expand(*document.set, DocumentPath(at, "set", document.set->where));
+  } else if (document.add) {
+    intervention.action = Action::add;
+    intervention.whom = {.by = GroupSpec::By::population,
+                         .name = document.add->population,
+                         .count = document.add->count,
+                         .share = {}};
+    intervention.pose = document.add->pose;
+    intervention.region = document.add->region;
+  } else if (document.move) {
+    intervention.action = Action::move;
+    intervention.whom = {.by = GroupSpec::By::model, .name = document.move->model, .count = {}, .share = {}};
+    intervention.pose = document.move->pose;
+  } else {
+    intervention.action = document.disable  ? Action::disable
+                          : document.enable ? Action::enable
+                                            : Action::remove;
+    const auto& group = document.disable  ? document.disable
+                        : document.enable ? document.enable
+                                          : document.remove;
+    if (group) intervention.whom = expand_group(*group);
+  }
+  return intervention;
+}
+
 SettingDocument contract_setting(const SettingSpec& setting, const engine::WorldSpec& spec,
                                  std::span<const std::string> type_keys, const engine::Registry& registry) {
   const engine::TypeSpec& type = spec.types[setting.type.index()];
@@ -280,29 +310,7 @@ void expand_experiment(const ExperimentDocument& document, const DocumentPath& w
   const DocumentPath all(world, "at", where_at);
   for (std::size_t i = 0; i < document.at.size(); ++i) {
     const InterventionDocument& entry = document.at[i];
-    InterventionSpec intervention{.time_s = entry.time.value_or(0), .where = entry.where};
-    if (entry.set) {
-      const DocumentPath at(all, i, entry.where);
-      intervention.action = Action::set;
-      intervention.setting = settings.expand(*entry.set, DocumentPath(at, "set", entry.set->where));
-    } else if (entry.add) {
-      intervention.action = Action::add;
-      intervention.whom = {.by = GroupSpec::By::population,
-                           .name = entry.add->population,
-                           .count = entry.add->count,
-                           .share = {}};
-      intervention.pose = entry.add->pose;
-      intervention.region = entry.add->region;
-    } else if (entry.move) {
-      intervention.action = Action::move;
-      intervention.whom = {.by = GroupSpec::By::model, .name = entry.move->model, .count = {}, .share = {}};
-      intervention.pose = entry.move->pose;
-    } else {
-      intervention.action = entry.disable ? Action::disable : entry.enable ? Action::enable : Action::remove;
-      const auto& group = entry.disable ? entry.disable : entry.enable ? entry.enable : entry.remove;
-      if (group) intervention.whom = expand_group(*group);
-    }
-    experiment.at.push_back(std::move(intervention));
+    experiment.at.push_back(expand_intervention(entry, DocumentPath(all, i, entry.where), settings));
   }
   for (const FaultDocument& entry : document.faults) {
     FaultSpec fault{

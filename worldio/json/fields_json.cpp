@@ -156,6 +156,27 @@ Record read_record(const JsonCursor& at, const FieldTable& table) {
   return record;
 }
 
+/// Reads a list of records. A record with a pose may be given as a ring, which stands for several records.
+Value read_records(const JsonCursor& at, const FieldTable& table) {
+  const JsonNode::List* list = read_list(at);
+  if (!list) return {};
+  std::vector<Record> records;
+  const bool has_poses = table.find("pose") >= 0;
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const JsonCursor entry(at, i, (*list)[i]);
+    if (!has_poses || !has_ring(entry.node())) {
+      records.push_back(read_record(entry, table));
+      continue;
+    }
+    const std::size_t before = at.diagnostics().findings().size();
+    for (const JsonNode& copy : expand_ring(entry)) {
+      records.push_back(read_record(JsonCursor(at, i, copy), table));
+      if (at.diagnostics().findings().size() > before) break;  // the other copies have the same errors
+    }
+  }
+  return records;
+}
+
 Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
   switch (field.type) {
     case FieldType::boolean:
@@ -175,25 +196,7 @@ Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& s
       return {};
     case FieldType::colors: return read_colors(at);
     case FieldType::record: return std::vector<Record>{read_record(at, *field.record)};
-    case FieldType::records: {
-      const JsonNode::List* list = read_list(at);
-      if (!list) return {};
-      std::vector<Record> records;
-      const bool has_poses = field.record->find("pose") >= 0;
-      for (std::size_t i = 0; i < list->size(); ++i) {
-        const JsonCursor entry(at, i, (*list)[i]);
-        if (!has_poses || !has_ring(entry.node())) {
-          records.push_back(read_record(entry, *field.record));
-        } else {
-          const std::size_t before = at.diagnostics().findings().size();
-          for (const JsonNode& copy : expand_ring(entry)) {
-            records.push_back(read_record(JsonCursor(at, i, copy), *field.record));
-            if (at.diagnostics().findings().size() > before) break;  // the other copies have the same errors
-          }
-        }
-      }
-      return records;
-    }
+    case FieldType::records: return read_records(at, *field.record);
   }
   return {};
 }

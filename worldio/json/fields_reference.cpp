@@ -260,7 +260,6 @@ std::string fault_names(const engine::Registry& registry, std::string_view mark)
   return names;
 }
 
-/// A row of a table.
 struct TableRow {
   std::string first_key;  ///< the first of its keys
   std::string text;       ///< the row as Markdown
@@ -342,8 +341,7 @@ std::string world_format_reference(const engine::Registry& registry) {
       "`show_occupancy` switches one layer of the view on or off. The keys `show_ranger_ranges`, "
       "`show_fiducial`,\n"
       "`show_gripper_data` and `blobfinder_vis` do the same, but only if `show_data` is true. `--layers` "
-      "adds "
-      "and removes\n"
+      "adds and removes\n"
       "layers. The other switches, `interval` and the keys of screenshots have no effect.\n\n";
   append_table(window_fields(), text);
   append_kinds("Drive", registry.drives, text);

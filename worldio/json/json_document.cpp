@@ -174,8 +174,8 @@ class TreeBuilder {
           fmt::format("lists and objects are nested too deeply: at most {} levels are allowed", k_max_depth));
       return false;
     }
-    open_.push_back(
-        last_);  // this pointer stays valid, because its list gets no other entry until this value is closed
+    // This pointer stays valid, because its list gets no other entry until this value is closed.
+    open_.push_back(last_);
     return true;
   }
   bool close() {

@@ -10,7 +10,6 @@ namespace troupe::worldio {
 /// Returns the line, from 1, of the character at this position of a text. A line ends with LF, CR LF or CR.
 std::uint32_t line_at(std::string_view text, std::size_t position);
 
-/// A syntax error of a JSON text.
 struct JsonSyntaxError {
   std::size_t at = 0;  ///< offset of the character to which the error refers, bytes; at most the text's size
   std::string what;    ///< what is wrong and what to write instead; valid UTF-8

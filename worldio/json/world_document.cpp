@@ -395,10 +395,9 @@ void describe_returns(DocumentKeys<T>& d) {
 }
 
 constexpr std::string_view k_size_text =
-    "size [x, y, height] of a box that is centred on the origin of the body, part or device and stands on z "
-    "= 0 "
-    "of its frame; in types and parts with an image or `fit`: the size to which the image or the blocks are "
-    "scaled";
+    "size [x, y, height] of a box that is centred on the origin of the body, part or device and stands on "
+    "z = 0 of its frame; in types and parts with an image or `fit`: the size to which the image or the "
+    "blocks are scaled";
 
 /// Returns the value of the key `bitmap`, the path of an image; null if the object has no such text.
 const std::string* bitmap_of(const JsonNode& object) {

@@ -111,7 +111,6 @@ class Hdf5Dataset : public Hdf5Object {
   /// The size along each dimension; empty if the array has no dimensions.
   const std::vector<std::size_t>& extent() const { return extent_; }
   std::size_t rows() const { return extent_.empty() ? 1 : extent_.front(); }
-  /// The number of values in a row.
   std::size_t row_values() const;
   /// The number of all values: rows() * row_values(). Throws if the file is too small to contain this many
   /// values. (Otherwise, a damaged file could make the caller allocate terabytes.)
@@ -184,7 +183,6 @@ struct Hdf5Chunks {
 /// converts any text to a name without this character.
 class Hdf5Group : public Hdf5Object {
  public:
-  /// Creates a group in this group.
   Hdf5Group create_group(const std::string& name);
   Hdf5Group group(const std::string& name) const;
   bool has(const std::string& name) const;

@@ -27,7 +27,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double k_reach = 10 * k_world_reach_m;  // m; damaged coordinates are usually far larger
-constexpr std::int64_t k_most_beams = 1 << 20;    // beams of a fan: ten times the maximum in a world
+constexpr std::int64_t k_most_beams = 1 << 20;    // beams of a transducer: ten times the maximum in a world
 
 [[noreturn]] void fail(const RecordingReader& recording, std::string_view message) {
   throw Hdf5Error(fmt::format("{}: error: {}", recording.file().string(), message));
@@ -132,19 +132,19 @@ engine::Record record_of(const Json& block, const engine::FieldTable& table) {
   return record;
 }
 
-std::vector<RecordedScene::Fan> fans_of(const Json& ranger) {
+std::vector<RecordedScene::Transducer> transducers_of(const Json& ranger) {
   const Pose pose_body_device = pose_of(ranger.at("pose"));
-  std::vector<RecordedScene::Fan> fans;
+  std::vector<RecordedScene::Transducer> transducers;
   for (const Json& block : ranger.at("params").value("transducers", Json::array())) {
     const auto transducer = engine::from_record<engine::TransducerParams>(
         record_of(block, engine::described<engine::TransducerParams>()));
     if (!(transducer.samples >= 1 && transducer.samples <= k_most_beams)) throw Damaged();
-    fans.push_back({.pose_body_fan = compose(pose_body_device, transducer.pose),
-                    .range_max_m = transducer.range_max,
-                    .fov_rad = transducer.fov,
-                    .beams = static_cast<std::size_t>(transducer.samples)});
+    transducers.push_back({.pose_body_transducer = compose(pose_body_device, transducer.pose),
+                           .range_max_m = transducer.range_max,
+                           .fov_rad = transducer.fov,
+                           .beams = static_cast<std::size_t>(transducer.samples)});
   }
-  return fans;
+  return transducers;
 }
 
 RecordedScene::Type type_of(const Json& json) {
@@ -159,7 +159,8 @@ RecordedScene::Type type_of(const Json& json) {
     if (part >= type.part_colors.size()) throw Damaged();
     type.devices.push_back({name, part});
     if (sensor.at("params").contains("transducers"))  // only kinds of rangers have transducers
-      type.eyes.push_back({std::move(name), fans_of(sensor), joint_of(sensor, "joint", type.joints.size())});
+      type.rangers.push_back(
+          {std::move(name), transducers_of(sensor), joint_of(sensor, "joint", type.joints.size())});
   }
   return type;
 }

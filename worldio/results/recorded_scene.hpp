@@ -26,16 +26,16 @@ namespace troupe::worldio {
 /// row per body, such as "pose".
 struct RecordedScene {
   /// Beams of a ranger that start at one point. They are spread evenly over the angle `fov_rad`. The heading
-  /// of `pose_body_fan` is the middle of this angle.
-  struct Fan {
-    Pose pose_body_fan;      ///< pose of the fan in the body frame, with all joints at rest
-    double range_max_m = 0;  ///< length of a beam that hits nothing, m
+  /// of `pose_body_transducer` is the middle of this angle.
+  struct Transducer {
+    Pose pose_body_transducer;  ///< pose in the body frame, with all joints at rest
+    double range_max_m = 0;     ///< length of a beam that hits nothing, m
     double fov_rad = 0;  ///< angle between the first and the last beam; for a single beam: its opening angle
     std::size_t beams = 1;  ///< number of beams
   };
-  struct Eye {                             ///< a ranger
+  struct Ranger {
     std::string name;                      ///< name of the ranger's group in /sensors/<type>
-    std::vector<Fan> fans;                 ///< all beams of the ranger, grouped by their start poses
+    std::vector<Transducer> transducers;   ///< all beams of the ranger, grouped by their start poses
     std::int32_t joint = engine::k_rigid;  ///< index in Type::joints of the ranger's joint; k_rigid: none
   };
   struct Joint {  ///< a joint that moves parts and devices of a body
@@ -43,18 +43,18 @@ struct RecordedScene {
     /// displacement is in the frame that the joint has at rest. The component is the group of this name in
     /// /state of the recording.
     std::string component;
-    std::int32_t parent =
-        engine::k_rigid;   ///< index of the joint that carries this joint (a lower index); k_rigid: none
+    /// Index of the joint that carries this joint (a lower index); k_rigid: none.
+    std::int32_t parent = engine::k_rigid;
     Pose pose_body_joint;  ///< pose of the joint at rest, in the frame of the body
   };
-  struct Type {                 ///< a body type
-    std::string name;           ///< name of the type in the world; several types may have the same name
-    engine::FrameType look;     ///< the shapes (solids) of all parts, with all joints at rest
-    std::vector<Eye> eyes;      ///< the rangers of the type
-    std::vector<Joint> joints;  ///< the joints of the type, each after its parent
-    struct Device {             ///< a sensor or another device of a type, such as a light
-      std::string name;         ///< name of the device's group in /sensors/<type>
-      std::uint32_t part = 0;   ///< index of the part on which the device is mounted
+  struct Type {                   ///< a body type
+    std::string name;             ///< name of the type in the world; several types may have the same name
+    engine::FrameType look;       ///< the shapes (solids) of all parts, with all joints at rest
+    std::vector<Ranger> rangers;  ///< the rangers of the type
+    std::vector<Joint> joints;    ///< the joints of the type, each after its parent
+    struct Device {               ///< a sensor or another device of a type, such as a light
+      std::string name;           ///< name of the device's group in /sensors/<type>
+      std::uint32_t part = 0;     ///< index of the part on which the device is mounted
     };
     std::vector<Device> devices;  ///< all sensors and other devices of the type
     /// Name of the component whose field `shown_color` gives each body its colour, such as

@@ -218,7 +218,10 @@ std::string wrong_spelling(std::string_view what, std::string_view name, std::st
   return fmt::format("unknown {} \"{}\": write \"{}\" instead", what, name, right);
 }
 
-std::vector<RecordedComponent> recorded_components(const World& world, std::span<const std::string> names) {
+namespace {
+
+/// Throws std::invalid_argument if one of `names` selects nothing that can be recorded.
+void require_recordable(const World& world, std::span<const std::string> names) {
   const std::vector<std::string> known = recordable_names(world);
   for (const std::string& name : names)
     if (std::ranges::find(known, name) == known.end() &&
@@ -229,7 +232,23 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
         throw std::invalid_argument(wrong_spelling("field", name, *right));
       throw std::invalid_argument(unknown_name("field", name, {known.begin(), known.end()}));
     }
+}
 
+/// Sets RecordedComponent::has of a component whose tables lack bodies. recorded: rows of all bodies
+void mark_bodies(const World& world, const RecordedRows& recorded, RecordedComponent& component) {
+  std::size_t rows = 0;
+  for (const RecordedComponent::Source& source : component.sources)
+    rows += world.tables()[source.table].rows();
+  if (rows == component.rows) return;
+  component.has.assign(component.rows, 0);
+  for (const RecordedComponent::Source& source : component.sources)
+    for (const BodyId id : world.tables()[source.table].ids()) component.has[(*recorded)[id.index()]] = 1;
+}
+
+}  // namespace
+
+std::vector<RecordedComponent> recorded_components(const World& world, std::span<const std::string> names) {
+  require_recordable(world, names);
   const std::vector<BodyId> bodies = recorded_bodies(world);
   const RecordedRows recorded = recorded_rows(world, bodies, false);
   std::vector<RecordedComponent> components;
@@ -250,15 +269,7 @@ std::vector<RecordedComponent> recorded_components(const World& world, std::span
     widen(*component, table);
     component->sources.push_back({t, recorded});
   }
-  for (RecordedComponent& component : components) {
-    std::size_t rows = 0;
-    for (const RecordedComponent::Source& source : component.sources)
-      rows += world.tables()[source.table].rows();
-    if (rows == component.rows) continue;
-    component.has.assign(component.rows, 0);
-    for (const RecordedComponent::Source& source : component.sources)
-      for (const BodyId id : world.tables()[source.table].ids()) component.has[(*recorded)[id.index()]] = 1;
-  }
+  for (RecordedComponent& component : components) mark_bodies(world, recorded, component);
   add_sensors(world, bodies, names, components);
   return components;
 }

@@ -27,8 +27,8 @@ inline constexpr std::uint64_t k_no_tick = ~std::uint64_t{0};
 /// The data in the header of a recording that the caller provides. RecordingWriter takes all other data in
 /// the header from the world.
 struct RecordingHead {
-  std::vector<std::pair<std::string, std::string>>
-      meta;  ///< attributes of /meta, as keys and values: version, world, seed, ...
+  /// Attributes of /meta, as keys and values: version, world, seed, ...
+  std::vector<std::pair<std::string, std::string>> meta;
   /// The content of /world: the spec of the world (the description from which the engine builds it) as JSON.
   std::string world_json;
   std::uint64_t every_ticks = 1;    ///< number of ticks from one frame to the next, at least 1

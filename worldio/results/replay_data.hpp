@@ -8,7 +8,6 @@
 
 namespace troupe::worldio {
 
-/// The options of replay_data().
 struct ReplayOptions {
   /// Maximum size of ReplayData::bytes, bytes. Frames are omitted until the data fit.
   std::size_t most_bytes = 18000000;

@@ -76,15 +76,15 @@ OrderedJson type_json(const RecordedScene::Type& type) {
   if (!type.shown_color.empty()) json["shown_color"] = type.shown_color;
   if (!shown_parts.empty()) json["shown_parts"] = std::move(shown_parts);
   json["eyes"] = OrderedJson::object();
-  for (const RecordedScene::Eye& eye : type.eyes) {
+  for (const RecordedScene::Ranger& ranger : type.rangers) {
     OrderedJson fans = OrderedJson::array();
-    for (const RecordedScene::Fan& fan : eye.fans)
-      fans.push_back({{"pose", pose_list(fan.pose_body_fan)},
-                      {"range_max_m", fan.range_max_m},
-                      {"fov_rad", fan.fov_rad},
-                      {"beams", fan.beams}});
-    json["eyes"][eye.name]["fans"] = std::move(fans);
-    if (eye.joint != engine::k_rigid) json["eyes"][eye.name]["joint"] = eye.joint;
+    for (const RecordedScene::Transducer& transducer : ranger.transducers)
+      fans.push_back({{"pose", pose_list(transducer.pose_body_transducer)},
+                      {"range_max_m", transducer.range_max_m},
+                      {"fov_rad", transducer.fov_rad},
+                      {"beams", transducer.beams}});
+    json["eyes"][ranger.name]["fans"] = std::move(fans);
+    if (ranger.joint != engine::k_rigid) json["eyes"][ranger.name]["joint"] = ranger.joint;
   }
   return json;
 }

@@ -41,8 +41,8 @@ struct ReplayField {
 /// What a page shows of a recording, and in which order.
 struct ReplayPlan {
   RecordedScene scene;  ///< shapes, names and colours of the bodies
-  std::vector<std::uint32_t>
-      order;  ///< for each row of the page, its index in RecordingReader::ids(); sorted by type, then by id
+  /// For each row of the page, its index in RecordingReader::ids(); sorted by type, then by id.
+  std::vector<std::uint32_t> order;
   /// The arrays of x, y, heading and z, in this order. The array of z is null if no body changes its height
   /// in any frame, or if heights were not recorded.
   std::array<const RecordingReader::Array*, 4> pose{};

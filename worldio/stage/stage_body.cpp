@@ -8,8 +8,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -118,89 +121,104 @@ const FloorImage* StageBodies::read_image(const StageProperty& property, engine:
   return nullptr;
 }
 
-void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids) {
+std::nullopt_t StageBodies::refuse(Where where, std::string message) {
+  values_.error(where, std::move(message));
+  return std::nullopt;
+}
+
+std::optional<std::int64_t> StageBodies::corner_count(const StageModel& block) {
   constexpr std::int64_t k_most_points = 100000;
   constexpr std::int64_t k_most_missing = 1000;
   const StageProperty* points = block.find(document_, "points");
-  if (!points) {
-    values_.error(block.where, "a block needs \"points\", the number of its corners");
-    return;
-  }
+  if (!points) return refuse(block.where, "a block needs \"points\", the number of its corners");
   const auto count = values_.integer(*points);
-  if (!count) return;
-  if (*count < 3 || *count > k_most_points) {
-    values_.error(values_.where(*points),
+  if (!count) return std::nullopt;
+  if (*count < 3 || *count > k_most_points)
+    return refuse(values_.where(*points),
                   fmt::format("\"points\" must be from 3 to {}, found {}", k_most_points, *count));
-    return;
-  }
   std::int64_t written = 0;
   for (const StageEntity* layer : block.layers) written += layer->properties.count;
-  if (*count > written + k_most_missing) {
-    values_.error(values_.where(*points),
+  if (*count > written + k_most_missing)
+    return refuse(values_.where(*points),
                   fmt::format("\"points\" is {}, but the block has only {} properties, and each corner needs "
                               "a property \"point[...]\": set \"points\" to the number of corners",
                               *count, written));
-    return;
-  }
-  std::vector<const StageProperty*> given(static_cast<std::size_t>(*count));
+  return count;
+}
+
+std::vector<const StageProperty*> StageBodies::corner_properties(const StageModel& block,
+                                                                 std::int64_t count) {
+  std::vector<const StageProperty*> given(static_cast<std::size_t>(count));
   for (const StageEntity* layer : block.layers)
     for (const StageProperty& property : document_.properties(*layer)) {
       const auto number = index_in(document_.key(property), "point");
       if (!number) continue;
-      if (*number >= 0 && *number < *count)
+      if (*number >= 0 && *number < count)
         given[static_cast<std::size_t>(*number)] = &property;
       else
         values_.warning(values_.where(property),
                         fmt::format("\"{}\" is ignored: the block has {} corners, numbered from 0",
-                                    document_.key(property), *count));
+                                    document_.key(property), count));
     }
-  Ring ring;
-  ring.reserve(given.size());
-  for (const StageProperty* property : given) {
-    ring.push_back(Vec2::Zero());
-    if (!property) continue;
-    const auto v = values_.tuple(*property, 2, 2, "[x y]");
-    if (!v) return;
+  return given;
+}
+
+std::optional<Ring> StageBodies::outline(const StageModel& block) {
+  const auto count = corner_count(block);
+  if (!count) return std::nullopt;
+  const std::vector<const StageProperty*> given = corner_properties(block, *count);
+  Ring ring(given.size(), Vec2::Zero());
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    if (!given[i]) continue;
+    const auto v = values_.tuple(*given[i], 2, 2, "[x y]");
+    if (!v) return std::nullopt;
     for (const double coordinate : *v)
-      if (!values_.is_within(*property, point_field(), coordinate * values_.length_unit(), coordinate))
-        return;
-    ring.back() = Vec2((*v)[0], (*v)[1]) * values_.length_unit();
+      if (!values_.is_within(*given[i], point_field(), coordinate * values_.length_unit(), coordinate))
+        return std::nullopt;
+    ring[i] = Vec2((*v)[0], (*v)[1]) * values_.length_unit();
   }
   if (const auto missing = std::ranges::count(given, nullptr); missing > 0)
     values_.warning(
-        values_.where(*points),
+        values_.where(*block.find(document_, "points")),
         fmt::format("\"point[k]\" is missing for {} of the {} corners; as in Stage, a corner without this "
                     "property is at [0 0]: give all properties from \"point[0]\" to \"point[{}]\"",
                     missing, *count, *count - 1));
-  const double area = signed_area(ring);
+  return ring;
+}
+
+std::optional<ZInterval> StageBodies::heights(const StageModel& block) {
+  const StageProperty* property = block.find(document_, "z");
+  if (!property) return ZInterval();
+  const auto v = values_.tuple(*property, 2, 2, "[min max]");
+  if (!v) return std::nullopt;
+  const ZInterval z{(*v)[0] * values_.length_unit(), (*v)[1] * values_.length_unit()};
+  const engine::Field& limits = document_table<BlockDocument>().find("z")->field;
+  if (!values_.is_within(*property, limits, z.min, (*v)[0]) ||
+      !values_.is_within(*property, limits, z.max, (*v)[1]))
+    return std::nullopt;
+  if (z.min > z.max)
+    return refuse(values_.where(*property),
+                  fmt::format("\"z\" needs [min max] with min at most max, found [{} {}]", (*v)[0], (*v)[1]));
+  return z;
+}
+
+void StageBodies::add_block(const StageModel& block, std::vector<Solid>& solids) {
+  std::optional<Ring> ring = outline(block);
+  if (!ring) return;
+  const double area = signed_area(*ring);
   // The parts of an outline that crosses itself may have opposite signed areas.
   if (area == 0)
-    values_.warning(block.where, is_on_one_line(ring)
+    values_.warning(block.where, is_on_one_line(*ring)
                                      ? "this block has no area: check its corners, \"point[k]\""
                                      : "the outline of this block crosses or touches itself: check the order "
                                        "of its corners, \"point[k]\"");
-  if (area < 0) std::ranges::reverse(ring);
-
-  ZInterval z;
-  if (const StageProperty* property = block.find(document_, "z")) {
-    const auto v = values_.tuple(*property, 2, 2, "[min max]");
-    if (!v) return;
-    z = {(*v)[0] * values_.length_unit(), (*v)[1] * values_.length_unit()};
-    const engine::Field& limits = document_table<BlockDocument>().find("z")->field;
-    if (!values_.is_within(*property, limits, z.min, (*v)[0]) ||
-        !values_.is_within(*property, limits, z.max, (*v)[1]))
-      return;
-    if (z.min > z.max) {
-      values_.error(
-          values_.where(*property),
-          fmt::format("\"z\" needs [min max] with min at most max, found [{} {}]", (*v)[0], (*v)[1]));
-      return;
-    }
-  }
-  if (z.min == z.max)
+  if (area < 0) std::ranges::reverse(*ring);
+  const std::optional<ZInterval> z = heights(block);
+  if (!z) return;
+  if (z->min == z->max)
     values_.warning(block.where,
                     "this block has no height: give the block a \"z\" [min max], with min below max");
-  solids.push_back({{std::move(ring)}, z});
+  solids.push_back({{*std::move(ring)}, *z});
 }
 
 }  // namespace troupe::worldio

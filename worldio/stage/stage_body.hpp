@@ -9,8 +9,10 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 /// Makes solids from the shapes of models in `.world` files, the world files of Stage. Stage is an older
@@ -64,6 +66,15 @@ class StageBodies {
   /// cannot have both a ROS map and blocks.
   void check_map(const StageModel& model, const FloorImage& map, const Eigen::Vector3d& size,
                  const std::vector<StageModel>& blocks);
+  std::nullopt_t refuse(Where where, std::string message);  // reports an error
+  /// Each of these reads properties of a block. If one is wrong, reports an error and returns nothing.
+  ///@{
+  std::optional<std::int64_t> corner_count(const StageModel& block);
+  std::optional<Ring> outline(const StageModel& block);
+  std::optional<ZInterval> heights(const StageModel& block);
+  ///@}
+  /// Returns, for each corner of a block, the property that gives its position; null if there is none.
+  std::vector<const StageProperty*> corner_properties(const StageModel& block, std::int64_t count);
   void add_block(const StageModel& block, std::vector<Solid>& solids);
 
   const StageDocument& document_;

@@ -16,8 +16,8 @@ constexpr std::string_view k_radio_alias = "wifi";
 /// Types of models that older versions of Stage had, and that Stage 4.3 does not have.
 constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",   "puck",
                                           "region",  "simple_laser", "speech"};
-constexpr std::size_t k_names_compared =
-    2000;  // with more macros, comparing their names would delay the error message
+// With more macros, comparing their names would delay the error message.
+constexpr std::size_t k_names_compared = 2000;
 
 }  // namespace
 
@@ -44,8 +44,8 @@ void StageMacros::define(const StageItem& item) {
   const StageToken name = document_.token(item.entity.word);
   const auto [first, is_new] = macros_.emplace(name.text, Macro{&item.entity, document_.token(item.base)});
   const Where before = document_.token(first->second.body->word).where();
-  const bool is_read_again =
-      before.file == name.file && before.line == name.line;  // the file is included twice
+  // The file is included twice.
+  const bool is_read_again = before.file == name.file && before.line == name.line;
   if (!is_new && !is_read_again)
     values_.warning(
         name.where(),
@@ -94,8 +94,13 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
   const bool is_known = model.type == "block" || model.type == "sensor" || model.type == "window" ||
                         registry_.model(model.type) != nullptr;
   if (is_known) return model;
+  report_unknown_type(model.type, where_of_type);
+  return {};
+}
+
+void StageMacros::report_unknown_type(std::string_view type, Where where) {
   // Many models may use the same macro, and the names that are similar to its unknown base take time to find.
-  if (!reported_.insert(model.type.data()).second) return {};
+  if (!reported_.insert(type.data()).second) return;
   std::vector<std::string_view> types;
   for (const engine::ModelKind& kind : registry_.models) types.push_back(kind.name);
   std::vector<std::string_view> near = types;
@@ -105,12 +110,10 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
     for (const auto& [name, macro] : macros_) near.push_back(name);
   // Sorted, because the order of the hash table must not decide between two names that are equally similar.
   std::ranges::sort(near);
-  const bool is_dropped = std::ranges::find(k_dropped, model.type) != std::end(k_dropped);
-  values_.error(where_of_type,
-                fmt::format("\"{}\" is neither a model type nor a macro defined above{}; types: {}{}",
-                            model.type, is_dropped ? " (Stage has had no such type since version 4.3)" : "",
-                            comma_list(types), is_dropped ? "" : did_you_mean(model.type, near)));
-  return {};
+  const bool is_dropped = std::ranges::find(k_dropped, type) != std::end(k_dropped);
+  values_.error(where, fmt::format("\"{}\" is neither a model type nor a macro defined above{}; types: {}{}",
+                                   type, is_dropped ? " (Stage has had no such type since version 4.3)" : "",
+                                   comma_list(types), is_dropped ? "" : did_you_mean(type, near)));
 }
 
 bool StageMacros::is_device(std::string_view type) const {

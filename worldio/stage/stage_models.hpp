@@ -31,8 +31,8 @@ struct StageModel {
   /// The older name of the type, if the file uses one: "laser" or "sonar" for a ranger, "wifi" for a radio.
   /// Otherwise empty. A laser or sonar without `sensor` children is its own sensor.
   std::string_view alias;
-  std::vector<std::string_view>
-      names;  ///< the word before the entity's parentheses, then the base of each macro; the last is the type
+  /// The word before the entity's parentheses, then the base of each macro; the last is the type.
+  std::vector<std::string_view> names;
   std::vector<const StageEntity*> layers;  ///< first the macro that is based on a type, last the entity
   Where where;                             ///< place of the entity's first word
 
@@ -75,6 +75,8 @@ class StageMacros {
     StageToken base;
     bool is_used = false;
   };
+
+  void report_unknown_type(std::string_view type, Where where);
 
   const StageDocument& document_;
   const engine::Registry& registry_;

@@ -1,7 +1,5 @@
 #include "worldio/stage/stage_power.hpp"
 
-#include "engine/kinds/energy.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -93,13 +91,9 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
   read_contact(model, part, type);
 }
 
-/// Adds the power pack of a part if its model stores energy. Reads the properties in the order in which Stage
-/// reads them, because a later property overwrites the stored energy.
-void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec& type) {
-  bool has_pack = false;
-  bool infinite = false;
-  double stored = 0;
-  double capacity = 0;
+/// Reads the properties in the order in which Stage reads them, because a later property overwrites the
+/// stored energy.
+std::optional<engine::Energy> StagePower::read_energy(const StageModel& model) {
   struct Amount {
     std::string_view key;
     double joules;       ///< joules per unit of the property
@@ -109,10 +103,10 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
                                            {"joules_capacity", 1, true},
                                            {"kjoules", 1000, false},
                                            {"kjoules_capacity", 1000, true}}};
+  std::optional<engine::Energy> energy;
   for (const Amount& amount : amounts) {
     const StageProperty* property = model.find(document_, amount.key);
-    if (!property) continue;
-    const std::optional<double> given = values_.number(*property);
+    const std::optional<double> given = property ? values_.number(*property) : std::nullopt;
     if (!given) continue;
     const double joules = *given * amount.joules;
     constexpr double k_most_joules = 1e12;
@@ -123,30 +117,36 @@ void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec
                                 amount.joules == 1 ? "J" : "kJ", *given));
       continue;
     }
-    has_pack = true;
+    if (!energy) energy.emplace();
+    energy->capacity_j = std::max(joules, 0.0);
     if (amount.capacity_only) {
-      capacity = joules;
-      stored = std::min(stored, capacity);
+      energy->stored_j = std::min(energy->stored_j, energy->capacity_j);
     } else {
-      infinite = joules < 0;
-      stored = capacity = std::max(joules, 0.0);
+      energy->stored_j = energy->capacity_j;
+      energy->infinite = joules < 0;
     }
   }
+  return energy;
+}
+
+/// Adds the power pack of a part if its model stores energy.
+void StagePower::read_pack(const StageModel& model, std::uint32_t part, TypeSpec& type) {
+  const std::optional<engine::Energy> energy = read_energy(model);
   const engine::DeviceKind* kind = registry_.device("power_pack");
   const StageProperty* empty = model.find(document_, "when_empty");
-  if (empty && !has_pack)
+  if (empty && !energy)
     values_.warning(values_.where(*empty),
                     "\"when_empty\" has no effect without \"joules\" or \"joules_capacity\"");
-  if (!has_pack || !kind) return;
+  if (!energy || !kind) return;
   DeviceSpec pack{.name = device_name(type, part, "power"),
                   .kind = "power_pack",
                   .part = part,
                   .joint = type.parts[part].joint,
                   .params = kind->params.defaults(),
                   .where = model.where};
-  get(kind->params, pack.params, "capacity") = capacity;
-  get(kind->params, pack.params, "stored") = stored;
-  get(kind->params, pack.params, "infinite") = infinite;
+  get(kind->params, pack.params, "capacity") = energy->capacity_j;
+  get(kind->params, pack.params, "stored") = energy->stored_j;
+  get(kind->params, pack.params, "infinite") = energy->infinite;
   get(kind->params, pack.params, "idle") = 0.0;
   if (const auto text = empty ? values_.text(*empty) : std::nullopt) {
     if (*text == "stop" || *text == "nothing")

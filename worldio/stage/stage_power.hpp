@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/kinds/energy.hpp"
 #include "engine/kinds/kinds.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "worldio/stage/stage_models.hpp"
@@ -63,6 +64,8 @@ class StagePower {
     bool runs;           ///< whether the model of the part always runs: it has `alwayson 1` or a controller
   };
 
+  /// Returns the energy that a model stores; nothing if the model stores none.
+  std::optional<engine::Energy> read_energy(const StageModel& model);
   void read_pack(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
   void read_contact(const StageModel& model, std::uint32_t part, engine::TypeSpec& type);
   /// Reads the property `key`, a power in W from 0 to engine::k_most_watts. Returns 0 if the model does not

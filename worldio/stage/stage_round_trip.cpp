@@ -109,6 +109,7 @@ class RoundTrip {
     check_controllers();
     check_joints();
     check_reach();
+    check_aliases();
     check_bodies();
   }
 
@@ -144,7 +145,10 @@ class RoundTrip {
   void check_controllers();
   void check_joints();
   void check_reach();
+  void check_aliases();
   void check_bodies();
+  void check_part(const PartSpec& a, const PartSpec& b);
+  void check_outline(const PartSpec& a, const PartSpec& b, const std::string& owner);
   void check_floor_plan(const PartSpec& part, const std::string& owner);
   void check_pose(Where where, const std::string& owner, Pose a, const Pose& b);
   void check_size(const PartSpec& a, const PartSpec& b, const std::string& owner);
@@ -286,13 +290,16 @@ void RoundTrip::check_reach() {
   }
 }
 
-void RoundTrip::check_bodies() {
+void RoundTrip::check_aliases() {
   const std::vector<const PartSpec*> same_name = counterparts(type_.parts, back_.parts);
   for (std::size_t p = 0; p < same_name.size(); ++p) {
     const PartSpec& part = type_.parts[p];
     if (!part.alias.empty() && (!same_name[p] || same_name[p]->alias != part.alias))
       lacks(part.where, fmt::format("part \"{}\": its alias \"{}\"", part.name, part.alias));
   }
+}
+
+void RoundTrip::check_bodies() {
   const auto solid_parts = [](const TypeSpec& type) {
     std::vector<const PartSpec*> parts;
     for (const PartSpec& part : type.parts)
@@ -315,41 +322,43 @@ void RoundTrip::check_bodies() {
             "its number of parts with solids, which is {}: in the written file, the number would differ",
             parts.size()));
   }
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const PartSpec& a = *parts[p];
-    const PartSpec& b = *others[p];
-    const std::string owner = a.name.empty() ? std::string("its body") : fmt::format("part \"{}\"", a.name);
-    engine::Returns returns = b.returns;  // each body has its own fiducial number
-    if (parts[p] == &type_.parts.front() && a.returns.fiducial != 0 && returns.fiducial != 0)
-      returns.fiducial = a.returns.fiducial;
-    if (a.returns != returns)
-      lacks(a.where, owner +
-                         ": the value of its \"obstacle\", \"fiducial_key\", \"ranger_return\", "
-                         "\"fiducial_return\", \"gripper_return\" or \"blob_return\"");
-    check_size(a, b, owner);
-    check_pose(a.where, owner, a.pose_body_part, b.pose_body_part);
-    if (joint_name(type_, a.joint) != joint_name(back_, b.joint))
-      lacks(a.where, owner + ": the joint that it is mounted on");
-    if (a.floor_plan != b.floor_plan) check_floor_plan(a, owner);
-    if (a.color && a.color != b.color) lacks(a.where, owner + ": its \"color\"");
-    std::optional<double> off = distance(a.solids, b.solids);
-    if (!off || *off > k_rounding_m) {
-      off = distance(counter_clockwise(a.solids), b.solids);
-      if (off && *off <= k_rounding_m)
-        warn(a.where,
-             owner +
-                 ": the corners of its outline are written counter-clockwise, as in Stage; the state "
-                 "hashes of a run may differ from those of the original world");
-    }
+  for (std::size_t p = 0; p < parts.size(); ++p) check_part(*parts[p], *others[p]);
+}
+
+void RoundTrip::check_part(const PartSpec& a, const PartSpec& b) {
+  const std::string owner = a.name.empty() ? std::string("its body") : fmt::format("part \"{}\"", a.name);
+  engine::Returns returns = b.returns;  // each body has its own fiducial number
+  if (&a == &type_.parts.front() && a.returns.fiducial != 0 && returns.fiducial != 0)
+    returns.fiducial = a.returns.fiducial;
+  if (a.returns != returns)
+    lacks(a.where, owner +
+                       ": the value of its \"obstacle\", \"fiducial_key\", \"ranger_return\", "
+                       "\"fiducial_return\", \"gripper_return\" or \"blob_return\"");
+  check_size(a, b, owner);
+  check_pose(a.where, owner, a.pose_body_part, b.pose_body_part);
+  if (joint_name(type_, a.joint) != joint_name(back_, b.joint))
+    lacks(a.where, owner + ": the joint that it is mounted on");
+  if (a.floor_plan != b.floor_plan) check_floor_plan(a, owner);
+  if (a.color && a.color != b.color) lacks(a.where, owner + ": its \"color\"");
+  check_outline(a, b, owner);
+}
+
+void RoundTrip::check_outline(const PartSpec& a, const PartSpec& b, const std::string& owner) {
+  std::optional<double> off = distance(a.solids, b.solids);
+  if (!off || *off > k_rounding_m) {
+    off = distance(counter_clockwise(a.solids), b.solids);
     if (!off || *off > k_rounding_m)
-      lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
-    else if (*off > 0)
-      diagnostics_.warning(a.where,
-                           fmt::format("type \"{}\": {}: its outline is rounded by at most {:.2g} m, because "
-                                       "Stage moves the centre of an outline to the origin of its body; the "
-                                       "state hashes of a run may differ from those of the original world",
-                                       type_.name, owner, *off));
+      return lacks(a.where, owner + ": its outline (Stage's blocks have no holes)");
+    warn(a.where, owner +
+                      ": the corners of its outline are written counter-clockwise, as in Stage; the state "
+                      "hashes of a run may differ from those of the original world");
   }
+  if (*off > 0)
+    diagnostics_.warning(a.where,
+                         fmt::format("type \"{}\": {}: its outline is rounded by at most {:.2g} m, because "
+                                     "Stage moves the centre of an outline to the origin of its body; the "
+                                     "state hashes of a run may differ from those of the original world",
+                                     type_.name, owner, *off));
 }
 
 /// Compares the sizes of parts. They affect a run: fiducial finders report the size of their targets, and

@@ -54,7 +54,6 @@ constexpr std::string_view k_own_keys[] = {"name", "pose", "color", "color_rgba"
 enum OwnKey : std::size_t { k_name, k_pose, k_color, k_color_rgba, k_fiducial };
 using OwnProperties = std::array<const StageProperty*, std::size(k_own_keys)>;
 
-/// Whether the text of a number is 0.
 bool is_zero(std::string_view text) { return text.find_first_not_of("+-.0") == text.npos; }
 
 /// Makes the spec of a world from a parsed `.world` file.
@@ -117,8 +116,8 @@ class StageWorld {
   struct Contents {
     std::vector<StageModel> blocks;
     std::vector<StageModel> sensors;  // the sensors of a ranger
-    std::vector<std::pair<StageModel, const StageEntity*>>
-        children;  // each with the entity or macro that contains it
+    // Each child with the entity or macro that contains it.
+    std::vector<std::pair<StageModel, const StageEntity*>> children;
   };
 
   /// The place and the names of a part in its body.
@@ -131,6 +130,11 @@ class StageWorld {
     bool has_own_name = false;  ///< the part or an enclosing model has a global name: "/name"
   };
 
+  double read_unit(std::string_view key, std::initializer_list<std::pair<std::string_view, double>> units);
+  void read_tick(const StageProperty& property);
+  void read_resolution(const StageProperty& property);
+  void read_quit_time(const StageProperty& property);
+  void read_seed(const StageProperty& property);
   void read_world();
   void add_body(const StageEntity& entity);
   engine::Name generate_name(std::string_view kind);
@@ -188,79 +192,91 @@ class StageWorld {
   const StageEntity* window_ = nullptr;  ///< the entity from which the window of `spec_` was read
 
   std::unordered_map<std::string, Prototype> prototypes_;
-  std::unordered_map<std::string, TypeId> types_;          // keyed by compared_bytes()
-  std::vector<std::vector<std::string_view>> type_names_;  // the macro names of each type, outermost first
-  std::map<std::string_view, engine::Name>
-      generated_names_;  // the last name generated for a top-level model, by kind
+  std::unordered_map<std::string, TypeId> types_;             // keyed by compared_bytes()
+  std::vector<std::vector<std::string_view>> type_names_;     // the macro names of each type, outermost first
+  std::map<std::string_view, engine::Name> generated_names_;  // the last of each kind of top-level model
   engine::NameMap names_;
   std::size_t parts_ = 0;
   std::size_t vertices_ = 0;
 };
 
+/// Returns the factor of the unit that the world property `key` names; that of the first unit if the world
+/// does not have the property, or if the property is wrong, which is an error.
+double StageWorld::read_unit(std::string_view key,
+                             std::initializer_list<std::pair<std::string_view, double>> units) {
+  const StageProperty* property = document_.world_property(key);
+  if (!property) return units.begin()->second;
+  const auto given = values_.text(*property);
+  std::vector<std::string_view> known;
+  for (const auto& [unit, factor] : units) {
+    if (given == unit) return factor;
+    known.push_back(unit);
+  }
+  if (given)
+    values_.error(values_.where(*property),
+                  fmt::format("unknown {} \"{}\"; known: {}", key, *given, comma_list(known)));
+  return units.begin()->second;
+}
+
+void StageWorld::read_tick(const StageProperty& property) {
+  const auto ms = values_.number(property);
+  if (!ms) return;
+  const double us = std::floor(*ms * 1000);  // Stage's clock counts whole microseconds
+  if (us < 1)
+    values_.error(values_.where(property),
+                  fmt::format("\"interval_sim\" must be at least 0.001 ms, found {}", *ms));
+  else if (values_.is_within(property, json_field<WorldDocument>("tick"), us / 1e6, *ms))
+    spec_->tick_s = us / 1e6;
+}
+
+void StageWorld::read_resolution(const StageProperty& property) {
+  spec_->resolution_where = values_.where(property);
+  const auto metres = values_.number(property);  // always in metres, not in unit_length
+  if (!metres) return;
+  if (engine::k_min_resolution_m <= *metres && *metres <= engine::k_max_resolution_m)
+    spec_->resolution_m = *metres;
+  else
+    values_.error(values_.where(property),
+                  fmt::format("\"resolution\" must be from {} to {} m, found {}", engine::k_min_resolution_m,
+                              engine::k_max_resolution_m, *metres));
+}
+
+void StageWorld::read_quit_time(const StageProperty& property) {
+  const auto seconds = values_.number(property);
+  if (!seconds) return;
+  if (*seconds > 0 && values_.is_within(property, json_field<WorldDocument>("quit_time"), *seconds, *seconds))
+    spec_->quit_time_s = *seconds;
+  if (*seconds < 0)
+    values_.error(values_.where(property),
+                  fmt::format("\"quit_time\" must be 0 (never) or above, in s, found {}", *seconds));
+}
+
+void StageWorld::read_seed(const StageProperty& property) {
+  const auto seed = values_.integer(property);
+  if (!seed) return;
+  if (*seed >= 0)
+    spec_->seed = static_cast<std::uint64_t>(*seed);
+  else
+    values_.error(values_.where(property), fmt::format("\"seed\" must be 0 or above, found {}", *seed));
+}
+
 void StageWorld::read_world() {
   lint_.check_world();
-  const auto choose = [this](std::string_view key,
-                             std::initializer_list<std::pair<std::string_view, double>> units) {
-    const StageProperty* property = document_.world_property(key);
-    if (!property) return units.begin()->second;
-    const auto given = values_.text(*property);
-    std::vector<std::string_view> known;
-    for (const auto& [unit, factor] : units) {
-      if (given == unit) return factor;
-      known.push_back(unit);
-    }
-    if (given)
-      values_.error(values_.where(*property),
-                    fmt::format("unknown {} \"{}\"; known: {}", key, *given, comma_list(known)));
-    return units.begin()->second;
-  };
-  const double length = choose("unit_length", {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}});
-  const double angle = choose("unit_angle", {{"degrees", radians(1)}, {"radians", 1}});
+  const double length = read_unit("unit_length", {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}});
+  const double angle = read_unit("unit_angle", {{"degrees", radians(1)}, {"radians", 1}});
   values_.set_units(length, angle);
-  if (const StageProperty* property = document_.world_property("wrap_headings"))
-    values_.set_wraps_headings(values_.flag(*property).value_or(true));
-
-  if (const StageProperty* property = document_.world_property("interval_sim"))
-    if (const auto ms = values_.number(*property)) {
-      const double us = std::floor(*ms * 1000);  // Stage's clock counts whole microseconds
-      if (us < 1)
-        values_.error(values_.where(*property),
-                      fmt::format("\"interval_sim\" must be at least 0.001 ms, found {}", *ms));
-      else if (values_.is_within(*property, json_field<WorldDocument>("tick"), us / 1e6, *ms))
-        spec_->tick_s = us / 1e6;
-    }
-  if (const StageProperty* property = document_.world_property("resolution")) {
-    spec_->resolution_where = values_.where(*property);
-    if (const auto metres = values_.number(*property)) {  // always in metres, not in unit_length
-      if (engine::k_min_resolution_m <= *metres && *metres <= engine::k_max_resolution_m)
-        spec_->resolution_m = *metres;
-      else
-        values_.error(values_.where(*property),
-                      fmt::format("\"resolution\" must be from {} to {} m, found {}",
-                                  engine::k_min_resolution_m, engine::k_max_resolution_m, *metres));
-    }
-  }
-  if (const StageProperty* property = document_.world_property("quit_time"))
-    if (const auto seconds = values_.number(*property)) {
-      if (*seconds > 0 &&
-          values_.is_within(*property, json_field<WorldDocument>("quit_time"), *seconds, *seconds))
-        spec_->quit_time_s = *seconds;
-      if (*seconds < 0)
-        values_.error(values_.where(*property),
-                      fmt::format("\"quit_time\" must be 0 (never) or above, in s, found {}", *seconds));
-    }
-  if (const StageProperty* property = document_.world_property("seed"))
-    if (const auto seed = values_.integer(*property)) {
-      if (*seed >= 0)
-        spec_->seed = static_cast<std::uint64_t>(*seed);
-      else
-        values_.error(values_.where(*property), fmt::format("\"seed\" must be 0 or above, found {}", *seed));
-    }
+  const auto property = [this](std::string_view key) { return document_.world_property(key); };
+  if (const StageProperty* wraps = property("wrap_headings"))
+    values_.set_wraps_headings(values_.flag(*wraps).value_or(true));
+  if (const StageProperty* tick = property("interval_sim")) read_tick(*tick);
+  if (const StageProperty* resolution = property("resolution")) read_resolution(*resolution);
+  if (const StageProperty* quit_time = property("quit_time")) read_quit_time(*quit_time);
+  if (const StageProperty* seed = property("seed")) read_seed(*seed);
   if (options_.seed) spec_->seed = *options_.seed;
   spec_->watch = read_stage_watch(document_, values_);
   spec_->title = file_.string();
-  if (const StageProperty* property = document_.world_property("name"))
-    if (const auto title = values_.text(*property)) spec_->title = *title;
+  if (const StageProperty* name = property("name"))
+    if (const auto title = values_.text(*name)) spec_->title = *title;
 }
 
 /// Appends the text of an entity to `key`, without the properties in k_own_keys if it is the root. Entities
@@ -414,28 +430,24 @@ std::optional<StageWorld::Contents> StageWorld::contents(const StageModel& model
   const auto fail = [&](Where where, std::string message) {
     values_.error(where, std::move(message));
     draft.broken = true;
+    return std::nullopt;
   };
   for (const StageModel::Child& child : model.children(document_)) {
-    if (++parts_ > k_most_parts) {
-      fail(draft.where, fmt::format("too large: with its macros expanded, the world contains more than {} "
-                                    "models and blocks: use smaller macros",
-                                    k_most_parts));
-      return {};
-    }
-    if (++draft.entities > k_most_entities) {
-      fail(draft.where, fmt::format("with its macros expanded, this model contains more than {} models and "
-                                    "blocks: use smaller macros",
-                                    k_most_entities));
-      return {};
-    }
-    if (draft.inside.size() >= k_deepest_nesting) {
-      fail(draft.where,
-           fmt::format(
-               "with its macros expanded, this model contains models or blocks nested more than {} levels "
-               "deep: nest fewer",
-               k_deepest_nesting));
-      return {};
-    }
+    if (++parts_ > k_most_parts)
+      return fail(draft.where,
+                  fmt::format("too large: with its macros expanded, the world contains more than {} "
+                              "models and blocks: use smaller macros",
+                              k_most_parts));
+    if (++draft.entities > k_most_entities)
+      return fail(draft.where,
+                  fmt::format("with its macros expanded, this model contains more than {} models and blocks: "
+                              "use smaller macros",
+                              k_most_entities));
+    if (draft.inside.size() >= k_deepest_nesting)
+      return fail(draft.where,
+                  fmt::format("with its macros expanded, this model contains models or blocks nested more "
+                              "than {} levels deep: nest fewer",
+                              k_deepest_nesting));
     auto resolved = macros_.resolve(*child.entity);
     if (!resolved) {
       draft.broken = true;
