@@ -428,6 +428,31 @@ TEST(Measures, AreRecognisedByTheirKindRobotsAndParameters) {
   EXPECT_THAT(of_part.remember({}), ElementsAre(0, 1));
 }
 
+TEST(Measures, DoNotRememberTheCellsOfOtherBounds) {
+  const auto world_at = [](double x) {
+    test::SceneBuilder scene;
+    scene.body("r", scene.robot("bot", {test::box(0.2, 0.2)}), {2.5, 0.5, 0, 0});
+    scene.spec.bounds = Box{Vec2(x, 0), Vec2(x + 4, 1)};
+    return scene.world();
+  };
+  World saved_world = world_at(0);
+  const MeasureSet saved = measures(saved_world, {spec("coverage"), spec("path_length")});
+  World same = world_at(0);
+  World shifted = world_at(2);
+  MeasureSet of_same = measures(same, {spec("coverage"), spec("path_length")});
+  MeasureSet of_shifted = measures(shifted, {spec("coverage"), spec("path_length")});
+  const double begun = of_shifted.value(0);
+  EXPECT_EQ(begun, 0.25) << "one of four cells";
+  EXPECT_THAT(of_same.remember(saved.memory()), IsEmpty());
+  EXPECT_THAT(of_shifted.remember(saved.memory()), ElementsAre(0)) << "as many cells, but others";
+  const World::Placed next{shifted.row(shifted.find("r")), {4.5, 0.5, 0, 0}};
+  EXPECT_EQ(of_shifted.value(0), begun);
+  shifted.set_poses({&next, 1});
+  shifted.step();
+  of_shifted.see();
+  EXPECT_EQ(of_shifted.value(0), 0.5) << "it goes on from the cell in which it began";
+}
+
 /// A measure whose memory grows by one number per tick, which a measure must not do.
 class Growing : public engine::Measure {
  public:
