@@ -90,8 +90,10 @@ class PathLength : public OfRobots {
  public:
   PathLength(const World& world, std::vector<BodyId> robots)
       : OfRobots(world, std::move(robots)), lengths_(this->robots().size(), 0), tick_(world.tick()) {
-    for (std::size_t i = 0; i < lengths_.size(); ++i)
+    for (std::size_t i = 0; i < lengths_.size(); ++i) {
       places_.push_back(world.transform(row(world, i)).position);
+      was_there_.push_back(world.is_there(row(world, i)));
+    }
   }
 
   void see(World& world) override {
@@ -108,7 +110,7 @@ class PathLength : public OfRobots {
   double value(World& world) override {
     return mean(world, [&](std::size_t i) { return lengths_[i]; });
   }
-  // places_ is not saved in checkpoints: the constructor reads the positions from the restored state.
+  // Checkpoints contain neither places_ nor was_there_: the constructor reads them from the restored state.
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
@@ -121,15 +123,16 @@ class PathLength : public OfRobots {
     });
   }
   /// Corrects places_[i], the point from which see() measures the motion of robot i in this tick. If the
-  /// robot was born since the last tick, this point becomes its birthplace. If the robot is not in the world,
-  /// this point becomes its present position, so that its path does not grow.
+  /// robot was born since see() last ran, this point becomes its birthplace. If the robot is not in the
+  /// world, this point becomes its present position, so that its path does not grow.
   void begin_life(const World& world, std::size_t i) {
     const Row row = this->row(world, i);
-    const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(robots()[i]);
-    if (!world.is_there(row))
+    const bool is_there = world.is_there(row);
+    if (!is_there)
       places_[i] = world.transform(row).position;
-    else if (is_new)
+    else if (was_there_[i] == 0)
       places_[i] = world.origin(row);
+    was_there_[i] = is_there;
   }
 
   /// Sets the places_ of robots that a program moved between two ticks to their new positions, so that these
@@ -143,9 +146,10 @@ class PathLength : public OfRobots {
     }
   }
 
-  std::vector<double> lengths_;  // m, per robot, in the order of robots()
-  std::vector<Vec2> places_;     // position of each robot when see() last ran, m
-  std::uint64_t tick_;           // tick when see() last ran
+  std::vector<double> lengths_;          // m, per robot, in the order of robots()
+  std::vector<Vec2> places_;             // position of each robot when see() last ran, m
+  std::vector<std::uint8_t> was_there_;  // per robot: whether it was in the world when see() last ran
+  std::uint64_t tick_;                   // tick when see() last ran
 };
 
 class MeanSpeed : public OfRobots {

@@ -621,6 +621,41 @@ TEST(Measures, ToBeMovedRightAfterBirthIsNoWay) {
   }
 }
 
+TEST(Measures, APathThatBeginsAfterARobotWasBornAndMovedLacksThisWay) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)}, "omni");
+  scene.spec.reserves = {{"bot", BodyId(1), 1}};
+  scene.body("bot0", bot);
+  World world = scene.world();
+  MeasureSet whole = measures(world, {spec("path_length")});
+  world.step();
+  whole.see();
+  const BodyId born = world.spawn(0, {0, 50, 0, 0}).body;
+  const World::Placed there{world.row(born), {0, 80, 0, 0}};
+  world.set_poses({&there, 1});
+  MeasureSet fresh = measures(world, {spec("path_length")});
+  EXPECT_EQ(fresh.value(0), 0);
+  // A run that is resumed here does not know that a program has moved the robot.
+  std::vector<engine::StateTable> saved(world.tables().begin(), world.tables().end());
+  const std::uint64_t hash = world.hashes().state;
+  World resumed = scene.world();
+  ASSERT_TRUE(
+      resumed.restore(world.tick(), world.counters(), hash, [&](std::span<engine::StateTable> tables) {
+        for (std::size_t t = 0; t < tables.size(); ++t)
+          std::ranges::copy(saved[t].data(), tables[t].data().begin());
+      }));
+  MeasureSet remembered = measures(resumed, {spec("path_length")});
+  EXPECT_THAT(remembered.remember(whole.memory()), IsEmpty());
+  for (World* const each : {&world, &resumed}) {
+    each->set_command(each->row(born), {0, 1, 0});
+    each->step();
+  }
+  for (MeasureSet* const set : {&whole, &fresh, &remembered}) {
+    set->see();
+    EXPECT_NEAR(set->value(0), 0.1, 1e-12);
+  }
+}
+
 TEST(Measures, ACarriedRobotHasTheSpeedZero) {
   test::SceneBuilder scene;
   const TypeId grabber = scene.robot("grabber", {test::box(0.3, 0.3, 0.2)});
