@@ -375,13 +375,12 @@ class Deaths : public Measure {
 
   Deaths(const World& world, const Params& params, const std::vector<BodyId>&) {
     const std::string& type = params.type;
+    for (std::size_t r = 0; r < world.rows(); ++r)
+      if (world.type(Row(r)).name == type) bodies_.push_back(world.body(Row(r)));
     std::vector<std::string_view> known;
-    for (std::size_t r = 0; r < world.rows(); ++r) {
-      const std::string& name = world.type(Row(r)).name;
-      known.push_back(name);
-      if (name == type) bodies_.push_back(world.body(Row(r)));
-    }
-    if (!bodies_.empty()) return;
+    for (const engine::BodyType& each : world.types())
+      if (each.runs()) known.push_back(each.name);
+    if (std::ranges::find(known, type) != known.end()) return;
     std::ranges::sort(known);
     known.erase(std::unique(known.begin(), known.end()), known.end());
     throw std::invalid_argument(unknown_name("type of bodies that may die", type, known));

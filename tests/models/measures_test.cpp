@@ -955,10 +955,11 @@ TEST(Measures, MayBeOfATypeWithoutRobots) {
   scene.body("r", scene.robot("bot", {test::box(0.4, 0.4)}));
   World world = scene.world();
   Diagnostics diagnostics;
-  const std::vector<MeasureSpec> specs{spec("stalls", "idle"), spec("alive", "idle"), spec("alive", "bot")};
+  const std::vector<MeasureSpec> specs{spec("stalls", "idle"), spec("alive", "idle"), spec("alive", "bot"),
+                                       spec("deaths", "", {{"type", "idle"}})};
   MeasureSet set(world, test::registry(), specs, diagnostics);
   EXPECT_TRUE(diagnostics.findings().empty());
-  EXPECT_THAT(set.values(), ElementsAre(0, 0, 1));
+  EXPECT_THAT(set.values(), ElementsAre(0, 0, 1, 0));
 }
 
 TEST(Measures, SayWhatIsWrongWithThem) {
