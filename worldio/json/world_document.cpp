@@ -883,7 +883,8 @@ void ModelDocument::describe(DocumentKeys<ModelDocument>& d) {
   d.other<&ModelDocument::reserve_of>(
       Form::name, "reserve_of",
       "name of a population: the body does not exist at the start and may be born into that population later "
-      "(docs/lives.md); `troupe convert` writes the `reserve` of a population in this way",
+      "(docs/lives.md); models with the same `reserve_of` must follow one another and have the same type; "
+      "`troupe convert` writes the `reserve` of a population in this way",
       "the name of a population");
   d.value<&ModelDocument::pose>("pose", "pose of the body in the world frame").write_always();
   d.other<&ModelDocument::color>(Form::color, "color", "colour of the body").or_default("that of its type");
