@@ -248,7 +248,8 @@ class Model {
   Eigen::Vector3d size() const;
   /// Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the steering
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
-  /// replaces them. If the robot has a controller, the controller overrides them.
+  /// replaces them. If the robot has a controller, the controller overrides them. The command also switches
+  /// on all devices that the controller has switched off, until the controller decides again.
   ///
   /// The command goes to the drive of the body. For a part that has a drive of its own (a device `wheels`),
   /// it goes to that drive. accelerate() and go_to() use the same drive and throw the same exceptions as
@@ -804,8 +805,9 @@ class Simulation {
   std::string hash_log_line() const;
 
   Statistics statistics() const;  ///< numbers that describe the run, computed in a loop over all robots
-  /// The sums of the energies of all power packs of the world, J; all 0 if there is no pack. Energy::infinite
-  /// is true if at least one pack is infinite, and Energy::charging is true if at least one pack is charging.
+  /// The sums of the energies of all power packs of the world, J; all 0 if there is no pack. The packs of
+  /// bodies that are not in the world add nothing. Energy::infinite is true if at least one pack is infinite,
+  /// and Energy::charging is true if at least one pack is charging.
   Model::Energy energy() const;
   unsigned threads() const;                ///< number of worker threads, per rank
   unsigned ranks() const;                  ///< number of ranks, threads or processes, that compute the world
