@@ -612,8 +612,8 @@ class Simulation {
   void act(const engine::Act& act);
   /// Returns to the state after loading, or after the last reset(seed), bit for bit. The tick is 0, and the
   /// same run follows. Models, swarms, callbacks and subscriptions stay valid. Commanded speeds and the
-  /// changes of set() are discarded, and a recording of record() is closed. After a step that threw, call
-  /// reset() to continue.
+  /// changes of set() are discarded, except those that a checkpoint contained (set()), and a recording of
+  /// record() is closed. After a step that threw, call reset() to continue.
   ///
   /// reset() reads no file, and allocates no memory unless the world has `stop_when`. Therefore a program can
   /// run thousands of trials of one world for little more than the cost of their steps.
@@ -744,7 +744,9 @@ class Simulation {
   /// body is not disabled or is not in the world. Throws as disable() does.
   bool enable(const Model& model);
   /// Changes parameters of a type, for all its bodies, between two steps. The intervention `set` of a world
-  /// file does the same (docs/experiments.md). The change lasts until reset(). Checkpoints contain it.
+  /// file does the same (docs/experiments.md). The change lasts until reset(). Checkpoints contain it as an
+  /// intervention `set`, so in a run that is resumed from such a checkpoint, reset() does not discard it: it
+  /// is made again at the same time.
   ///
   /// type     name of the type
   /// setting  JSON object with the new values; other parameters keep their values. Examples:
