@@ -241,8 +241,8 @@ class OfState : public OfRobots {
     }
   };
 
-  OfState(const World& world, const Params& params, std::vector<BodyId> robots)
-      : OfState(world, params, std::move(robots), cells_of(world, params)) {}
+  OfState(const World& world, const Params& params, const std::vector<BodyId>& robots)
+      : OfState(world, params, robots, cells_of(world, params, robots)) {}
 
  protected:
   /// Mean of term(value) over the robots that are in the world and whose variable (Params) has a value
@@ -292,8 +292,10 @@ class OfState : public OfRobots {
   /// body does not have the variable. A component of a device or a controller has one table per type, and a
   /// name may stand for several components, such as those of an actuator and of its joint. Throws
   /// std::invalid_argument if no table has the component, if none of the component's tables has the field, or
-  /// if one of them has the field without the column.
-  static std::vector<Cell> cells_of(const World& world, const Params& params) {
+  /// if one of them has the field without the column. If there are no `robots`, only the last of the three is
+  /// an error, because a world without bodies of their type has no table of their devices and controllers.
+  static std::vector<Cell> cells_of(const World& world, const Params& params,
+                                    const std::vector<BodyId>& robots) {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
     std::set<std::string_view> components;
@@ -312,6 +314,7 @@ class OfState : public OfRobots {
       has_field = true;
       for (const BodyId id : table.ids()) cells[id.index()] = {.table = t, .field = *field};
     }
+    if (robots.empty()) return cells;
     if (fields.empty())
       throw std::invalid_argument(
           unknown_name("component", component, {components.begin(), components.end()}));

@@ -955,11 +955,13 @@ TEST(Measures, MayBeOfATypeWithoutRobots) {
   scene.body("r", scene.robot("bot", {test::box(0.4, 0.4)}));
   World world = scene.world();
   Diagnostics diagnostics;
-  const std::vector<MeasureSpec> specs{spec("stalls", "idle"), spec("alive", "idle"), spec("alive", "bot"),
-                                       spec("deaths", "", {{"type", "idle"}})};
+  const std::vector<MeasureSpec> specs{
+      spec("stalls", "idle"), spec("alive", "idle"), spec("alive", "bot"),
+      spec("deaths", "", {{"type", "idle"}}),
+      spec("state_mean", "idle", {{"component", "of_idle_robots"}, {"field", "x"}})};
   MeasureSet set(world, test::registry(), specs, diagnostics);
   EXPECT_TRUE(diagnostics.findings().empty());
-  EXPECT_THAT(set.values(), ElementsAre(0, 0, 1, 0));
+  EXPECT_THAT(set.values(), ElementsAre(0, 0, 1, 0, testing::IsNan()));
 }
 
 TEST(Measures, SayWhatIsWrongWithThem) {
