@@ -361,9 +361,10 @@ void bind_bodies(SimulationClass& simulation) {
           py::arg("type"), py::arg("setting"),
           "Changes parameters of a type, for all its bodies: {\"drive\": {\"velocity_max_x_mps\": 0.5}}, "
           "{\"device\": {\"name\": \"eye\",\n...}} or {\"controller\": {\"kind\": \"wander\", ...}}, as "
-          "\"set\" in the list \"at\" of a world file. The change lasts until\nreset(); checkpoints contain "
-          "it. Raises ValueError, and changes nothing, if there is no such type or parameter, or if\nthe "
-          "value is not allowed or cannot change during a run.")
+          "\"set\" in the list \"at\" of a world file. The change lasts until\nreset(). Checkpoints contain "
+          "it: after reset() of a run that is resumed from such a checkpoint, it is made again at the\nsame "
+          "time. Raises ValueError, and changes nothing, if there is no such type or parameter, or if the "
+          "value is not\nallowed or cannot change during a run.")
       .def(
           "parameters",
           [](const Holder& held, const std::string& type) {

@@ -93,7 +93,7 @@ class Writer {
   void add(const Blob& blob) {
     const auto& colors = params_.colors;
     if (!colors.empty() &&
-        std::ranges::none_of(colors, [&](const Color& c) { return is_same(c, blob.color); }))
+        std::ranges::none_of(colors, [&](const Color& c) { return is_same_color(c, blob.color); }))
       return;
     if (const std::size_t i = count_++; i < params_.most_blobs) set(i, blob);
   }
@@ -145,7 +145,7 @@ void find_blobs(const CommittedView& view, const BlobFinder& finder, Row own, co
     const bool is_seen =
         first.met() && (!finder.params.use_blob_return || engine::part_of(view, first).returns.blob);
     const Color color = is_seen ? color_of(view, first) : Color();
-    const bool goes_on = blob && is_seen && is_same(color, blob->color);
+    const bool goes_on = blob && is_seen && is_same_color(color, blob->color);
     if (blob && !goes_on) {
       writer.add(*blob);
       blob.reset();
@@ -214,7 +214,7 @@ void BlobFinder::draw(const engine::DeviceView& view, engine::Frame& frame) cons
 
 }  // namespace
 
-bool is_same(const Color& a, const Color& b) {
+bool is_same_color(const Color& a, const Color& b) {
   constexpr float k_near = 1e-5f;  // as in Stage; opacity is ignored
   return std::abs(a.r - b.r) < k_near && std::abs(a.g - b.g) < k_near && std::abs(a.b - b.b) < k_near;
 }

@@ -49,6 +49,6 @@ engine::DeviceKind blobfinder_kind();
 /// data of a device (DeviceKind::Prepared::data). The result is valid as long as these data.
 const std::vector<Color>* sought_colors(const std::any& prepared);
 /// Whether a blob finder takes two colours for the same.
-bool is_same(const Color& a, const Color& b);
+bool is_same_color(const Color& a, const Color& b);
 
 }  // namespace troupe::sensors

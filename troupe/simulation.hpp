@@ -251,7 +251,8 @@ class Model {
   Eigen::Vector3d size() const;
   /// Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the steering
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
-  /// replaces them. If the robot has a controller, the controller overrides them.
+  /// replaces them. If the robot has a controller, the controller overrides them. The command also switches
+  /// on all devices that the controller has switched off, until the controller decides again.
   ///
   /// The command goes to the drive of the body. For a part that has a drive of its own (a device `wheels`),
   /// it goes to that drive. accelerate() and go_to() use the same drive and throw the same exceptions as
@@ -617,8 +618,8 @@ class Simulation {
   void act(const engine::Act& act);
   /// Returns to the state after loading, or after the last reset(seed), bit for bit. The tick is 0, and the
   /// same run follows. Models, swarms, callbacks and subscriptions stay valid. Commanded speeds and the
-  /// changes of set() are discarded, and a recording of record() is closed. After a step that threw, call
-  /// reset() to continue.
+  /// changes of set() are discarded, except those that a checkpoint contained (set()), and a recording of
+  /// record() is closed. After a step that threw, call reset() to continue.
   ///
   /// reset() reads no file, and allocates no memory unless the world has `stop_when`. Therefore a program can
   /// run thousands of trials of one world for little more than the cost of their steps.
@@ -749,7 +750,9 @@ class Simulation {
   /// body is not disabled or is not in the world. Throws as disable() does.
   bool enable(const Model& model);
   /// Changes parameters of a type, for all its bodies, between two steps. The intervention `set` of a world
-  /// file does the same (docs/experiments.md). The change lasts until reset(). Checkpoints contain it.
+  /// file does the same (docs/experiments.md). The change lasts until reset(). Checkpoints contain it as an
+  /// intervention `set`, so in a run that is resumed from such a checkpoint, reset() does not discard it: it
+  /// is made again at the same time.
   ///
   /// type     name of the type
   /// setting  JSON object with the new values; other parameters keep their values. Examples:
@@ -810,8 +813,9 @@ class Simulation {
   std::string hash_log_line() const;
 
   Statistics statistics() const;  ///< numbers that describe the run, computed in a loop over all robots
-  /// The sums of the energies of all power packs of the world, J; all 0 if there is no pack. Energy::infinite
-  /// is true if at least one pack is infinite, and Energy::charging is true if at least one pack is charging.
+  /// The sums of the energies of all power packs of the world, J; all 0 if there is no pack. The packs of
+  /// bodies that are not in the world add nothing. Energy::infinite is true if at least one pack is infinite,
+  /// and Energy::charging is true if at least one pack is charging.
   Model::Energy energy() const;
   unsigned threads() const;                ///< number of worker threads, per rank
   unsigned ranks() const;                  ///< number of ranks, threads or processes, that compute the world

@@ -157,8 +157,8 @@ void Simulation::Impl::restore(const worldio::Checkpoint& checkpoint, Diagnostic
       if (world->tick() > 0)
         warnings.push_back(
             fmt::format("{}: warning: the checkpoint has no data of earlier ticks for the measure \"{}\" of "
-                        "stop_when, which "
-                        "was added or changed: the measure begins at tick {}",
+                        "stop_when, which is new, or whose parameters or bounds were changed: the measure "
+                        "begins at tick {}",
                         checkpoint.file().string(), column, world->tick()));
     if (world->tick() > 0) stop->ask();
   }

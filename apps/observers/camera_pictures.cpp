@@ -42,8 +42,8 @@ struct RobotCamera {
   engine::Camera pictures;
 };
 
-/// Returns the cameras that run in this tick, in the order of body ids. Cameras of robots that are not in the
-/// world are included.
+/// Returns the cameras that are in use (World::senses()), in the order of body ids. Cameras of robots that
+/// are not in the world are included.
 std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   std::vector<RobotCamera> cameras;
@@ -60,10 +60,12 @@ std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   return cameras;
 }
 
-/// Whether the camera has a reading: its robot is in the world, and has been in the world for at least one
-/// period of the camera.
+/// Whether the camera has a reading and is not stopped: its robot is in the world, and has been in the world
+/// for at least one period of the camera. A camera that is stopped, for example because its robot is
+/// disabled, keeps its last reading.
 bool has_reading(const engine::World& world, const RobotCamera& camera) {
-  return world.is_there(camera.row) && world.tick() - world.birth_tick(camera.row) >= camera.device->period;
+  return world.is_there(camera.row) && world.runs(camera.row, *camera.device) &&
+         world.tick() - world.birth_tick(camera.row) >= camera.device->period;
 }
 
 /// Returns the name of a camera in a form for file names: `/` is replaced by `_`, and a number is appended if

@@ -16,9 +16,10 @@ namespace troupe::apps {
 /// (docs/sensing.md). In these names, `r0` is the robot, `eye` the camera, and 12.3 s the simulated time.
 ///
 /// A camera runs if the world file sets it active, if a controller reads it, or if Simulation::subscribe()
-/// was called for its robot. No image is written before the first reading of the camera, or while its robot
-/// is not in the world (unborn or dead). The bytes of a file depend only on the tick, and on the name and the
-/// readings of the camera.
+/// was called for its robot. No image is written before the first reading of the camera, while its robot is
+/// not in the world (unborn or dead), or while the camera is stopped: its robot is disabled, a fault has
+/// broken the camera, it is switched off, or it has no power. The bytes of a file depend only on the tick,
+/// and on the name and the readings of the camera.
 class CameraPictures : public Observer {
  public:
   /// Creates the folder if it does not exist; its parent folder must exist. every_ticks: interval of the

@@ -108,7 +108,7 @@ std::vector<std::string> restore(const fs::path& file, const Simulation& simulat
   if (!missing.empty() && goes_on(file, simulation))
     throw OutputError(fmt::format(
         "{}: error: this table cannot be continued: when the checkpoint was saved, \"{}\" was not "
-        "computed, or with other robots or parameters: repeat the --measure options of the run that "
+        "computed, or with other robots, parameters or bounds: repeat the --measure options of the run that "
         "wrote the table, or give --measures a new file",
         file.string(), measures.columns()[missing.front()]));
   std::vector<std::string> fresh;
@@ -153,7 +153,7 @@ std::string MeasuresTable::warning() const {
   if (fresh_.empty()) return {};
   return fmt::format(
       "{}: warning: the checkpoint has no data of earlier ticks for \"{}\", which was not computed before, "
-      "or with other robots or parameters: the measure{} at tick {}",
+      "or with other robots, parameters or bounds: the measure{} at tick {}",
       file_.string(), fmt::join(fresh_, "\", \""), fresh_.size() == 1 ? " begins" : "s begin",
       *simulation_.resumed_at_tick());
 }

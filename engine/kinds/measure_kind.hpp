@@ -33,6 +33,10 @@ class Measure {
   /// The memory of the measure as bytes; by default there is none. A checkpoint (a file with the whole state
   /// of a run) contains these bytes. When a run is resumed from the checkpoint, the saved bytes are written
   /// back to the memory. The number of bytes must be the same in every call.
+  ///
+  /// The saved bytes may not fit the resumed world, for example because its bounds were changed. A measure
+  /// that can recognise this changes the bytes in the call after they were written. MeasureSet then writes
+  /// back the bytes from before, and the measure begins again at the tick of the checkpoint.
   virtual std::span<std::byte> memory() { return {}; }
 };
 

@@ -219,13 +219,20 @@ std::vector<std::byte> MeasureSet::memory() const {
 std::vector<std::size_t> MeasureSet::remember(std::span<const std::byte> memory) {
   std::vector<std::size_t> missing;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const std::span<std::byte> own =
-        call_measure(world_, *parts_[i].kind, columns_[i], [&] { return measures_[i]->memory(); });
+    const auto present = [&] {
+      return call_measure(world_, *parts_[i].kind, columns_[i], [&] { return measures_[i]->memory(); });
+    };
+    const std::span<std::byte> own = present();
     const auto saved = find_memory(memory, parts_[i].identity);
-    if (saved && saved->size() == own.size())
-      std::ranges::copy(*saved, own.begin());
-    else
+    if (!saved || saved->size() != own.size()) {
       missing.push_back(i);
+      continue;
+    }
+    const std::vector<std::byte> before(own.begin(), own.end());
+    std::ranges::copy(*saved, own.begin());
+    if (std::ranges::equal(present(), *saved)) continue;
+    std::ranges::copy(before, own.begin());  // it does not fit this world: see Measure::memory()
+    missing.push_back(i);
   }
   return missing;
 }

@@ -88,8 +88,8 @@ class MeasureSet {
   /// memories.
   ///
   /// Returns the indices of the columns for which `memory` contains no such measure, also if they have no
-  /// memory, or for which it contains a memory of another size. These measures keep the memories that they
-  /// have.
+  /// memory, or for which it contains a memory of another size or one that does not fit the world
+  /// (Measure::memory()). These measures keep the memories that they have.
   std::vector<std::size_t> remember(std::span<const std::byte> memory);
 
  private:

@@ -214,7 +214,7 @@ struct BodySpec {
 /// not in the world. They can be born later, in ascending order of ids (docs/lives.md). A body gets its pose
 /// at its birth. An intervention `add` that draws random poses takes their height, z, from
 /// BodySpec::pose_world_body. The ids of the reserve are consecutive: first, first + 1, ..., first + count
-/// - 1.
+/// - 1. A population has at most one reserve.
 struct ReserveSpec {
   std::string population;   ///< name of the population: "r" for the bodies "r0", "r1", ...
   BodyId first;             ///< lowest id of the reserve

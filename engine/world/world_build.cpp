@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -329,8 +331,17 @@ void World::check_size(Diagnostics& diagnostics) const {
 }
 
 void World::check_reserves(Diagnostics& diagnostics) const {
+  std::set<std::string_view> populations;
   for (const ReserveSpec& reserve : state_.spec.reserves) {
     const BodySpec& body = state_.spec.bodies[reserve.first.index()];
+    if (!populations.insert(reserve.population).second)
+      diagnostics.error(
+          body.where,
+          fmt::format(
+              "here begins a second reserve of population \"{}\", but only the bodies of its first "
+              "reserve could be born: models with the same \"reserve_of\" must follow one another and "
+              "have the same type, and the population itself must have no \"reserve\"",
+              reserve.population));
     if (!state_.types[body.type.index()].runs())
       diagnostics.error(
           body.where, fmt::format("the reserve of population \"{}\" needs a type that has a drive, a device "

@@ -372,7 +372,9 @@ void Gripper::draw(const engine::DeviceView& view, engine::Frame& frame) const {
     frame.grips.push_back({broken != 0 ? FrameTie::Kind::broken_beam : FrameTie::Kind::beam,
                            view.at(x, side, lifted), view.at(x, -side, lifted)});
   }
-  if (state.held == 0) return;
+  // If the gripper has not run since the held body died, its state still names this body.
+  const BodyId own(std::size_t{frame.mobile[view.body].id});
+  if (state.held == 0 || has_lost(view.world.view(), own, state)) return;
   const Pose held = view.world.pose(BodyId(std::size_t{state.held} - 1));
   frame.grips.push_back({FrameTie::Kind::holds, view.at(0, 0, lifted), {held.x, held.y, held.z}});
 }

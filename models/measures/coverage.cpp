@@ -8,9 +8,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace troupe::models {
 namespace {
@@ -58,7 +63,8 @@ class Coverage : public Measure {
     columns_ = static_cast<std::size_t>(std::int64_t{high.x} - low_.x + 1);
     lines_ = static_cast<std::size_t>(std::int64_t{high.y} - low_.y + 1);
     free_.assign(columns_ * lines_, 0);
-    visited_.assign(free_.size(), 0);
+    memory_.assign(sizeof(Cells) + free_.size(), 0);
+    visited_ = std::span(memory_).subspan(sizeof(Cells));
     for (std::size_t y = 0; y < lines_; ++y)
       for (std::size_t x = 0; x < columns_; ++x)
         free_[y * columns_ + x] = ground.contains({centre(low_.x, x), centre(low_.y, y)});
@@ -82,9 +88,22 @@ class Coverage : public Measure {
     return static_cast<double>(both) / static_cast<double>(free_cells_);
   }
 
-  std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(visited_)); }
+  /// The memory begins with the cells to which it belongs. If it was saved in a world with other bounds, this
+  /// function changes it, so that MeasureSet::remember() does not restore it.
+  std::span<std::byte> memory() override {
+    if (memory_.empty()) return {};
+    const Cells cells{low_.x, low_.y, columns_, lines_};
+    std::memcpy(memory_.data(), &cells, sizeof cells);
+    return std::as_writable_bytes(std::span(memory_));
+  }
 
  private:
+  /// The cells of the ground: the indices of the first one in the grid, and how many there are.
+  struct Cells {
+    std::int32_t low_x, low_y;
+    std::uint64_t columns, lines;
+  };
+
   double centre(std::int32_t low, std::size_t i) const {
     return (low + static_cast<double>(i) + 0.5) * grid_.cell_m;
   }
@@ -140,7 +159,8 @@ class Coverage : public Measure {
   std::size_t lines_ = 0;
   std::vector<std::uint8_t> free_;
   std::size_t free_cells_ = 0;
-  std::vector<std::uint8_t> visited_;
+  std::vector<std::uint8_t> memory_;  // Cells, then visited_
+  std::span<std::uint8_t> visited_;   // per cell: whether a robot has been there
 };
 
 }  // namespace

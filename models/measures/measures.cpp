@@ -90,8 +90,10 @@ class PathLength : public OfRobots {
  public:
   PathLength(const World& world, std::vector<BodyId> robots)
       : OfRobots(world, std::move(robots)), lengths_(this->robots().size(), 0), tick_(world.tick()) {
-    for (std::size_t i = 0; i < lengths_.size(); ++i)
+    for (std::size_t i = 0; i < lengths_.size(); ++i) {
       places_.push_back(world.transform(row(world, i)).position);
+      was_there_.push_back(world.is_there(row(world, i)));
+    }
   }
 
   void see(World& world) override {
@@ -108,7 +110,7 @@ class PathLength : public OfRobots {
   double value(World& world) override {
     return mean(world, [&](std::size_t i) { return lengths_[i]; });
   }
-  // places_ is not saved in checkpoints: the constructor reads the positions from the restored state.
+  // Checkpoints contain neither places_ nor was_there_: the constructor reads them from the restored state.
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(lengths_)); }
 
  private:
@@ -121,15 +123,16 @@ class PathLength : public OfRobots {
     });
   }
   /// Corrects places_[i], the point from which see() measures the motion of robot i in this tick. If the
-  /// robot was born since the last tick, this point becomes its birthplace. If the robot is not in the world,
-  /// this point becomes its present position, so that its path does not grow.
+  /// robot was born since see() last ran, this point becomes its birthplace. If the robot is not in the
+  /// world, this point becomes its present position, so that its path does not grow.
   void begin_life(const World& world, std::size_t i) {
     const Row row = this->row(world, i);
-    const bool is_new = world.birth_tick(row) + 1 >= world.tick() && !world.spec().starts(robots()[i]);
-    if (!world.is_there(row))
+    const bool is_there = world.is_there(row);
+    if (!is_there)
       places_[i] = world.transform(row).position;
-    else if (is_new)
+    else if (was_there_[i] == 0)
       places_[i] = world.origin(row);
+    was_there_[i] = is_there;
   }
 
   /// Sets the places_ of robots that a program moved between two ticks to their new positions, so that these
@@ -143,9 +146,10 @@ class PathLength : public OfRobots {
     }
   }
 
-  std::vector<double> lengths_;  // m, per robot, in the order of robots()
-  std::vector<Vec2> places_;     // position of each robot when see() last ran, m
-  std::uint64_t tick_;           // tick when see() last ran
+  std::vector<double> lengths_;          // m, per robot, in the order of robots()
+  std::vector<Vec2> places_;             // position of each robot when see() last ran, m
+  std::vector<std::uint8_t> was_there_;  // per robot: whether it was in the world when see() last ran
+  std::uint64_t tick_;                   // tick when see() last ran
 };
 
 class MeanSpeed : public OfRobots {
@@ -237,8 +241,8 @@ class OfState : public OfRobots {
     }
   };
 
-  OfState(const World& world, const Params& params, std::vector<BodyId> robots)
-      : OfState(world, params, std::move(robots), cells_of(world, params)) {}
+  OfState(const World& world, const Params& params, const std::vector<BodyId>& robots)
+      : OfState(world, params, robots, cells_of(world, params, robots)) {}
 
  protected:
   /// Mean of term(value) over the robots that are in the world and whose variable (Params) has a value
@@ -288,8 +292,10 @@ class OfState : public OfRobots {
   /// body does not have the variable. A component of a device or a controller has one table per type, and a
   /// name may stand for several components, such as those of an actuator and of its joint. Throws
   /// std::invalid_argument if no table has the component, if none of the component's tables has the field, or
-  /// if one of them has the field without the column.
-  static std::vector<Cell> cells_of(const World& world, const Params& params) {
+  /// if one of them has the field without the column. If there are no `robots`, only the last of the three is
+  /// an error, because a world without bodies of their type has no table of their devices and controllers.
+  static std::vector<Cell> cells_of(const World& world, const Params& params,
+                                    const std::vector<BodyId>& robots) {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
     std::set<std::string_view> components;
@@ -308,6 +314,7 @@ class OfState : public OfRobots {
       has_field = true;
       for (const BodyId id : table.ids()) cells[id.index()] = {.table = t, .field = *field};
     }
+    if (robots.empty()) return cells;
     if (fields.empty())
       throw std::invalid_argument(
           unknown_name("component", component, {components.begin(), components.end()}));
@@ -371,13 +378,12 @@ class Deaths : public Measure {
 
   Deaths(const World& world, const Params& params, const std::vector<BodyId>&) {
     const std::string& type = params.type;
+    for (std::size_t r = 0; r < world.rows(); ++r)
+      if (world.type(Row(r)).name == type) bodies_.push_back(world.body(Row(r)));
     std::vector<std::string_view> known;
-    for (std::size_t r = 0; r < world.rows(); ++r) {
-      const std::string& name = world.type(Row(r)).name;
-      known.push_back(name);
-      if (name == type) bodies_.push_back(world.body(Row(r)));
-    }
-    if (!bodies_.empty()) return;
+    for (const engine::BodyType& each : world.types())
+      if (each.runs()) known.push_back(each.name);
+    if (std::ranges::find(known, type) != known.end()) return;
     std::ranges::sort(known);
     known.erase(std::unique(known.begin(), known.end()), known.end());
     throw std::invalid_argument(unknown_name("type of bodies that may die", type, known));

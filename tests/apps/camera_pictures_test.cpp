@@ -154,6 +154,23 @@ TEST_F(CameraPicturesOf, RobotsThatAreNotInTheWorldHaveNone) {
                                   "r1.eye-000000.700s-color.png", "r1.eye-000000.800s-color.png"));
 }
 
+TEST_F(CameraPicturesOf, CamerasThatAreStoppedHaveNone) {
+  write("w.json", R"({"troupe": 1, "tick_s": 0.1,
+  "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
+    {"name": "eye", "kind": "camera", "active": true, "width": 4, "height": 3}]}},
+  "models": [{"name": "r0", "type": "bot"}, {"name": "r1", "type": "bot", "pose": {"x_m": 4}}],
+  "at": [{"time_s": 0.2, "disable": {"model": "r0"}}, {"time_s": 0.4, "enable": {"model": "r0"}}],
+  "faults": [{"model": "r1", "from_s": 0.3, "dead_sensors": {}}]})");
+  const Outcome outcome =
+      troupe({"run", "w.json", "--for", "0.5", "--quiet", "--camera-png", "seen", "--camera-every", "0.1"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  std::vector<std::string> colors = pictures("seen");
+  std::erase_if(colors, [](const std::string& name) { return name.find("-depth") != std::string::npos; });
+  EXPECT_THAT(colors, ElementsAre("r0.eye-000000.100s-color.png", "r0.eye-000000.200s-color.png",
+                                  "r0.eye-000000.500s-color.png", "r1.eye-000000.100s-color.png",
+                                  "r1.eye-000000.200s-color.png", "r1.eye-000000.300s-color.png"));
+}
+
 TEST_F(CameraPicturesOf, NamesThatAreTooLongForFilesAreRefusedBeforeTheRun) {
   const auto run = [&](std::size_t bytes) {
     write("w.json", R"({"troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "sensors": [

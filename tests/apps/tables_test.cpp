@@ -343,7 +343,8 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
       lines_of(outcome.err),
       ElementsAre(
           "m.csv: error: this table cannot be continued: when the checkpoint was saved, \"coverage\" was not "
-          "computed, or with other robots or parameters: repeat the --measure options of the run that wrote "
+          "computed, or with other robots, parameters or bounds: repeat the --measure options of the run "
+          "that wrote "
           "the table, or give --measures a new file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
@@ -380,16 +381,15 @@ TEST_F(Tables, RecogniseMeasuresByWhatTheyCompute) {
   EXPECT_EQ(wider.code, 2);
   EXPECT_THAT(wider.err,
               StartsWith("m.csv: error: this table cannot be continued: when the checkpoint was saved, "
-                         "\"neighbours\" was not computed, or with other robots or parameters: "));
+                         "\"neighbours\" was not computed, or with other robots, parameters or bounds: "));
   EXPECT_EQ(read("m.csv"), before);
 
   const Outcome fresh = troupe({"resume", "c.h5", "--for", "3", "--measures", "p.csv", "--measure",
                                 "path_length,stalls", "--threads", "1"});
   EXPECT_EQ(fresh.code, 0);
-  EXPECT_THAT(fresh.err,
-              HasSubstr("p.csv: warning: the checkpoint has no data of earlier ticks for "
-                        "\"path_length_m\", which was not computed before, or with other robots or "
-                        "parameters: the measure begins at tick 20\n"));
+  EXPECT_THAT(fresh.err, HasSubstr("p.csv: warning: the checkpoint has no data of earlier ticks for "
+                                   "\"path_length_m\", which was not computed before, or with other robots, "
+                                   "parameters or bounds: the measure begins at tick 20\n"));
 }
 
 TEST_F(Tables, AreCompleteIfTheRunEndsBecauseAnotherOutputFailed) {

@@ -327,6 +327,15 @@ TEST(Lives, AReserveOfBodiesThatDoNothingIsRefused) {
               HasSubstr("the reserve of population \"c\" needs a type that"));
 }
 
+TEST(Lives, ASecondReserveOfAPopulationIsRefused) {
+  Plain plain;
+  add_reserve(plain.scene, "other", plain.type, 2);
+  EXPECT_EQ(plain.scene.error(), "");
+  add_reserve(plain.scene, "more", plain.type, 2);
+  EXPECT_THAT(plain.scene.error(),
+              HasSubstr("here begins a second reserve of population \"more\", but only the bodies"));
+}
+
 // ---- many births and deaths in crowded ticks
 
 /// Now and then asks for a birth beside it, or dies, or kills whom it finds nearest.

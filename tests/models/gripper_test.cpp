@@ -1,11 +1,14 @@
 #include "models/devices/gripper.hpp"
 
+#include "engine/observing/frame.hpp"
 #include "engine/world/world.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/message_of.hpp"
+#include "troupe/frame_data.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -327,6 +330,33 @@ TEST(Gripper, ItsOwnRangerDoesNotSeeWhatItHolds) {
     step(world, 20);
     EXPECT_EQ(range(), 5) << "nothing else is there";
   }
+}
+
+/// Number of lines from grippers to the bodies that they hold, in a picture of the world.
+std::size_t count_holds(const World& world) {
+  engine::Frame frame = world.frame();
+  add_layer(world, engine::FrameLayer::grips, frame);
+  return static_cast<std::size_t>(
+      std::ranges::count(frame.grips, engine::FrameTie::Kind::holds, &engine::FrameTie::kind));
+}
+
+TEST(Gripper, NoLineIsDrawnToABodyThatDiedWhileTheRobotIsDisabled) {
+  SceneBuilder scene;
+  scene.spec.mortal = true;
+  const BodyId robot = scene.body("r", gripper_robot(scene, "robot", {order(0.1, "hand", "close")}));
+  const BodyId object = scene.body("o", puck(scene), {k_grasp_m, 0, 0, 0});
+  World world = scene.world();
+  step(world, 20);
+  ASSERT_EQ(world.carrier(world.row(object)), robot);
+  EXPECT_EQ(count_holds(world), 1u);
+  world.set_disabled(world.row(robot), true);
+  world.remove(world.row(object));
+  step(world, 3);
+  EXPECT_NE(hand(world, robot).held, 0u) << "a gripper that does not run keeps its state";
+  EXPECT_EQ(count_holds(world), 0u);
+  world.set_disabled(world.row(robot), false);
+  step(world, 1);
+  EXPECT_EQ(hand(world, robot).held, 0u);
 }
 
 TEST(Gripper, PaddlesMustFitSideBySide) {

@@ -424,6 +424,31 @@ TEST(Measures, AreRecognisedByTheirKindRobotsAndParameters) {
   EXPECT_THAT(of_part.remember({}), ElementsAre(0, 1));
 }
 
+TEST(Measures, DoNotRememberTheCellsOfOtherBounds) {
+  const auto world_at = [](double x) {
+    test::SceneBuilder scene;
+    scene.body("r", scene.robot("bot", {test::box(0.2, 0.2)}), {2.5, 0.5, 0, 0});
+    scene.spec.bounds = Box{Vec2(x, 0), Vec2(x + 4, 1)};
+    return scene.world();
+  };
+  World saved_world = world_at(0);
+  const MeasureSet saved = measures(saved_world, {spec("coverage"), spec("path_length")});
+  World same = world_at(0);
+  World shifted = world_at(2);
+  MeasureSet of_same = measures(same, {spec("coverage"), spec("path_length")});
+  MeasureSet of_shifted = measures(shifted, {spec("coverage"), spec("path_length")});
+  const double begun = of_shifted.value(0);
+  EXPECT_EQ(begun, 0.25) << "one of four cells";
+  EXPECT_THAT(of_same.remember(saved.memory()), IsEmpty());
+  EXPECT_THAT(of_shifted.remember(saved.memory()), ElementsAre(0)) << "as many cells, but others";
+  const World::Placed next{shifted.row(shifted.find("r")), {4.5, 0.5, 0, 0}};
+  EXPECT_EQ(of_shifted.value(0), begun);
+  shifted.set_poses({&next, 1});
+  shifted.step();
+  of_shifted.see();
+  EXPECT_EQ(of_shifted.value(0), 0.5) << "it goes on from the cell in which it began";
+}
+
 /// A measure whose memory grows by one number per tick, which a measure must not do.
 class Growing : public engine::Measure {
  public:
@@ -585,6 +610,41 @@ TEST(Measures, ToBeMovedRightAfterBirthIsNoWay) {
     world.step();
     set.see();
     EXPECT_NEAR(set.value(0), 0.1 * tick, 1e-12);
+  }
+}
+
+TEST(Measures, APathThatBeginsAfterARobotWasBornAndMovedLacksThisWay) {
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)}, "omni");
+  scene.spec.reserves = {{"bot", BodyId(1), 1}};
+  scene.body("bot0", bot);
+  World world = scene.world();
+  MeasureSet whole = measures(world, {spec("path_length")});
+  world.step();
+  whole.see();
+  const BodyId born = world.spawn(0, {0, 50, 0, 0}).body;
+  const World::Placed there{world.row(born), {0, 80, 0, 0}};
+  world.set_poses({&there, 1});
+  MeasureSet fresh = measures(world, {spec("path_length")});
+  EXPECT_EQ(fresh.value(0), 0);
+  // A run that is resumed here does not know that a program has moved the robot.
+  std::vector<engine::StateTable> saved(world.tables().begin(), world.tables().end());
+  const std::uint64_t hash = world.hashes().state;
+  World resumed = scene.world();
+  ASSERT_TRUE(
+      resumed.restore(world.tick(), world.counters(), hash, [&](std::span<engine::StateTable> tables) {
+        for (std::size_t t = 0; t < tables.size(); ++t)
+          std::ranges::copy(saved[t].data(), tables[t].data().begin());
+      }));
+  MeasureSet remembered = measures(resumed, {spec("path_length")});
+  EXPECT_THAT(remembered.remember(whole.memory()), IsEmpty());
+  for (World* const each : {&world, &resumed}) {
+    each->set_command(each->row(born), {0, 1, 0});
+    each->step();
+  }
+  for (MeasureSet* const set : {&whole, &fresh, &remembered}) {
+    set->see();
+    EXPECT_NEAR(set->value(0), 0.1, 1e-12);
   }
 }
 
@@ -887,10 +947,13 @@ TEST(Measures, MayBeOfATypeWithoutRobots) {
   scene.body("r", scene.robot("bot", {test::box(0.4, 0.4)}));
   World world = scene.world();
   Diagnostics diagnostics;
-  const std::vector<MeasureSpec> specs{spec("stalls", "idle"), spec("alive", "idle"), spec("alive", "bot")};
+  const std::vector<MeasureSpec> specs{
+      spec("stalls", "idle"), spec("alive", "idle"), spec("alive", "bot"),
+      spec("deaths", "", {{"type", "idle"}}),
+      spec("state_mean", "idle", {{"component", "of_idle_robots"}, {"field", "x"}})};
   MeasureSet set(world, test::registry(), specs, diagnostics);
   EXPECT_TRUE(diagnostics.findings().empty());
-  EXPECT_THAT(set.values(), ElementsAre(0, 0, 1));
+  EXPECT_THAT(set.values(), ElementsAre(0, 0, 1, 0, testing::IsNan()));
 }
 
 TEST(Measures, SayWhatIsWrongWithThem) {

@@ -296,7 +296,8 @@ TEST_F(StopWhen, AChangedConditionKeepsWhatItsMeasureRemembers) {
       finer.warnings(),
       ElementsAre(HasSubstr(fmt::format(
           "run.h5: warning: the checkpoint has no data of earlier ticks for the measure \"coverage\" of "
-          "stop_when, which was added or changed: the measure begins at tick {}",
+          "stop_when, which is new, or whose parameters or bounds were changed: the measure begins at tick "
+          "{}",
           first.tick()))));
 }
 

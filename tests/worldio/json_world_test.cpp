@@ -1050,34 +1050,6 @@ TEST(JsonWorld, AReserveFollowsItsPopulation) {
   EXPECT_TRUE(Loaded(changed(R"("seed": 7)", R"("seed": 7, "mortal": true)")).spec.mortal);
 }
 
-// A reserve is one range of bodies: those of a second range could never be born.
-TEST(JsonWorld, AReserveOfModelsIsOneRangeOfOneType) {
-  const auto found = [](const std::string& type, const std::string& between, const std::string& population) {
-    const std::string first = R"({"name": "m8", "type": "minibot", "reserve_of": "m"},)";
-    const std::string second = fmt::format(R"({{"name": "m9", "type": "{}", "reserve_of": "m"}},)", type);
-    const std::string world =
-        changed(R"("models": [)", "\"models\": [" + first + "\n" + between + "\n" + second);
-    return Loaded(changed(R"({"name": "r",)", population + R"({"name": "r",)", world)).found;
-  };
-  EXPECT_THAT(found("minibot", "", ""), IsEmpty());
-  const auto error = [](int model) {
-    return fmt::format(
-        "maze.json:15: error: /models/{}/reserve_of: the models of the reserve of \"m\" must follow one "
-        "another and have the same type: move this model next to the other models with \"reserve_of\": "
-        "\"m\", and give it their type",
-        model);
-  };
-  EXPECT_THAT(found("crate", "", ""), ElementsAre(error(1)));
-  EXPECT_THAT(found("minibot", R"({"name": "c1", "type": "crate", "pose": {"x_m": 9}},)", ""),
-              ElementsAre(error(2)));
-  const std::string population = R"({"name": "m", "type": "minibot", "count": 0, "reserve": 2, )"
-                                 R"("place": {"rule": "uniform", "region_m": [[20, 20], [21, 21]]}},)";
-  EXPECT_THAT(
-      found("minibot", "", population),
-      ElementsAre("maze.json:19: error: /populations/0/reserve: models with \"reserve_of\": \"m\" are the "
-                  "reserve of this population already: remove \"reserve\" or these models"));
-}
-
 TEST(JsonWorld, PopulationsAvoidModelsAndOneAnother) {
   const Loaded loaded(
       R"({"troupe": 1, "types": {"t": {"size_m": [1, 1, 1]}, "ghost": {"size_m": [1, 1, 1], "obstacle": false}},

@@ -109,7 +109,6 @@ class WorldExpander {
   /// shortest name first.
   std::vector<std::string_view> populations_of(std::string_view name) const;
   void check_population_of(const Model& model, const DocumentPath& at);
-  void check_reserve_of(const Model& model, const DocumentPath& at);
   void name_parts(const Model& model, BodyId body);
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
   void report_repeated_names();
@@ -136,7 +135,6 @@ class WorldExpander {
   ImageFolder folder_;
   std::size_t vertices_ = 0;                             // number of corners of all floor plans together
   std::set<std::string, std::less<>> population_names_;  // of the document
-  std::set<std::string, std::less<>> reserve_names_;     // populations that models name in `reserve_of`
   std::vector<Model> models_;
   std::vector<engine::PopulationSpec> populations_;
 };
@@ -274,10 +272,7 @@ void WorldExpander::expand_model(const ModelDocument& document, const DocumentPa
                            known.empty() ? "none" : comma_list(known)));
   }
   model.global_parts = document.global_parts;
-  if (!document.reserve_of.empty()) {
-    model.reserve_of = document.reserve_of;
-    check_reserve_of(model, DocumentPath(at, "reserve_of", document.where_of("reserve_of")));
-  }
+  if (!document.reserve_of.empty()) model.reserve_of = document.reserve_of;
   if (document.fiducial_return) {
     model.body.fiducial = *document.fiducial_return;
     if (has_right_type && model.body.fiducial != 0 && !parts.empty() && parts.front().returns.fiducial == 0)
@@ -313,30 +308,12 @@ void WorldExpander::check_population_of(const Model& model, const DocumentPath& 
                     name, population, population, population));
 }
 
-/// Reports an error if the models of a reserve would not be one range of bodies (engine::ReserveSpec): only
-/// the bodies of the first range of a population can be born.
-void WorldExpander::check_reserve_of(const Model& model, const DocumentPath& at) {
-  const bool is_first = reserve_names_.insert(*model.reserve_of).second;
-  if (is_first ||
-      (models_.back().reserve_of == model.reserve_of && models_.back().body.type == model.body.type))
-    return;
-  at.error(fmt::format(
-      "the models of the reserve of \"{0}\" must follow one another and have the same type: move this model "
-      "next to the other models with \"reserve_of\": \"{0}\", and give it their type",
-      *model.reserve_of));
-}
-
 void WorldExpander::expand_population(const PopulationDocument& document, const DocumentPath& at) {
   engine::PopulationSpec population{
       .name = document.name, .path = at.pointer() + "/place", .where = document.where};
   population.type = type_of(document.type, document, at);
   population.count = static_cast<std::size_t>(document.count.value_or(0));
   population.reserve = static_cast<std::size_t>(document.reserve);
-  if (population.reserve > 0 && reserve_names_.contains(document.name))
-    DocumentPath(at, "reserve", document.where_of("reserve"))
-        .error(fmt::format("models with \"reserve_of\": \"{}\" are the reserve of this population already: "
-                           "remove \"reserve\" or these models",
-                           document.name));
   population.random_color = document.color && document.color->is_random;
   population.color = document.color ? document.color->color : color_of(population.type);
   if (document.place) {
