@@ -226,7 +226,7 @@ void bind_state(SimulationClass& simulation) {
       .def(
           "save",
           [](const Holder& held, const fs::path& checkpoint) {
-            held->work([&](const Simulation& simulation) { simulation.save(checkpoint); });
+            held->work([&](const Simulation& own) { own.save(checkpoint); });
           },
           py::arg("checkpoint"),
           "Saves the whole state in a checkpoint, an HDF5 file, from which resume() continues the run. An "
@@ -268,7 +268,7 @@ void bind_recording(SimulationClass& simulation) {
              bool replace) {
             const RecordingOptions options{fields, from_zero("every_s", every_s, engine::k_most_seconds),
                                            replace};
-            held->work([&](Simulation& simulation) { simulation.record(file, options); });
+            held->work([&](Simulation& own) { own.record(file, options); });
           },
           py::arg("file"), py::kw_only(), py::arg("fields") = py::tuple(), py::arg("every_s") = 0.0,
           py::arg("replace") = false,
@@ -281,7 +281,7 @@ void bind_recording(SimulationClass& simulation) {
           "if the file cannot be\nwritten, and RuntimeError if a recording is already running.")
       .def(
           "stop_recording",
-          [](const Holder& held) { held->work([](Simulation& simulation) { simulation.stop_recording(); }); },
+          [](const Holder& held) { held->work([](Simulation& own) { own.stop_recording(); }); },
           "Closes the recording that record() started; all HDF5 tools can then read the file. Does nothing "
           "if no recording is\nrunning. Raises RuntimeError if the file cannot be written.");
 }

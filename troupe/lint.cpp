@@ -573,7 +573,8 @@ void Lint::check_blobs() {
     const std::vector<Color>* sought = sensors::sought_colors(data);
     if (sought == nullptr || sought->empty()) return;
     const auto is_sought = [&](const Color& color) {
-      return std::ranges::any_of(*sought, [&](const Color& one) { return sensors::is_same_color(one, color); });
+      return std::ranges::any_of(*sought,
+                                 [&](const Color& one) { return sensors::is_same_color(one, color); });
     };
     if (std::ranges::none_of(shown, is_sought))
       diagnostics_.warning(sensor.where, called_text(sensor.name, spec_.types[t].name) +

@@ -167,8 +167,8 @@ Result<> Forager::bind_world(const WorldSpec& world, const engine::TypeSpec& typ
   if (const BodyId body = find_body(world, "fuel_zone"); abandons && body.valid() && !chargers.empty()) {
     has_zone = true;
     zone = goal(body);
-    const engine::PartSpec& part = world.type(body).parts.front();
-    zone_radius = std::max(0.5 * std::min(part.size.x(), part.size.y()), k_least_zone);
+    const Eigen::Vector3d& size = world.type(body).parts.front().size;
+    zone_radius = std::max(0.5 * std::min(size.x(), size.y()), k_least_zone);
   }
   return {};
 }

@@ -31,7 +31,7 @@ using engine::WorldSpec;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const engine::Registry& registry() {
+const engine::Registry& all_kinds() {
   static const engine::Registry all = make_registry();
   return all;
 }
@@ -153,7 +153,7 @@ class RandomWorld {
     root.size = {number(0, 2), number(0, 2), number(0.1, 2)};
     if (chance()) {
       const engine::DriveKind& kind =
-          registry().drives[static_cast<std::size_t>(below(static_cast<int>(registry().drives.size())))];
+          all_kinds().drives[static_cast<std::size_t>(below(static_cast<int>(all_kinds().drives.size())))];
       type.drive =
           engine::DriveSpec{std::string(kind.name), record(kind.params), one_of({0.0, 0.1, 0.7}), {}};
       if (chance()) root.kind = "position";
@@ -179,7 +179,7 @@ class RandomWorld {
       type.parts.push_back(part);
       std::int32_t below_joint = joint;
       if (moves) {
-        const DeviceKind& kind = *registry().device(part.kind);
+        const DeviceKind& kind = *all_kinds().device(part.kind);
         engine::DeviceSpec device{.name = part.name, .kind = part.kind, .part = p, .joint = joint};
         device.params = record(kind.params);
         device.pose_body_device = chance() ? part.pose_body_part : pose();
@@ -195,7 +195,7 @@ class RandomWorld {
   void add_contents(engine::TypeSpec& type, std::uint32_t part, std::int32_t joint) {
     for (const char* name : {"ranger", "fiducial", "blobfinder", "blinkenlight", "power_contact"}) {
       if (below(3) > 0) continue;
-      const DeviceKind& kind = *registry().device(name);
+      const DeviceKind& kind = *all_kinds().device(name);
       engine::DeviceSpec device{
           .name = name + std::to_string(type.devices.size()), .kind = name, .part = part};
       device.joint = chance() ? joint : engine::k_rigid;
@@ -208,7 +208,7 @@ class RandomWorld {
     for (const char* name : {"source", "sink"}) {
       if (below(4) > 0) continue;
       type.controllers.push_back(
-          {name, part, record(registry().controller(name)->params), one_of({0.0, 0.3}), {}});
+          {name, part, record(all_kinds().controller(name)->params), one_of({0.0, 0.3}), {}});
     }
   }
 
@@ -234,11 +234,11 @@ TEST(JsonWorldWriter, RandomWorldsComeBackToTheLastBit) {
   for (unsigned seed = 1; seed <= worlds; ++seed) {
     const WorldSpec spec = RandomWorld(seed).make();
     Diagnostics diagnostics;
-    const auto document = write_json_world(spec, "out/random.json", registry(), diagnostics);
+    const auto document = write_json_world(spec, "out/random.json", all_kinds(), diagnostics);
     ASSERT_TRUE(document) << "seed " << seed << ": " << diagnostics.text(diagnostics.findings().front());
     const std::string text = json_text(*document);
     Diagnostics read;
-    const WorldSpec back = load_json_world("out/random.json", text, registry(), {}, read);
+    const WorldSpec back = load_json_world("out/random.json", text, all_kinds(), {}, read);
     ASSERT_FALSE(read.has_errors()) << "seed " << seed << ": " << read.text(read.findings().front());
     ASSERT_EQ(spec_difference(spec, back), "") << "seed " << seed << "\n" << text;
   }
@@ -250,12 +250,12 @@ TEST(JsonWorldWriter, WheelsAmongTheDevicesComeBack) {
     "devices": [{"name": "feet", "kind": "wheels", "pose": {"z_m": 0.5}, "size_m": [0.1, 0.1, 0.1]}]}},
     "models": [{"name": "cart", "type": "cart"}]})";
   Diagnostics read;
-  const WorldSpec spec = load_json_world("out/cart.json", std::string(k_text), registry(), {}, read);
+  const WorldSpec spec = load_json_world("out/cart.json", std::string(k_text), all_kinds(), {}, read);
   ASSERT_FALSE(read.has_errors()) << read.text(read.findings().front());
   Diagnostics diagnostics;
-  const auto document = write_json_world(spec, "out/cart.json", registry(), diagnostics);
+  const auto document = write_json_world(spec, "out/cart.json", all_kinds(), diagnostics);
   ASSERT_TRUE(document) << diagnostics.text(diagnostics.findings().front());
-  const WorldSpec back = load_json_world("out/cart.json", json_text(*document), registry(), {}, read);
+  const WorldSpec back = load_json_world("out/cart.json", json_text(*document), all_kinds(), {}, read);
   ASSERT_FALSE(read.has_errors()) << read.text(read.findings().front());
   EXPECT_EQ(spec_difference(spec, back), "") << json_text(*document);
 }
@@ -264,7 +264,7 @@ TEST(JsonWorldWriter, SeesThatSomethingIsNotSaid) {
   WorldSpec spec = RandomWorld(1).make();
   spec.types[1].parts[0].alias = "roots have no other name";
   Diagnostics diagnostics;
-  EXPECT_FALSE(write_json_world(spec, "w.json", registry(), diagnostics));
+  EXPECT_FALSE(write_json_world(spec, "w.json", all_kinds(), diagnostics));
   ASSERT_TRUE(diagnostics.has_errors());
   EXPECT_THAT(diagnostics.text(diagnostics.findings().front()),
               HasSubstr("w.json: error: a JSON world cannot express this: types[1].parts[0].alias"));
@@ -272,7 +272,7 @@ TEST(JsonWorldWriter, SeesThatSomethingIsNotSaid) {
 
 std::string written(const WorldSpec& spec) {
   Diagnostics diagnostics;
-  const auto document = write_json_world(spec, "w.json", registry(), diagnostics);
+  const auto document = write_json_world(spec, "w.json", all_kinds(), diagnostics);
   return document ? json_text(*document) : diagnostics.text(diagnostics.findings().front());
 }
 

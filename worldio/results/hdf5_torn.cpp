@@ -169,21 +169,22 @@ class Mender {
   }
 
   void mend_continuation(const Continuation& continuation, std::uint8_t flags) {
-    constexpr std::size_t k_signature = 4;
+    constexpr std::size_t k_signature_bytes = 4;
     const auto [address, bytes] = continuation;
-    if (bytes < k_signature + k_checksum_bytes || bytes > k_most_block_bytes) return;
+    if (bytes < k_signature_bytes + k_checksum_bytes || bytes > k_most_block_bytes) return;
     std::optional<Bytes> block = read(address, "OCHK", bytes);
     if (!block) return;
     mend(address, *block);
-    take_messages(View(*block).subspan(k_signature, bytes - k_signature - k_checksum_bytes), flags);
+    take_messages(View(*block).subspan(k_signature_bytes, bytes - k_signature_bytes - k_checksum_bytes),
+                  flags);
   }
 
   void take_layout(View message) {
-    constexpr std::uint8_t k_version = 4;
+    constexpr std::uint8_t k_layout_version = 4;
     constexpr std::uint8_t k_chunked = 2;
     constexpr std::uint8_t k_extensible_array = 4;
     constexpr std::size_t k_numbers = 5;  // the same as in the header of the array
-    if (message.size() < 5 || message[0] != k_version || message[1] != k_chunked) return;
+    if (message.size() < 5 || message[0] != k_layout_version || message[1] != k_chunked) return;
     const std::size_t index = 5 + std::size_t{message[3]} * message[4];
     if (message.size() < index + 1 + k_numbers + k_address_bytes || message[index] != k_extensible_array)
       return;
