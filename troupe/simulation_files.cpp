@@ -89,10 +89,14 @@ void add_setting(std::vector<std::pair<std::string, std::string>>& changes, cons
                  const std::string& when, const std::string& value) {
   const std::string first = "set " + pointer + when;
   std::string key = first;
-  const auto is_same = [&](const auto& change) { return change.first == key; };
-  if (pointer.ends_with("/-"))
-    for (std::size_t i = 2; std::ranges::any_of(changes, is_same); ++i) key = fmt::format("{} #{}", first, i);
-  std::erase_if(changes, is_same);
+  if (pointer.ends_with("/-")) {
+    const std::string numbered = first + " #";
+    const auto before = std::ranges::count_if(changes, [&](const auto& change) {
+      return change.first == first || change.first.starts_with(numbered);
+    });
+    if (before > 0) key = fmt::format("{}{}", numbered, before + 1);
+  }
+  std::erase_if(changes, [&](const auto& change) { return change.first == key; });
   changes.emplace_back(key, value);
 }
 

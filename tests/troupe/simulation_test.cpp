@@ -11,6 +11,7 @@
 #include "troupe/frame_data.hpp"
 #include "troupe/registry.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -229,6 +230,18 @@ TEST_F(SimulationTest, RepeatedSettingsHaveDifferentKeys) {
                                    Pair("set /measures/- #2", "\"stalls\""),
                                    Pair("set /measures/- #3", "\"coverage\""), Pair("set /tick_s", "0.02")));
   EXPECT_THAT(simulation.effective_options(), Contains(Pair("tick_s", "0.02")));
+}
+
+// If the key of each setting were sought among all numbers so far, this would take minutes.
+TEST_F(SimulationTest, ThousandsOfSettingsThatAppendToAListAreNumberedQuickly) {
+  constexpr int k_models = test::k_slow_build ? 500 : 5'000;
+  SimulationOptions options;
+  for (int i = 0; i < k_models; ++i)
+    options.set.emplace_back(
+        "/models/-", fmt::format(R"({{"name": "more{}", "type": "omni", "pose": {{"x_m": {}}}}})", i, i + 5));
+  const Simulation simulation = json(options);
+  EXPECT_EQ(simulation.robots(), 2u + k_models);
+  EXPECT_EQ(simulation.effective_options().back().first, fmt::format("set /models/- #{}", k_models));
 }
 
 TEST_F(SimulationTest, TheRayEngineOfTheWorldHoldsUnlessAnotherIsGiven) {
