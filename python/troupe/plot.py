@@ -99,7 +99,7 @@ def _stray_ends(runs: Sequence[Sequence[float]]) -> Set[float]:
     ends = {times[-1] for times in runs} - {time_s for times in runs for time_s in times[:-1]}
     spans = sorted((times[0], times[-1]) for times in runs)
     starts = [start for start, _ in spans]
-    latest = [-math.inf, *itertools.accumulate((end for _, end in spans), max)]  # latest[i]: the latest end of the first i spans
+    latest = [-math.inf, *itertools.accumulate((end for _, end in spans), max)]  # of the first i spans
     return {end for end in ends if latest[bisect.bisect_left(starts, end)] > end}
 
 

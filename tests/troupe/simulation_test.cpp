@@ -234,7 +234,7 @@ TEST_F(SimulationTest, RepeatedSettingsHaveDifferentKeys) {
 
 // If the key of each setting were sought among all numbers so far, this would take minutes.
 TEST_F(SimulationTest, ThousandsOfSettingsThatAppendToAListAreNumberedQuickly) {
-  constexpr int k_models = test::k_slow_build ? 500 : 5'000;
+  constexpr int k_models = test::k_slow_build ? 500 : 7'000;
   SimulationOptions options;
   for (int i = 0; i < k_models; ++i)
     options.set.emplace_back(
