@@ -12,6 +12,8 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <set>
+#include <string_view>
 #include <utility>
 
 namespace troupe::live {
@@ -152,13 +154,11 @@ WatchedJson inspection(Simulation& simulation, BodyId id) {
 
 WatchedJson color_values(const engine::World& world) {
   WatchedJson values = WatchedJson::array();
+  std::set<std::pair<std::string_view, std::string_view>> listed;  // components and fields
   for (const StateTable& table : world.tables())
     for (const StateField& field : table.fields()) {
       // Bodies of different types can have the same component, and then share its entry.
-      const auto same = std::ranges::find_if(values, [&](const WatchedJson& value) {
-        return value["component"] == table.component() && value["field"] == field.name;
-      });
-      if (same != values.end()) continue;
+      if (!listed.emplace(table.component(), field.name).second) continue;
       values.push_back({{"component", table.component()},
                         {"field", field.name},
                         {"unit", field.unit},

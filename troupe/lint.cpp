@@ -32,6 +32,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
@@ -127,7 +128,11 @@ class Lint {
         base_types_(base_types.begin(), base_types.end()),
         diagnostics_(diagnostics) {
     levels_.resize(spec_.types.size());
-    for (const engine::BodySpec& body : spec_.bodies) ++levels_[body.type.index()][body.pose_world_body.z];
+    bodies_.resize(spec_.types.size());
+    for (const engine::BodySpec& body : spec_.bodies) {
+      ++levels_[body.type.index()][body.pose_world_body.z];
+      ++bodies_[body.type.index()];
+    }
   }
 
   void check() {
@@ -152,6 +157,13 @@ class Lint {
   }
 
  private:
+  /// The fiducial marks of one fiducial_key.
+  struct Marks {
+    Heights heights;
+    std::vector<std::uint32_t> types;      ///< types of bodies that have such a mark; each once
+    std::vector<std::uint32_t> on_joints;  ///< types of bodies that have such a mark on a joint; each once
+  };
+
   void check_types();
   void check_drives();
   void check_periods();
@@ -160,17 +172,18 @@ class Lint {
   void check_controllers();
   void check_goals();
   void check_sensors();
-  std::size_t others(std::size_t t, std::uint32_t type) const;
-  bool is_of_other(const std::vector<std::uint32_t>& types, std::uint32_t type) const;
   template <class Visit>
   void for_devices(Visit&& visit) const;
   void check_lights();
   void check_ground();
   void check_blobs();
-  bool can_height_change(std::uint32_t type) const;
+  std::map<std::int32_t, Marks> marks() const;
+  std::vector<std::uint32_t> lifting_types() const;
+  bool has_others(std::span<const std::uint32_t> types, std::uint32_t type) const;
   void check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
-                    const Heights& visible);
-  void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor, const engine::SoughtMarks& sought);
+                    const Heights& visible, std::span<const std::uint32_t> lifting);
+  void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor, const engine::SoughtMarks& sought,
+                    const Marks& marks);
   void check_radios();
   void check_grippers();
   void check_floor_plans();
@@ -186,6 +199,7 @@ class Lint {
   std::set<std::string> base_types_;
   Diagnostics& diagnostics_;
   std::vector<std::map<double, std::size_t>> levels_;  // per type: z of bodies -> number of bodies
+  std::vector<std::size_t> bodies_;                    // per type: number of bodies
 };
 
 void Lint::check_types() {
@@ -304,7 +318,7 @@ void Lint::check_contacts() {
       why =
           "the part that carries it has no shape, so that nothing touches it: give the part a size, or mount "
           "the contact on another part";
-    else if (!(gives && is_of_other(takers, t)) && !(takes && is_of_other(givers, t)))
+    else if (!(gives && has_others(takers, t)) && !(takes && has_others(givers, t)))
       why = gives && takes ? "no other body has a power contact"
             : gives        ? "no other body has a power contact with \"take_W\""
                            : "no other body has a power contact with \"give_W\"";
@@ -368,27 +382,33 @@ void Lint::check_sensors() {
       for (const engine::RayOutline& outline : world_.types()[t].outlines)
         visible.add(outline.z.shifted(z), count);
   visible.sort();
+  const std::vector<std::uint32_t> lifting = lifting_types();
+  std::map<std::int32_t, Marks> marks = this->marks();
   for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
     for (std::size_t s = 0; s < world_.types()[t].devices.size(); ++s) {
       if (levels_[t].empty()) continue;
       const engine::DeviceSpec& sensor = spec_.types[t].devices[s];
-      check_ranger(t, world_.types()[t].devices[s], sensor.where, visible);
-      if (const auto& sought = world_.types()[t].devices[s].prepared.seeks) check_finder(t, sensor, *sought);
+      check_ranger(t, world_.types()[t].devices[s], sensor.where, visible, lifting);
+      if (const auto& sought = world_.types()[t].devices[s].prepared.seeks)
+        check_finder(t, sensor, *sought, marks[sought->key]);
     }
 }
 
-/// Returns the number of bodies of type `t` that sensors of a body of type `type` can see: all but the body
-/// itself. A body of type `type` must exist.
-std::size_t Lint::others(std::size_t t, std::uint32_t type) const {
-  std::size_t bodies = 0;
-  for (const auto& [z, count] : levels_[t]) bodies += count;
-  return bodies - (t == type ? 1 : 0);
-}
-
-/// Whether one of `types` is the type of another body than a body of type `type` itself. A body of type
-/// `type` must exist.
-bool Lint::is_of_other(const std::vector<std::uint32_t>& types, std::uint32_t type) const {
-  return std::ranges::any_of(types, [&](std::uint32_t t) { return others(t, type) > 0; });
+/// Returns the fiducial marks of all bodies, by their fiducial_key.
+std::map<std::int32_t, Lint::Marks> Lint::marks() const {
+  std::map<std::int32_t, Marks> marks;
+  for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
+    for (const engine::PartSpec& part : spec_.types[t].parts) {
+      if (part.returns.fiducial == 0 || levels_[t].empty()) continue;
+      Marks& of_key = marks[part.returns.fiducial_key];
+      for (const Solid& solid : part.solids)
+        for (const auto& [z, count] : levels_[t]) of_key.heights.add(solid.z.shifted(z), count);
+      if (of_key.types.empty() || of_key.types.back() != t) of_key.types.push_back(t);
+      if (part.joint != engine::k_rigid && (of_key.on_joints.empty() || of_key.on_joints.back() != t))
+        of_key.on_joints.push_back(t);
+    }
+  for (auto& [key, of_key] : marks) of_key.heights.sort();
+  return marks;
 }
 
 /// Calls visit(type, device, data) for each device of each type that has bodies. data: its prepared data
@@ -399,14 +419,21 @@ void Lint::for_devices(Visit&& visit) const {
       visit(t, spec_.types[t].devices[d], world_.types()[t].devices[d].prepared.data);
 }
 
-/// Whether a joint, such as a lift, may raise an outline that rangers of a body of type `type` see.
-bool Lint::can_height_change(std::uint32_t type) const {
-  for (std::size_t t = 0; t < spec_.types.size(); ++t)
-    if (others(t, type) > 0 && std::ranges::any_of(world_.types()[t].outlines, [](const auto& outline) {
+/// Returns the types of bodies with an outline that a joint, such as a lift, may raise.
+std::vector<std::uint32_t> Lint::lifting_types() const {
+  std::vector<std::uint32_t> types;
+  for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
+    if (!levels_[t].empty() && std::ranges::any_of(world_.types()[t].outlines, [](const auto& outline) {
           return outline.joint != engine::k_rigid;
         }))
-      return true;
-  return false;
+      types.push_back(t);
+  return types;
+}
+
+/// Whether there is a body of one of these types, besides one body of type `type`, whose sensors cannot see
+/// the body itself. Each of the types must have a body.
+bool Lint::has_others(std::span<const std::uint32_t> types, std::uint32_t type) const {
+  return std::ranges::any_of(types, [&](std::uint32_t t) { return t != type || bodies_[t] > 1; });
 }
 
 /// Returns heights as text: "0.5 m", "0 to 1 m".
@@ -437,48 +464,36 @@ std::string called_text(std::string_view sensor, std::string_view type) {
 /// are at other heights than the finder. Heights are not compared if the finder or a mark is on a joint,
 /// which may move it to another height.
 void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
-                        const engine::SoughtMarks& sought) {
+                        const engine::SoughtMarks& sought, const Marks& marks) {
   const std::string called = called_text(sensor.name, spec_.types[type].name);
-  Heights marked;
-  std::vector<ZInterval> own;  // of the marks of one body of type `type`, in its frame
-  bool is_any_marked = false;
-  bool is_any_on_joint = sensor.joint != engine::k_rigid;
-  for (std::size_t t = 0; t < spec_.types.size(); ++t)
-    for (const engine::PartSpec& part : spec_.types[t].parts) {
-      if (part.returns.fiducial == 0 || part.returns.fiducial_key != sought.key) continue;
-      for (const Solid& solid : part.solids) {
-        for (const auto& [z, count] : levels_[t]) marked.add(solid.z.shifted(z), count);
-        if (t == type) own.push_back(solid.z);
-      }
-      if (others(t, type) == 0) continue;
-      is_any_marked = true;
-      is_any_on_joint = is_any_on_joint || part.joint != engine::k_rigid;
-    }
-  if (!is_any_marked) {
+  if (!has_others(marks.types, type)) {
     diagnostics_.warning(
         sensor.where,
         called + fmt::format("no other body with a fiducial_return has the fiducial_key of the finder, {}",
                              sought.key));
     return;
   }
-  if (sought.at_any_height || is_any_on_joint) return;
-  marked.sort();
+  if (sought.at_any_height || sensor.joint != engine::k_rigid || has_others(marks.on_joints, type)) return;
+  std::vector<ZInterval> own;  // of the marks of one body of type `type`, in its frame
+  for (const engine::PartSpec& part : spec_.types[type].parts)
+    if (part.returns.fiducial != 0 && part.returns.fiducial_key == sought.key)
+      for (const Solid& solid : part.solids) own.push_back(solid.z);
   ZInterval looks = k_no_heights;
   for (const auto& level : levels_[type]) {
     const double z = sensor.pose_body_device.z + level.first;
     const auto meets = [&](const ZInterval& mark) { return mark.shifted(level.first).contains(z); };
-    if (marked.at(z) > static_cast<std::size_t>(std::ranges::count_if(own, meets))) return;
+    if (marks.heights.at(z) > static_cast<std::size_t>(std::ranges::count_if(own, meets))) return;
     looks = united(looks, {z, z});
   }
   diagnostics_.warning(sensor.where,
-                       called + missed_text(marked, looks, "no other body with a fiducial_return",
+                       called + missed_text(marks.heights, looks, "no other body with a fiducial_return",
                                             "bodies with a fiducial_return"));
 }
 
 /// Warns if a ranger has no beams, if its beams end inside its own body, or if no other body is at their
 /// height. A ranger on a joint may move out of its body and to other heights, so only its beams are checked.
 void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
-                        const Heights& visible) {
+                        const Heights& visible, std::span<const std::uint32_t> lifting) {
   const auto* its_ranger = std::any_cast<sensors::Ranger>(&sensor.prepared.data);
   if (!its_ranger) return;
   const sensors::RangerBeams* ranger = its_ranger->beams.get();
@@ -497,7 +512,7 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
         where, called + fmt::format("its beams of at most {:.4g} m end inside its own body", longest));
     return;
   }
-  if (can_height_change(type)) return;
+  if (has_others(lifting, type)) return;
   ZInterval looks = k_no_heights;
   for (const auto& level : levels_[type])
     for (const sensors::BeamGroup& group : ranger->groups) {
@@ -520,9 +535,9 @@ void Lint::check_lights() {
   };
   std::vector<std::uint32_t> lit;  // types with a light
   for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
-    if (std::ranges::any_of(world_.types()[t].devices, is_light)) lit.push_back(t);
+    if (bodies_[t] > 0 && std::ranges::any_of(world_.types()[t].devices, is_light)) lit.push_back(t);
   for_devices([&](std::uint32_t t, const engine::DeviceSpec& sensor, const std::any& data) {
-    if (sensors::is_light_sensor(data) && !is_of_other(lit, t))
+    if (sensors::is_light_sensor(data) && !has_others(lit, t))
       diagnostics_.warning(sensor.where, called_text(sensor.name, spec_.types[t].name) +
                                              "no other body has a light, such as a \"blinkenlight\"");
   });
@@ -546,7 +561,7 @@ void Lint::check_ground() {
     const auto [found, is_new] = zones.try_emplace(*height);
     for (std::uint32_t other = 0; is_new && other < spec_.types.size(); ++other)
       if (is_ground(other, *height)) found->second.push_back(other);
-    if (!is_of_other(found->second, t))
+    if (!has_others(found->second, t))
       diagnostics_.warning(
           sensor.where,
           fmt::format(
@@ -595,8 +610,7 @@ void Lint::check_radios() {
     channels[channel].push_back(t);
   });
   for_each_radio([&](std::uint32_t t, const engine::DeviceSpec& radio, const std::string& channel) {
-    const auto is_heard = [&](std::uint32_t other) { return others(other, t) > 0; };
-    if (std::ranges::any_of(channels[channel], is_heard)) return;
+    if (has_others(channels[channel], t)) return;
     std::string known;
     for (const auto& [name, types] : channels)
       if (name != channel)

@@ -57,10 +57,12 @@ std::uint64_t Swarm::tick() const { return world_->tick(); }
 double Swarm::time_s() const { return world_->time_s(); }
 
 std::vector<std::string> Swarm::types() const {
+  const std::span<const engine::BodyType> all = world_->types();
+  std::vector<std::uint8_t> has(all.size(), 0);
+  for (const BodyId id : ids_) has[world_->spec().bodies[id.index()].type.index()] = 1;
   std::vector<std::string> types;
-  for (const engine::BodyType& type : world_->types())
-    if (std::ranges::any_of(ids_, [&](BodyId id) { return &world_->type(world_->row(id)) == &type; }))
-      types.push_back(type.name);
+  for (std::size_t t = 0; t < all.size(); ++t)
+    if (has[t] != 0) types.push_back(all[t].name);
   return types;
 }
 

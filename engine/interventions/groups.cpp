@@ -16,10 +16,13 @@ namespace troupe::engine {
 using By = GroupSpec::By;
 
 Groups::Bodies Groups::find(const GroupSpec& group, Where where, Diagnostics& diagnostics) {
-  Bodies& bodies = lists_[{group.by, group.name}];
-  if (!bodies) bodies = std::make_shared<const std::vector<BodyId>>(bodies_of(group));
-  if (bodies->empty() && !may_be_empty(group)) diagnostics.error(where, text_of_unknown(group));
-  return bodies;
+  Found& found = found_[{group.by, group.name}];
+  if (!found.bodies) {
+    found.bodies = std::make_shared<const std::vector<BodyId>>(bodies_of(group));
+    if (found.bodies->empty() && !may_be_empty(group)) found.error = text_of_unknown(group);
+  }
+  if (!found.error.empty()) diagnostics.error(where, found.error);
+  return found.bodies;
 }
 
 /// Whether a body, which may be static, belongs to a group.

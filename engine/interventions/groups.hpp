@@ -15,8 +15,9 @@ namespace troupe::engine {
 
 class World;  // engine/world/world.hpp
 
-/// The groups of bodies on which the interventions and faults of a world act. Each list is made once, however
-/// many interventions and faults refer to the group. The world must exist as long as this object.
+/// The groups of bodies on which the interventions and faults of a world act. Each list, and each text of an
+/// error, is made once, however many interventions and faults refer to the group. The world must exist as
+/// long as this object.
 class Groups {
  public:
   using Bodies = std::shared_ptr<const std::vector<BodyId>>;  ///< never null
@@ -43,7 +44,11 @@ class Groups {
 
   const World& world_;
   std::map<GroupSpec::By, Index> indices_;  // built on first use, so that no group searches all bodies
-  std::map<std::pair<GroupSpec::By, std::string>, Bodies> lists_;  // by the members `by` and `name`
+  struct Found {
+    Bodies bodies;
+    std::string error;  // text_of_unknown() if there must be bodies and there are none; else empty
+  };
+  std::map<std::pair<GroupSpec::By, std::string>, Found> found_;  // by the members `by` and `name`
 };
 
 }  // namespace troupe::engine

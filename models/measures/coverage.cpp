@@ -123,7 +123,13 @@ class Coverage : public Measure {
   /// cut each line of cell centres parallel to the x axis. The centres between the first and the second cut,
   /// between the third and the fourth, and so on, are inside the solid.
   void take(const Solid& solid) {
-    std::vector<std::vector<double>> crossings(lines_);
+    Box box;
+    for (const Ring& ring : solid.contours) box.extend(bounds(ring));
+    if (box.empty()) return;
+    // Only the lines from `first` to `end` - 1 can cross the solid.
+    const std::size_t first = first_not_below(low_.y, lines_, box.min.y());
+    const std::size_t end = first_not_below(low_.y, lines_, box.max.y());
+    std::vector<std::vector<double>> crossings(end - first);
     for (const Ring& ring : solid.contours)
       for (std::size_t i = 0; i < ring.size(); ++i) {
         const Vec2& a = ring[i];
@@ -131,14 +137,15 @@ class Coverage : public Measure {
         for (std::size_t y = first_not_below(low_.y, lines_, std::min(a.y(), b.y())); y < lines_; ++y) {
           const double height = centre(low_.y, y);
           if (height >= std::max(a.y(), b.y())) break;
-          crossings[y].push_back(a.x() + (height - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+          crossings[y - first].push_back(a.x() + (height - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
         }
       }
-    for (std::size_t y = 0; y < lines_; ++y) {
-      std::ranges::sort(crossings[y]);
-      for (std::size_t i = 0; i + 1 < crossings[y].size(); i += 2)
-        for (std::size_t x = first_not_below(low_.x, columns_, crossings[y][i]);
-             x < columns_ && centre(low_.x, x) < crossings[y][i + 1]; ++x)
+    for (std::size_t y = first; y < end; ++y) {
+      std::vector<double>& cuts = crossings[y - first];
+      std::ranges::sort(cuts);
+      for (std::size_t i = 0; i + 1 < cuts.size(); i += 2)
+        for (std::size_t x = first_not_below(low_.x, columns_, cuts[i]);
+             x < columns_ && centre(low_.x, x) < cuts[i + 1]; ++x)
           free_[y * columns_ + x] = 0;
     }
   }

@@ -278,14 +278,15 @@ class OfState : public OfRobots {
   OfState(const World& world, const Params& params, std::vector<BodyId> robots,
           const std::vector<Cell>& cells)
       : OfRobots(world, with(cells, std::move(robots))), column_(static_cast<std::size_t>(params.column)) {
-    std::vector<std::size_t> tables;  // those of the cells, each once
+    std::vector<std::size_t> indices(world.tables().size(), k_none);  // by table: its entry in sensed_rows_
     for (const BodyId id : this->robots()) {
       Cell& cell = cells_.emplace_back(cells[id.index()]);
-      const auto known = std::ranges::find(tables, cell.table);
-      cell.of_sensed_rows = static_cast<std::size_t>(known - tables.begin());
-      if (known == tables.end()) tables.push_back(cell.table);
+      if (indices[cell.table] == k_none) {
+        indices[cell.table] = sensed_rows_.size();
+        sensed_rows_.emplace_back(world, world.tables()[cell.table]);
+      }
+      cell.of_sensed_rows = indices[cell.table];
     }
-    for (const std::size_t table : tables) sensed_rows_.emplace_back(world, world.tables()[table]);
   }
 
   /// For each body, in order of ids, the table and field that hold its variable; `table` is k_none if the

@@ -7,9 +7,11 @@ where "results" is the folder of the sweep. The module needs matplotlib and Pyth
 from __future__ import annotations
 
 import argparse
+import bisect
 import csv
 import difflib
 import io
+import itertools
 import math
 import os
 import sys
@@ -98,7 +100,10 @@ def _stray_ends(runs: Sequence[Sequence[float]]) -> Set[float]:
     after this time. A condition of `stop_when` ends a run at any time, and a mean of these runs alone would look like a
     jump of the line. runs: for each run of a line, the times of its samples, in ascending order."""
     ends = {times[-1] for times in runs} - {time_s for times in runs for time_s in times[:-1]}
-    return {end for end in ends if any(times[0] < end < times[-1] for times in runs)}
+    spans = sorted((times[0], times[-1]) for times in runs)
+    starts = [start for start, _ in spans]
+    latest = [-math.inf, *itertools.accumulate((end for _, end in spans), max)]  # of the first i spans
+    return {end for end in ends if latest[bisect.bisect_left(starts, end)] > end}
 
 
 class _Table:

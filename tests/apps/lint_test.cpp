@@ -1,5 +1,6 @@
 #include "tests/apps/program.hpp"
 #include "tests/support/scenes.hpp"
+#include "tests/support/slow_build.hpp"
 
 #include <fmt/format.h>
 
@@ -325,6 +326,32 @@ TEST_F(LintTest, FiducialFindersFindBodiesOfTheirTypeAtOtherHeights) {
                  "define bot position( size [0.4 0.4 0.3] fiducial_return 1\n"
                  "  fiducial( pose [0 0 -0.05 0] range_max 5 ) )\n"
                  "bot()\nbot( pose [2 0 0.2 0] )\n");
+}
+
+// If the heights of all marks were collected for each finder, this would take minutes.
+TEST_F(LintTest, ManyFindersAmongManyMarksAreCheckedQuickly) {
+  constexpr int k_types = test::k_slow_build ? 20 : 200;
+  constexpr int k_posts = test::k_slow_build ? 100 : 1'000;
+  std::string marks;
+  std::string finders;
+  for (int i = 0; i < 100; ++i) {
+    marks += fmt::format(
+        R"({}{{"name": "p{}", "size_m": [0.1, 0.1, 0.1], "obstacle": false, "fiducial_return": 1}})",
+        i == 0 ? "" : ",", i);
+    finders += fmt::format(R"({}{{"name": "f{}", "kind": "fiducial"}})", i == 0 ? "" : ",", i);
+  }
+  std::string types =
+      fmt::format(R"("post": {{"size_m": [0.1, 0.1, 0.1], "obstacle": false, "parts": [{}]}})", marks);
+  std::string models = R"({"name": "end", "type": "post"})";
+  for (int i = 0; i < k_types; ++i) {
+    types += fmt::format(R"(, "t{}": {{"size_m": [0.1, 0.1, 0.1], "sensors": [{}]}})", i, finders);
+    models += fmt::format(R"(, {{"name": "r{0}", "type": "t{0}", "pose": {{"y_m": {1}}}}})", i, i + 1);
+  }
+  for (int i = 1; i < k_posts; ++i)
+    models += fmt::format(R"(, {{"name": "m{0}", "type": "post", "pose": {{"x_m": {0}, "z_m": {1:.6f}}}}})",
+                          i, 1e-6 * i);
+  expect_nothing("marks.json",
+                 fmt::format(R"({{"troupe": 1, "types": {{{}}}, "models": [{}]}})", types, models));
 }
 
 // A joint, here a lift, changes the heights of sensors and of bodies that sensors see.

@@ -757,6 +757,13 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
               HasSubstr("error: /faults/0: unknown population \"q\"; known: r"));
 }
 
+// If each of these interventions searched all names, this would take minutes.
+TEST(Experiment, AnUnknownGroupOfManyInterventionsIsSoughtOnce) {
+  Squad row(test::k_slow_build ? 2'000 : 200'000);
+  row.scene.spec.experiment.at.assign(900, at(1, Action::remove, model("q")));
+  EXPECT_THAT(row.errors(), HasSubstr("\n... and 850 more errors"));
+}
+
 /// A kind of fault that returns `made`, and its error when a world is built.
 struct AnyFault {
   static inline Impairment made;

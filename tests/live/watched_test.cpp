@@ -1,5 +1,7 @@
 #include "live/watched.hpp"
 
+#include "tests/support/scene.hpp"
+#include "tests/support/slow_build.hpp"
 #include "troupe/simulation.hpp"
 
 #include <gtest/gtest.h>
@@ -34,6 +36,24 @@ TEST(LinesOf, ADisabledRobotHasNoRadioLinks) {
   simulation.act({.kind = engine::Act::Kind::enable, .whom = "a"});
   simulation.run_for(0.5);
   EXPECT_EQ(links(simulation), 6u);
+}
+
+// If each field were sought among all fields so far, this would take minutes.
+TEST(ColorValues, ThoseOfThousandsOfDevicesAreListedQuickly) {
+  constexpr std::size_t k_types = test::k_slow_build ? 500 : 8'000;
+  const auto count = [](std::size_t types) {
+    test::SceneBuilder scene;
+    for (std::size_t i = 0; i < types; ++i) {
+      const TypeId type = scene.robot("t" + std::to_string(i), {test::box(0.2, 0.2)});
+      scene[type].devices = {test::device("radio")};
+      scene[type].devices.front().name = "radio" + std::to_string(i);
+      scene.body("r" + std::to_string(i), type, {0, 1.0 * static_cast<double>(i), 0, 0});
+    }
+    return color_values(scene.world()).size();
+  };
+  const std::size_t one = count(1);
+  const std::size_t per_radio = count(2) - one;
+  EXPECT_EQ(count(k_types), one + (k_types - 1) * per_radio);
 }
 
 }  // namespace

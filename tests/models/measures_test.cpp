@@ -820,6 +820,20 @@ TEST(Measures, StateMeanLeavesOutSensorsThatDoNotRun) {
   EXPECT_TRUE(std::isnan(value(resting, ranges("state_variance", "f"))));
 }
 
+// A search through all types for the table of each type would take minutes.
+TEST(Measures, AStateMeanOfThousandsOfTypesIsMadeQuickly) {
+  constexpr int k_types = test::k_slow_build ? 2'000 : 20'000;
+  test::SceneBuilder scene;
+  for (int i = 0; i < k_types; ++i) {
+    const TypeId type = scene.robot(fmt::format("t{}", i), {test::box(0.2, 0.2)});
+    scene[type].devices.push_back({.name = "eye", .kind = "compass"});  // inactive, so it has no readings
+    scene.body(fmt::format("r{}", i), type, {0, 1.0 * i, 0, 0});
+  }
+  World world = scene.world();
+  const MeasureSpec heading = spec("state_mean", "", {{"component", "eye"}, {"field", "heading"}});
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(std::isnan(value(world, heading)));
+}
+
 TEST(Measures, TheMeanOfEqualValuesIsTheirValueAndTheirVarianceIs0) {
   test::SceneBuilder scene;
   const TypeId robot = scene.robot("robot", {test::box(0.2, 0.2)});
@@ -850,6 +864,21 @@ TEST(Measures, CoverageOfAWorldWithoutBoundsIsOfTheGroundAtTheStart) {
     set.see();
   }
   EXPECT_EQ(set.value(0), 2.0 / 6);
+}
+
+// If each obstacle took memory and time for all lines of cells, this would take minutes.
+TEST(Measures, CoverageAmongManyObstaclesIsMadeQuickly) {
+  constexpr int k_posts = 2'000;
+  test::SceneBuilder scene;
+  const TypeId post = scene.type("post", {test::box(0.1, 0.01)});  // wider than the ground
+  for (int i = 0; i < k_posts; ++i) scene.body(fmt::format("p{}", i), post, {0, 4.0 * i + 2, 0, 0});
+  scene.body("bot", scene.robot("bot", {test::box(0.2, 0.2)}), {0.0005, 0.5, 0, 0});
+  scene.spec.bounds.emplace();
+  scene.spec.bounds->extend(Vec2::Zero());
+  scene.spec.bounds->extend(Vec2(0.001, 4.0 * k_posts));
+  World world = scene.world();
+  constexpr double k_cells = 8'000'000 - 10 * k_posts;  // a column of cells; a post takes ten of them
+  EXPECT_DOUBLE_EQ(value(world, spec("coverage", "", {{"cell", 0.001}})), 1 / k_cells);
 }
 
 TEST(Measures, ColumnsCarryUnitsAndWhoIsMeasured) {

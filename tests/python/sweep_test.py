@@ -357,6 +357,16 @@ class Plot(unittest.TestCase):
         # Runs with other periods keep all samples except the last one.
         self.assertEqual(points([0, 0.4, 0.8], [0, 0.5, 1]), [(0, 10.5, 2), (0.4, 10, 1), (0.5, 11, 1), (1, 11, 1)])
 
+    def test_ends_of_thousands_of_stopped_runs_are_found_quickly(self):
+        # If each end were sought in all runs, this would take minutes.
+        runs = 50_000
+        table = "".join(f"{run},2,{run},1,1,1,,0,\n" for run in range(runs))
+        (self.folder / "table.csv").write_text(TABLE.splitlines(keepends=True)[0] + table)
+        series = "".join(f"{run},0,1\n{run},{run + 1},2\n" for run in range(runs))  # each run ends later than the one before
+        (self.folder / "series.csv").write_text("run,time_s,order\n" + series)
+        _, _, lines = troupe.plot.series_by(self.folder, by="robots")
+        self.assertEqual(lines, {("2",): [(0, 1, 0, runs), (runs, 2, 0, 1)]})
+
     def test_the_name_of_a_measure_needs_no_unit(self):
         columns = ["displacement_m", "displacement_m:leaders", "stalls:leaders", "my:reach_m", "path_length_m"]
         (self.folder / "series.csv").write_text(",".join(["run,time_s", *columns]) + "\n0,0,1,2,3,4,5\n")

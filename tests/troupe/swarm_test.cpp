@@ -4,6 +4,7 @@
 #include "base/math.hpp"
 #include "engine/kinds/device_kind.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/scene.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
@@ -179,6 +180,20 @@ TEST(Swarms, OfAPopulationOrATypeWithoutRobotsAreEmpty) {
   EXPECT_THAT(message_of<std::out_of_range>([&] { static_cast<void>(simulation.swarm("d")); }),
               HasSubstr("known: b, bot, c, t, truck"));
   simulation.step();
+}
+
+// If each robot were looked at once for each type, this would take minutes.
+TEST(Swarms, OfThousandsOfTypesNameThemQuickly) {
+  constexpr int k_types = test::k_slow_build ? 2'000 : 20'000;
+  test::SceneBuilder scene;
+  for (int i = 0; i < k_types; ++i) {
+    const std::string number = std::to_string(i);
+    scene.body("r" + number, scene.robot("t" + number, {test::box(0.2, 0.2)}), {0, 1.0 * i, 0, 0});
+  }
+  Simulation simulation(scene.spec);
+  const Swarm all = simulation.swarm();
+  for (int i = 0; i < 1000; ++i) ASSERT_EQ(all.types().size(), std::size_t{k_types});
+  EXPECT_EQ(all.types().back(), "t" + std::to_string(k_types - 1));
 }
 
 TEST(Swarms, SayWhatIsWrong) {

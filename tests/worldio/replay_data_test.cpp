@@ -5,6 +5,7 @@
 #include "tests/worldio/replay_unpacked.hpp"
 #include "troupe/recording.hpp"
 #include "worldio/results/recorded_scene.hpp"
+#include "worldio/results/replay_plan.hpp"
 
 #include <gmock/gmock.h>
 
@@ -19,6 +20,8 @@ namespace {
 using test::Unpacked;
 using test::unpacked;
 using ::testing::HasSubstr;
+using ::testing::NanSensitiveDoubleEq;
+using ::testing::Pointwise;
 
 // Two types, in an order that is not that of the page; a wall; a sensor of one of them; a part with a colour.
 constexpr const char* k_world = R"({
@@ -292,6 +295,35 @@ constexpr const char* k_cranes = R"({
   "populations": [{"name": "ant", "type": "ant", "count": 1, "reserve": 2, "place": {"rule": "uniform", "region_m": [[3, 3], [4, 4]]}}],
   "bounds_m": [[-5, -5], [5, 5]]
 })";
+
+// A reader of frames in order reads several of them at once; a new one reads only the first that it is asked
+// for.
+TEST_F(Replay, FramesAreTheSameInWhateverOrderTheyAreRead) {
+  const RecordingReader recording(record(4, {.fields = {"all"}}, R"({
+    "troupe": 1,
+    "types": {"bot": {"size_m": [0.2, 0.2, 0.1], "drive": {"kind": "diff"}, "controller": {"kind": "wander"},
+                      "sensors": [{"name": "eye", "kind": "ranger", "transducers": [
+                        {"range_max_m": 2, "samples": 9, "fov_deg": 90}]}]}},
+    "models": [{"name": "a", "type": "bot"}, {"name": "b", "type": "bot", "pose": {"x_m": 1}}],
+    "at": [{"time_s": 1.25, "remove": {"model": "a"}}]
+  })"));
+  ASSERT_GT(recording.frames(), 40u);
+  const auto expect_same = [&](FrameReader& reader, const RecordingReader::Array& array, std::size_t frame) {
+    std::vector<double> expected;
+    std::vector<double> values;
+    FrameReader(recording).read(array, frame, expected);
+    reader.read(array, frame, values);
+    EXPECT_THAT(values, Pointwise(NanSensitiveDoubleEq(), expected)) << array.field.name << " " << frame;
+  };
+  FrameReader reader(recording);
+  for (const RecordingReader::Array& array : recording.arrays())
+    for (std::size_t frame = 0; frame < recording.frames(); ++frame) expect_same(reader, array, frame);
+  for (const RecordingReader::Array& array : recording.arrays())
+    for (const std::size_t frame : {0, 1, 2, 3, 2, 8, 9, 10, 13, 4, 40}) expect_same(reader, array, frame);
+  std::vector<double> first;
+  reader.read(recording.arrays().front(), 40, first);
+  EXPECT_THAT(first, ::testing::Contains(::testing::IsNan()));  // of the removed robot
+}
 
 TEST_F(Replay, JointsComeWithPoses) {
   const RecordingReader recording(record(5, {}, k_cranes));

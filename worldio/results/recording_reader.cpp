@@ -205,8 +205,8 @@ std::vector<std::uint8_t> RecordingReader::has(const Array& array) const {
   return has;
 }
 
-std::vector<std::uint8_t> RecordingReader::alive(std::size_t frame) const {
-  std::vector<std::uint8_t> alive(ids_.size(), 1);
+std::vector<std::uint8_t> RecordingReader::alive(std::size_t frame, std::size_t count) const {
+  std::vector<std::uint8_t> alive(count * ids_.size(), 1);
   if (alive_) alive_->read_rows(frame, std::span(alive));
   return alive;
 }

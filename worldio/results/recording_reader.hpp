@@ -88,11 +88,13 @@ class RecordingReader {
   /// Returns, for each row of an array, 1 if the body of the row has Array::component, else 0. A row with 0
   /// holds no recorded values: all its values are NaN, or 0 if the array has integers.
   std::vector<std::uint8_t> has(const Array& array) const;
-  /// Returns, for each body in ids(), 1 if it is in the world in a frame, else 0. `frame` is the index of the
-  /// frame and must be below frames(). If the recording has no array /state/alive, all entries are 1.
-  std::vector<std::uint8_t> alive(std::size_t frame) const;
-  /// Reads the values of an array in one frame, in row-major order. `frame` is the index of the frame and
-  /// must be below frames(). `into` must have array.row_bytes() bytes for each row of the array.
+  /// Returns, for each of `count` frames and each body in ids(), 1 if it is in the world in the frame, else
+  /// 0. The values of a frame are consecutive. `frame` is the index of the first frame, and frame + count
+  /// must be at most frames(). If the recording has no array /state/alive, all entries are 1.
+  std::vector<std::uint8_t> alive(std::size_t frame, std::size_t count = 1) const;
+  /// Reads the values of an array in one or more frames, in row-major order. `frame` is the index of the
+  /// first frame. `into` must have array.row_bytes() bytes for each frame and each row of the array, and so
+  /// many frames must exist.
   void read(const Array& array, std::size_t frame, std::span<std::byte> into) const;
 
  private:

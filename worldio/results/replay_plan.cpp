@@ -20,6 +20,7 @@ using engine::Element;
 constexpr double k_levels = 4095;    // number of steps of a field: enough for a colour or a reading
 constexpr double k_endless = 1e150;  // larger numbers are treated as NaN, so that differences stay finite
 constexpr double k_most_whole = 100000000;  // most steps; integers with a larger range are rounded
+constexpr std::size_t k_block_bytes = std::size_t{1} << 20;  // of the frames that FrameReader reads at once
 
 [[noreturn]] void refuse(const RecordingReader& recording, const std::string& message) {
   throw InputError(fmt::format("{}: error: {}", recording.file().string(), message));
@@ -198,21 +199,33 @@ void survey_heights(const RecordingReader& recording, ReplayPlan& plan) {
 
 }  // namespace
 
-void FrameReader::read(const Array& array, std::size_t frame, std::vector<double>& into) {
-  bytes_.resize(array.bodies.size() * array.row_bytes());
-  into.resize(array.bodies.size() * array.field.columns);
+/// Reads a frame of an array and, if the frame before it was the last one that was read, frames after it.
+void FrameReader::load(const Array& array, std::size_t frame) {
+  const std::size_t frame_bytes = array.bodies.size() * array.row_bytes();
+  const std::size_t most = 1 + k_block_bytes / (1 + frame_bytes + recording_.ids().size());
+  const bool is_next = array_ == &array && frame == first_ + count_;
+  array_ = &array;
+  first_ = frame;
+  count_ = is_next ? std::min({2 * count_, most, recording_.frames() - frame}) : 1;
+  bytes_.resize(count_ * frame_bytes);
   recording_.read(array, frame, bytes_);
-  engine::to_doubles(array.field.element, bytes_, into);
+  alive_ = recording_.alive(frame, count_);
+}
+
+void FrameReader::read(const Array& array, std::size_t frame, std::vector<double>& into) {
+  if (array_ != &array || frame < first_ || frame >= first_ + count_) load(array, frame);
+  const std::size_t frame_bytes = bytes_.size() / count_;
+  const std::size_t bodies = recording_.ids().size();
+  const auto bytes = std::span(bytes_).subspan((frame - first_) * frame_bytes, frame_bytes);
+  const auto alive = std::span(alive_).subspan((frame - first_) * bodies, bodies);
+  into.resize(array.bodies.size() * array.field.columns);
+  engine::to_doubles(array.field.element, bytes, into);
   if (array.field.element == Element::f64)
     for (double& x : into)
       if (!(std::abs(x) <= k_endless)) x = std::numeric_limits<double>::quiet_NaN();
-  if (alive_frame_ != frame) {
-    alive_ = recording_.alive(frame);
-    alive_frame_ = frame;
-  }
-  if (std::ranges::find(alive_, std::uint8_t{0}) == alive_.end()) return;
+  if (std::ranges::find(alive, std::uint8_t{0}) == alive.end()) return;
   for (std::size_t row = 0; row < array.bodies.size(); ++row)
-    if (alive_[array.bodies[row]] == 0)
+    if (alive[array.bodies[row]] == 0)
       std::fill_n(into.begin() + static_cast<std::ptrdiff_t>(row * array.field.columns), array.field.columns,
                   std::numeric_limits<double>::quiet_NaN());
 }

@@ -52,11 +52,11 @@ struct ReplayPlan {
   bool at_rest = false;             ///< whether robots have joints whose displacements were not recorded
 };
 
-/// Reads the values of arrays as doubles. The recording must outlive this object.
+/// Reads the values of arrays as doubles. The recording must outlive this object. If the frames of an array
+/// are read one after the other, each access to the file reads many frames.
 class FrameReader {
  public:
-  explicit FrameReader(const RecordingReader& recording)
-      : recording_(recording), alive_frame_(recording.frames()) {}
+  explicit FrameReader(const RecordingReader& recording) : recording_(recording) {}
   /// Resizes `into` and fills it with the values of an array in one frame, in row-major order. `frame` is the
   /// index of the frame. All values of a body that is absent in the frame are NaN. A body that does not have
   /// the component of the array (RecordingReader::has()) has NaN, or 0 if the array has integers. A number of
@@ -64,10 +64,15 @@ class FrameReader {
   void read(const RecordingReader::Array& array, std::size_t frame, std::vector<double>& into);
 
  private:
+  void load(const RecordingReader::Array& array, std::size_t frame);
+
   const RecordingReader& recording_;
+  // bytes_ holds `count_` frames of `array_`, from `first_` on, and alive_ the same frames.
+  const RecordingReader::Array* array_ = nullptr;
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
   std::vector<std::byte> bytes_;
   std::vector<std::uint8_t> alive_;
-  std::size_t alive_frame_;  // the frame that alive_ is from; recording_.frames() if there is none yet
 };
 
 /// Plans a page. Reads all frames to find the smallest and the largest value of each field.
