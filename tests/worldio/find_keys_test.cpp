@@ -15,7 +15,6 @@ using testing::Contains;
 using testing::Each;
 using testing::ElementsAre;
 using testing::EndsWith;
-using testing::Field;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -40,7 +39,7 @@ TEST(FindKeys, AKeyOfAListHasTheKeysOfItsObjects) {
   EXPECT_THAT(found[0].paths, ElementsAre("populations[]"));
   EXPECT_EQ(found[0].row.value, "list");
   EXPECT_THAT(found[0].row.meaning, StartsWith("groups of many bodies"));
-  EXPECT_THAT(found[0].keys, Contains(Field(&KeyRow::names, "place")));
+  EXPECT_THAT(found[0].keys, Contains(testing::Field(&KeyRow::names, "place")));
   EXPECT_THAT(found[0].what, IsEmpty());
 }
 
