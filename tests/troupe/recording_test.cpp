@@ -97,7 +97,7 @@ TEST_F(RecordingTest, HasNoFrameForATimeThatIsNoNumber) {
   RecordedRun run(folder_ / "whole.h5");
   run.go_to(0);
   for (const double time_s : {std::nan(""), -1.0, 9.0, HUGE_VAL})
-    EXPECT_THAT(error_of<InputError>([&] { run.go_to(time_s); }),
+    EXPECT_THAT(message_of<InputError>([&] { run.go_to(time_s); }),
                 HasSubstr(" s is not recorded: the recording contains 0 s to 0.4 s"));
   EXPECT_EQ(run.frame_index(), 0u);
 }
