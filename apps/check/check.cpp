@@ -19,9 +19,11 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -149,11 +151,13 @@ class Decisions {
     }
     // The decisions are repeated on a thread that has never run a controller, because thread_local variables
     // of a controller then have their initial values.
-    std::vector<engine::ControllerFinding> findings;
-    partition::JobThread other(1);
-    other.add([&] { findings = check_->repeat(); });
-    other.finish();
-    return texts(findings);
+    std::future<std::vector<engine::ControllerFinding>> findings;
+    try {
+      findings = std::async(std::launch::async, [this] { return check_->repeat(); });
+    } catch (const std::system_error& error) {
+      partition::throw_no_thread(error);
+    }
+    return texts(findings.get());
   }
   std::uint64_t count() const { return check_->decisions(); }
   bool differ() const { return differ_; }

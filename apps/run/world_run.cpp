@@ -342,15 +342,18 @@ void WorldRun::print_summary(bool is_one_of_several) const {
     print_message(fmt::format(
         "{}: warning: the run ended before all actions of the session were applied: {} remained\n",
         options_.session.string(), session_->left()));
-  if (options_.json)
-    fmt::print("{}", summary_json(report_));
-  else if (!options_.quiet) {
-    fmt::print("{}{}", is_one_of_several ? report_.world + ": " : "", summary_text(report_));
+  std::string text;
+  if (options_.json) {
+    text = summary_json(report_);
+  } else if (!options_.quiet) {
+    text = (is_one_of_several ? report_.world + ": " : "") + summary_text(report_);
     for (const auto& observer : observers_)
       if (const std::string result = observer->result(); !result.empty())
-        fmt::print("  {:<18} {}\n", "written", result);
+        text += fmt::format("  {:<18} {}\n", "written", result);
   }
-  if (std::fflush(stdout) != 0)
+  // A stream without a buffer fails here, any other one in fflush().
+  const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (!is_written || std::fflush(stdout) != 0)
     throw std::runtime_error(
         fmt::format("cannot write to standard output: {}", std::generic_category().message(errno)));
 }

@@ -11,7 +11,6 @@ import bisect
 import csv
 import difflib
 import io
-import itertools
 import math
 import os
 import sys
@@ -102,7 +101,9 @@ def _stray_ends(runs: Sequence[Sequence[float]]) -> Set[float]:
     ends = {times[-1] for times in runs} - {time_s for times in runs for time_s in times[:-1]}
     spans = sorted((times[0], times[-1]) for times in runs)
     starts = [start for start, _ in spans]
-    latest = [-math.inf, *itertools.accumulate((end for _, end in spans), max)]  # of the first i spans
+    latest = [-math.inf]  # of the first i spans
+    for _, end in spans:
+        latest.append(max(latest[-1], end))
     return {end for end in ends if latest[bisect.bisect_left(starts, end)] > end}
 
 

@@ -508,7 +508,8 @@ TEST_F(LintTest, EverySensorAndDeviceMayRunByItselfAtItsOwnPace) {
   expect_nothing("energy.world",
                  "position( size [0.4 0.4 0.4] joules_capacity 100 alwayson 1\n"
                  "  model( size [0.1 0.1 0.1] take_watts 50 alwayson 1 ) )\n"
-                 "position( pose [2 0 0 0] size [0.4 0.4 0.4] kjoules_capacity 1 alwayson 1 )\n");
+                 "position( pose [2 0 0 0] size [0.4 0.4 0.4] kjoules_capacity 1 alwayson 1\n"
+                 "  model( size [0.1 0.1 0.1] give_watts 50 alwayson 1 ) )\n");
 }
 
 TEST_F(LintTest, RunsTellOnceWhatALintTellsEachTime) {

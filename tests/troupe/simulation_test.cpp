@@ -241,7 +241,7 @@ TEST_F(SimulationTest, ManyValuesMayBeAppendedToAList) {
                              fmt::format(R"({{"name": "b{0}", "type": "box", "pose": {{"x_m": {0}}}}})", i));
   const Simulation simulation = Simulation::from_text(
       R"({"troupe": 1, "types": {"box": {"size_m": [0.1, 0.1, 0.1]}}, "models": []})", "many.json", options);
-  EXPECT_EQ(simulation.world().spec().bodies.size(), std::size_t{k_count});
+  EXPECT_EQ(simulation.world().spec().bodies.size(), 1 + std::size_t{k_count}) << "with the ground";
   EXPECT_THAT(simulation.effective_options(), Contains(Pair("set /models/- #8000", ::testing::_)));
 }
 

@@ -88,8 +88,8 @@ TEST(FindKeys, ParametersOfKindsAreKeys) {
 
 TEST(FindKeys, KeysOfParametersFollowTheirKind) {
   for (const char* name : {"ranger.transducers.samples", "ranger.samples"})
-    EXPECT_THAT(paths(name), ElementsAre("types{}.sensors[].transducers[].samples (kind ranger)",
-                                         "types{}.parts[].sensors[].transducers[].samples (kind ranger)"))
+    EXPECT_THAT(paths(name), ElementsAre("types{}.device.transducers[].samples (kind ranger)",
+                                         "types{}.sensors[].transducers[].samples (kind ranger)"))
         << name;
   EXPECT_THAT(paths("ranger.payload"), IsEmpty()) << "it is a parameter of radios";
   EXPECT_THAT(paths("expand_swarm.clearance"), Not(IsEmpty()));
