@@ -231,15 +231,20 @@ void WorldRun::open_view(const std::function<bool()>& is_over) {
 }
 
 void WorldRun::print_options() const {
-  fmt::print("{}\n", options_.dry_run ? "options" : "running");
+  std::string text = options_.dry_run ? "options\n" : "running\n";
+  const auto add = [&text](std::string_view key, const std::string& value) {
+    text += fmt::format("  {:<18} {}\n", key, value);
+  };
   for (const auto& [key, value] : report_.options)
-    fmt::print("  {:<18} {}\n", key,
-               key == "tile_m" ? four_digits(number_of<double>(value).value_or(0)) : value);
+    add(key, key == "tile_m" ? four_digits(number_of<double>(value).value_or(0)) : value);
   if (options_.simulation.rank_seed && simulation_.ranks() > 1)
-    fmt::print("  {:<18} {} (random {}division of the robots)\n", "rank_seed", *options_.simulation.rank_seed,
-               options_.simulation.processes ? "" : "delays and order of messages, random ");
-  if (report_.rate > 0) fmt::print("  {:<18} {:.10g} x real time\n", "rate", report_.rate);
-  fmt::print("  {:<18} {:.10g}\n", "until_s", report_.end_s);
+    add("rank_seed",
+        fmt::format("{} (random {}division of the robots)", *options_.simulation.rank_seed,
+                    options_.simulation.processes ? "" : "delays and order of messages, random "));
+  if (report_.rate > 0) add("rate", fmt::format("{:.10g} x real time", report_.rate));
+  add("until_s", fmt::format("{:.10g}", report_.end_s));
+  // An error ends the run only after its last output: print_summary() fails as well then.
+  static_cast<void>(std::fwrite(text.data(), 1, text.size(), stdout));
   std::fflush(stdout);
 }
 

@@ -406,7 +406,6 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const ControllerSpec& controller, const WorldSpec& world,
                                                     const TypeSpec& spec, const BodyType& type,
                                                     std::vector<bool>& claimed) try {
-  if (const Result<> fits = check_memory(kind); !fits) return fits.error();
   std::vector<std::size_t> shown;
   for (std::size_t s = 0; s < type.devices.size(); ++s)
     if (is_below(spec, type.devices[s].part, controller.part) && !type.devices[s].kind->drives)
@@ -425,11 +424,12 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
   if (claimed_shown.size() != shown.size())  // a bug in the kind
     return Error{
         fmt::format("changed the length of the list of reserved devices (`claimed`) from {} to {}: its code "
-                    "must only set "
-                    "elements of the list",
+                    "must only set elements of the list",
                     shown.size(), claimed_shown.size())};
   for (std::size_t i = 0; i < shown.size(); ++i) claimed[shown[i]] = claimed_shown[i];
   if (!prepared) return prepared;
+  // Not before `prepare`: ControllerCheck leaves junk on the stack for this call.
+  if (const Result<> fits = check_memory(kind); !fits) return fits.error();
   for (std::size_t& s : prepared->devices) {
     if (s >= shown.size())  // a bug in the kind
       return Error{fmt::format(
