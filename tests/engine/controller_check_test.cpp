@@ -160,6 +160,16 @@ TEST(ControllerCheck, MakesControllersAfreshOfTheParametersInForce) {
   run(4);
 }
 
+/// Steps a world eight times, and expects that the check finds nothing.
+void expect_no_finding_in_eight_ticks(World& world) {
+  ControllerCheck check(world, test::registry());
+  for (int tick = 1; tick <= 8; ++tick) {
+    world.step();
+    const std::vector<ControllerFinding> findings = on_another_thread(check);
+    ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
+  }
+}
+
 /// Controllers that read the drive when they are made must be made afresh when it changes.
 TEST(ControllerCheck, MakesControllersAfreshOfTheDriveInForce) {
   test::SceneBuilder scene;
@@ -174,12 +184,7 @@ TEST(ControllerCheck, MakesControllersAfreshOfTheDriveInForce) {
   intervention.setting = SettingSpec{bot, SettingSpec::Of::drive, 0, params};
   scene.spec.experiment.at.push_back(intervention);
   World world = scene.world();
-  ControllerCheck check(world, test::registry());
-  for (int tick = 1; tick <= 8; ++tick) {
-    world.step();
-    const std::vector<ControllerFinding> findings = on_another_thread(check);
-    ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
-  }
+  ASSERT_NO_FATAL_FAILURE(expect_no_finding_in_eight_ticks(world));
   EXPECT_EQ(world.commands()[0].x, 0.2);
 }
 
@@ -202,12 +207,7 @@ TEST(ControllerCheck, MakesControllersAfreshOfTheWheelsInForce) {
       SettingSpec{base, SettingSpec::Of::device, static_cast<std::uint32_t>(wheels), params};
   scene.spec.experiment.at.push_back(intervention);
   World world = scene.world();
-  ControllerCheck check(world, test::registry());
-  for (int tick = 1; tick <= 8; ++tick) {
-    world.step();
-    const std::vector<ControllerFinding> findings = on_another_thread(check);
-    ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
-  }
+  ASSERT_NO_FATAL_FAILURE(expect_no_finding_in_eight_ticks(world));
   EXPECT_EQ(test::state_of<models::WheelsState>(world, body, wheels).forward, 0.2);
 }
 
