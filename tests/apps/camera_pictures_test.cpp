@@ -68,6 +68,12 @@ class CameraPicturesOf : public ProgramTest {
     std::ranges::sort(names);
     return names;
   }
+  /// The names of pictures() without those of depths.
+  std::vector<std::string> color_pictures(const std::string& folder) const {
+    std::vector<std::string> names = pictures(folder);
+    std::erase_if(names, [](const std::string& name) { return name.find("-depth") != std::string::npos; });
+    return names;
+  }
 };
 
 TEST_F(CameraPicturesOf, AreWhatTheCameraReads) {
@@ -148,10 +154,9 @@ TEST_F(CameraPicturesOf, RobotsThatAreNotInTheWorldHaveNone) {
   const Outcome outcome =
       troupe({"run", "w.json", "--for", "0.8", "--quiet", "--camera-png", "seen", "--camera-every", "0.1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  std::vector<std::string> colors = pictures("seen");
-  std::erase_if(colors, [](const std::string& name) { return name.find("-depth") != std::string::npos; });
-  EXPECT_THAT(colors, ElementsAre("r0.eye-000000.200s-color.png", "r0.eye-000000.300s-color.png",
-                                  "r1.eye-000000.700s-color.png", "r1.eye-000000.800s-color.png"));
+  EXPECT_THAT(color_pictures("seen"),
+              ElementsAre("r0.eye-000000.200s-color.png", "r0.eye-000000.300s-color.png",
+                          "r1.eye-000000.700s-color.png", "r1.eye-000000.800s-color.png"));
 }
 
 TEST_F(CameraPicturesOf, CamerasThatAreStoppedHaveNone) {
@@ -164,11 +169,10 @@ TEST_F(CameraPicturesOf, CamerasThatAreStoppedHaveNone) {
   const Outcome outcome =
       troupe({"run", "w.json", "--for", "0.5", "--quiet", "--camera-png", "seen", "--camera-every", "0.1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  std::vector<std::string> colors = pictures("seen");
-  std::erase_if(colors, [](const std::string& name) { return name.find("-depth") != std::string::npos; });
-  EXPECT_THAT(colors, ElementsAre("r0.eye-000000.100s-color.png", "r0.eye-000000.200s-color.png",
-                                  "r0.eye-000000.500s-color.png", "r1.eye-000000.100s-color.png",
-                                  "r1.eye-000000.200s-color.png", "r1.eye-000000.300s-color.png"));
+  EXPECT_THAT(color_pictures("seen"),
+              ElementsAre("r0.eye-000000.100s-color.png", "r0.eye-000000.200s-color.png",
+                          "r0.eye-000000.500s-color.png", "r1.eye-000000.100s-color.png",
+                          "r1.eye-000000.200s-color.png", "r1.eye-000000.300s-color.png"));
 }
 
 TEST_F(CameraPicturesOf, NamesThatAreTooLongForFilesAreRefusedBeforeTheRun) {
