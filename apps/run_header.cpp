@@ -25,7 +25,7 @@ struct DomainPart {
   std::string value;
 };
 
-/// Splits a version line, `troupe 0.2.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)`, into its parts.
+/// Splits a version line, `troupe 0.3.0 (GNU 12.2.0; Release -O3; x86_64; assertions off)`, into its parts.
 /// The last part is omitted, because assertions change no result. A line of another form is returned as one
 /// part.
 std::vector<DomainPart> domain_of(const std::string& version_line) {

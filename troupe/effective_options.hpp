@@ -46,7 +46,7 @@ std::optional<OtherOption> option_of_other_run(
   return {};
 }
 
-/// Returns the first part of a line of version_line(), such as `troupe 0.2.0`.
+/// Returns the first part of a line of version_line(), such as `troupe 0.3.0`.
 constexpr std::string_view program_of(std::string_view line) { return line.substr(0, line.find(" (")); }
 
 /// Returns `text` as one line: each line break is replaced by the two characters `\n`, and each backslash by

@@ -65,7 +65,7 @@ class Plugins {
   void add(std::shared_ptr<const Script> script);
   /// Loads the library of this name unless it is loaded, and returns it. The pointer is never null and is
   /// valid while this object lives. The error states why the library cannot be used, for example `there is no
-  /// dancer.so in plugins, /opt/swarm` or `plugins/dancer.so was built for troupe 0.2.0, ...`.
+  /// dancer.so in plugins, /opt/swarm` or `plugins/dancer.so was built for troupe 0.3.0, ...`.
   /// may_be_script: whether the error for a missing library also says how to give a script.
   Result<const Library*> load(std::string_view name, bool may_be_script);
 

@@ -22,7 +22,7 @@ TEST_F(Usage, VersionIsOneLine) {
   const Outcome outcome = troupe({"--version"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(lines_of(outcome.out),
-              ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.2.0"),
+              ElementsAre(AllOf(HasSubstr("troupe"), HasSubstr("0.3.0"),
                                 HasSubstr(" simd " + partition::simd_target() + " (available: "))));
   EXPECT_THAT(outcome.err, IsEmpty());
 }

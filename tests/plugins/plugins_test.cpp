@@ -262,14 +262,14 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
             HasSubstr("no_such_function"), EndsWith(" (link it with the CMake target troupe::plugin)")));
   EXPECT_THAT(error_of("another_version"),
               MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 16., but this "
-                                                      "program is troupe 0.2.0 .interface 16.: rebuild it"));
+                                                      "program is troupe 0.3.0 .interface 16.: rebuild it"));
   EXPECT_THAT(error_of("old_interface"),
-              MatchesRegex(about("old_interface") + "was built for troupe 0.2.0 .interface 3., but this "
-                                                    "program is troupe 0.2.0 .interface 16.: rebuild it"));
+              MatchesRegex(about("old_interface") + "was built for troupe 0.3.0 .interface 3., but this "
+                                                    "program is troupe 0.3.0 .interface 16.: rebuild it"));
   EXPECT_THAT(error_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, but Troupe with libstdc..*"));
-  EXPECT_THAT(error_of("other_headers"), HasSubstr("was built with other headers of troupe 0.2.0"));
+  EXPECT_THAT(error_of("other_headers"), HasSubstr("was built with other headers of troupe 0.3.0"));
   EXPECT_THAT(error_of("contracting"), HasSubstr("-ffp-contract=off"));
   EXPECT_THAT(error_of("empty"),
               HasSubstr("registers no controller, sensor, device or measure: register one with TROUPE_"));
@@ -573,7 +573,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
       error(room("another_version"), "unusable"),
       MatchesRegex(at("3", "/kind") +
                    "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                   "99.1.0 .interface 16., but this program is troupe 0.2.0 .interface 16.: rebuild it"));
+                   "99.1.0 .interface 16., but this program is troupe 0.3.0 .interface 16.: rebuild it"));
   EXPECT_THAT(
       error(room("ranger:ranger"), "unusable"),
       EndsWith(
