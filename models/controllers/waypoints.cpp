@@ -35,13 +35,15 @@ struct Goal {
     using namespace engine::facts;
     using enum engine::Unit;
     d.part<&Goal::pose>();
-    d.member<&Goal::at_s>("at", seconds, within(0, engine::k_most_seconds),
-                          "time at which the robot is to arrive, counted from tick 0 or, with `again`, from "
-                          "the start of the present round of the goals; 0: no time is set");
-    d.member<&Goal::speed>("speed", meters_per_second, within(0, 1e6),
-                           "speed at which the robot moves straight to the goal; 0: `at` determines the "
-                           "speed; if `at` is also 0, the drive determines the path and the speed "
-                           "(docs/driving.md)");
+    d.member<&Goal::at_s>(
+        "at", seconds, within(0, engine::k_most_seconds),
+        "time at which the robot is to arrive, counted from tick 0 or, with `again`, from the start of the "
+        "present round of the goals; it needs an `omni` drive; 0: no time is set");
+    d.member<&Goal::speed>(
+        "speed", meters_per_second, within(0, 1e6),
+        "speed at which the robot moves straight to the goal; it needs an `omni` drive; 0: `at` determines "
+        "the speed; if `at` is also 0, the drive determines the path and the speed "
+        "(docs/driving.md)");
     d.member<&Goal::wait_s>(
         "wait", seconds, within(0, engine::k_most_seconds),
         "how long the robot waits at the goal before it goes on; if it is moved away from the goal "

@@ -34,9 +34,11 @@ struct MotionParams {
                                             "upper limit of the forward speed");
     d.member<&MotionParams::velocity_min_y>(
         "velocity_min_y", meters_per_second,
-        "lower limit of the speed to the left; if negative, the robot can drive to the right");
-    d.member<&MotionParams::velocity_max_y>("velocity_max_y", meters_per_second,
-                                            "upper limit of the speed to the left");
+        "lower limit of the speed to the left, which is 0 for `diff` and `car` unless the limits exclude 0; "
+        "if negative, an `omni` robot can drive to the right");
+    d.member<&MotionParams::velocity_max_y>(
+        "velocity_max_y", meters_per_second,
+        "upper limit of the speed to the left, which is 0 for `diff` and `car` unless the limits exclude 0");
     d.member<&MotionParams::turn_min>("turn_min", radians_per_second,
                                       "lower limit of the turn rate, which is positive counter-clockwise");
     d.member<&MotionParams::turn_max>("turn_max", radians_per_second,
@@ -45,10 +47,12 @@ struct MotionParams {
                                                 "lower limit of a commanded forward acceleration");
     d.member<&MotionParams::acceleration_max_x>("acceleration_max_x", meters_per_second_squared,
                                                 "upper limit of a commanded forward acceleration");
-    d.member<&MotionParams::acceleration_min_y>("acceleration_min_y", meters_per_second_squared,
-                                                "lower limit of a commanded acceleration to the left");
-    d.member<&MotionParams::acceleration_max_y>("acceleration_max_y", meters_per_second_squared,
-                                                "upper limit of a commanded acceleration to the left");
+    d.member<&MotionParams::acceleration_min_y>(
+        "acceleration_min_y", meters_per_second_squared,
+        "lower limit of a commanded acceleration to the left, used only by `omni`");
+    d.member<&MotionParams::acceleration_max_y>(
+        "acceleration_max_y", meters_per_second_squared,
+        "upper limit of a commanded acceleration to the left, used only by `omni`");
     d.member<&MotionParams::turn_acceleration_min>("turn_acceleration_min", radians_per_second_squared,
                                                    "lower limit of a commanded angular acceleration");
     d.member<&MotionParams::turn_acceleration_max>("turn_acceleration_max", radians_per_second_squared,
