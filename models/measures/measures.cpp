@@ -461,6 +461,9 @@ engine::MeasureKind polarisation_measure() {
   kind.name = "polarisation";
   kind.same_as = "order";
   kind.text = "another name of the measure `order`";
+  kind.definition =
+      "The measure `order`, under a name that the literature uses. Source: Vicsek et al., Physical Review "
+      "Letters 75, 1995.";
   return kind;
 }
 
