@@ -1,12 +1,14 @@
 #include "partition/parallel.hpp"
 
 #include "base/fp_environment.hpp"
+#include "partition/job_thread.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -18,9 +20,16 @@ namespace troupe::partition {
 /// that it saw last, so that it does not miss a loop that began before the wait.
 struct Parallel::Workers {
   explicit Workers(unsigned helpers) {
-    for (unsigned i = 0; i < helpers; ++i) threads.emplace_back([this] { serve(); });
+    try {
+      for (unsigned i = 0; i < helpers; ++i) threads.emplace_back([this] { serve(); });
+    } catch (const std::system_error& error) {
+      stop();  // a std::thread that was not joined would end the program
+      throw_no_thread(error);
+    }
   }
-  ~Workers() {
+  ~Workers() { stop(); }
+
+  void stop() {
     {
       const std::lock_guard lock(mutex);
       stopping = true;

@@ -358,7 +358,8 @@ void Lint::check_controllers() {
   }
 }
 
-/// Warns of goals that are outside of the bounds of the world. Odometry may place a goal anywhere.
+/// Warns of goals that are outside of the bounds of the world. Odometry may place a goal anywhere, and a part
+/// with `wheels` may leave the bounds.
 void Lint::check_goals() {
   if (!spec_.bounds) return;
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
@@ -366,12 +367,14 @@ void Lint::check_goals() {
     if (levels_[t].empty() || !type.drive || type.drive->localization.kind != engine::Localization::Kind::gps)
       continue;
     const Pose origin = type.drive->localization.origin.value_or(Pose());
-    for (std::size_t c = 0; c < type.controllers.size(); ++c)
+    for (std::size_t c = 0; c < type.controllers.size(); ++c) {
+      if (type.controllers[c].drive) continue;  // it commands `wheels`
       if (const std::string text = models::goal_outside(type.controllers[c].data, origin, *spec_.bounds);
           !text.empty())
         diagnostics_.warning(spec_.types[t].controllers[c].where,
                              fmt::format("the controller \"{}\" of \"{}\" {}",
                                          spec_.types[t].controllers[c].kind, type.name, text));
+    }
   }
 }
 

@@ -122,7 +122,8 @@ Model::Model(std::shared_ptr<const Place> place) : place_(std::move(place)) {}
 Model::Visit::Visit(const Model& robot) : before_(visited_robot) { visited_robot = &robot; }
 Model::Visit::~Visit() { visited_robot = before_; }
 
-void Model::refuse_in_for_each(const engine::World& world, std::string_view what) {
+void Model::require_may_change(const engine::World& world, std::string_view what) {
+  world.require_between_steps(what);
   if (visited_robot != nullptr && visited_robot->place_->world == &world)
     throw std::logic_error(
         fmt::format("{} is not allowed in for_each(), here for \"{}\": for_each() calls the function for "
@@ -131,9 +132,10 @@ void Model::refuse_in_for_each(const engine::World& world, std::string_view what
                     what, visited_robot->name()));
 }
 
-void Model::refuse_others_in_for_each() const {
+void Model::require_may_command() const {
+  place_->world->require_between_steps("a command for a robot");
   if (visited_robot != nullptr && visited_robot->place_->body != place_->body)
-    refuse_in_for_each(*place_->world, fmt::format("a command for \"{}\"", name()));
+    require_may_change(*place_->world, fmt::format("a command for \"{}\"", name()));
 }
 
 Model Model::of(engine::World& world, BodyId body) {
@@ -183,7 +185,7 @@ void Model::require_finite(std::string_view robot, double x, double y, double tu
 }
 
 void Model::command(engine::ControlMode mode, double x, double y, double turn) {
-  refuse_others_in_for_each();
+  require_may_command();
   require_finite(place_->name, x, y, turn);
   const auto* wheels = place_->wheels();
   if (wheels == nullptr && !place_->type().drive)
@@ -235,12 +237,12 @@ bool Model::stalled() const {
 Pose Model::estimate() const { return place_->wheels() ? pose() : place_->world->estimate(place_->row()); }
 
 void Model::set_estimate(const Pose& pose) {
-  refuse_others_in_for_each();
+  require_may_command();
   place_->world->set_estimate(place_->row(), pose);
 }
 
 void Model::set_pose(const Pose& pose) {
-  refuse_in_for_each(*place_->world, "set_pose()");
+  require_may_change(*place_->world, "set_pose()");
   const engine::World::Placed placed{place_->whole(), pose};
   place_->world->set_poses({&placed, 1});
 }
@@ -311,7 +313,7 @@ std::span<const engine::StateField> Model::fields(std::string_view device) const
 
 std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
                         std::span<const engine::StateField> fields) {
-  refuse_others_in_for_each();
+  require_may_command();
   const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
   const auto takes_these = [&](const engine::BodyType::Device& d) {
     return takes(d) && d.prepared.command_bytes == bytes && same_layout(d.prepared.commands, fields);
@@ -343,7 +345,7 @@ const engine::BodyType::Device& Model::Place::commanded(std::string_view wanted)
 }
 
 Model::Asked Model::asked(std::string_view wanted) {
-  refuse_others_in_for_each();
+  require_may_command();
   const engine::BodyType::Device& device = place_->commanded(wanted);
   refuse_absent();
   return {device.prepared.commands,

@@ -84,7 +84,7 @@ const std::vector<std::string>& Simulation::warnings() const { return impl_->war
 
 void Simulation::step() {
   impl_->refuse_in_callbacks("step()");
-  Model::refuse_in_for_each(*impl_->world, "step()");
+  Model::require_may_change(*impl_->world, "step()");
   // A library loaded since the last step may have switched on flush-to-zero for this thread.
   if (!check_fp_environment()) restore_fp_environment();
   if (impl_->before_step) {
@@ -111,7 +111,7 @@ void Simulation::step() {
 
 void Simulation::on_tick(std::function<void(Simulation&)> callback) {
   impl_->refuse_in_callbacks("on_tick()");
-  Model::refuse_in_for_each(*impl_->world, "on_tick()");
+  Model::require_may_change(*impl_->world, "on_tick()");
   if (callback)
     impl_->on_tick.push_back({std::move(callback), {}});
   else
@@ -128,20 +128,20 @@ void Simulation::on_tick(std::function<void(Simulation&)> callback, std::weak_pt
 
 void Simulation::before_tick(std::function<void(Simulation&)> callback) {
   if (impl_->in_before_tick) impl_->refuse_in_callbacks("before_tick()");  // it would destroy the callback
-  Model::refuse_in_for_each(*impl_->world, "before_tick()");
+  Model::require_may_change(*impl_->world, "before_tick()");
   impl_->before_tick = std::move(callback);
 }
 
 void Simulation::before_step(std::function<void(Simulation&)> callback) {
   if (impl_->in_before_step) impl_->refuse_in_callbacks("before_step()");  // it would destroy the callback
-  Model::refuse_in_for_each(*impl_->world, "before_step()");
+  Model::require_may_change(*impl_->world, "before_step()");
   impl_->before_step = std::move(callback);
 }
 
 bool Simulation::has_before_tick() const { return static_cast<bool>(impl_->before_tick); }
 
 void Simulation::act(const engine::Act& act) {
-  Model::refuse_in_for_each(*impl_->world, "act()");
+  Model::require_may_change(*impl_->world, "act()");
   impl_->world->require_whole();
   carry_out(*this, act, impl_->holds);
 }
@@ -187,7 +187,7 @@ bool Simulation::run_until(const std::function<bool(const Simulation&)>& done, d
 
 void Simulation::reset() {
   impl_->refuse_in_callbacks("reset()");
-  Model::refuse_in_for_each(*impl_->world, "reset()");
+  Model::require_may_change(*impl_->world, "reset()");
   stop_recording();
   impl_->world->reset();
   impl_->holds.clear();
@@ -196,7 +196,7 @@ void Simulation::reset() {
 
 void Simulation::reset(std::uint64_t seed) {
   impl_->refuse_in_callbacks("reset()");
-  Model::refuse_in_for_each(*impl_->world, "reset()");
+  Model::require_may_change(*impl_->world, "reset()");
   const std::vector<engine::BodySpec> bodies = bodies_placed_by(seed, "reset(seed)");
   stop_recording();
   impl_->world->restart(seed, bodies, *impl_->registry);
@@ -284,7 +284,7 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
 }
 
 void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {
-  Model::refuse_in_for_each(*impl_->world, "set_poses()");
+  Model::require_may_change(*impl_->world, "set_poses()");
   std::vector<engine::World::Placed> placed;
   placed.reserve(poses.size());
   for (const auto& [model, pose] : poses) {
@@ -296,7 +296,7 @@ void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {
 
 std::optional<Model> Simulation::spawn(std::string_view population, const Pose& pose) {
   engine::World& world = *impl_->world;
-  Model::refuse_in_for_each(world, "spawn()");
+  Model::require_may_change(world, "spawn()");
   const engine::Birth birth = world.spawn(reserve_of(population), pose);
   if (birth.status != engine::BirthStatus::born) return std::nullopt;
   return Model::of(world, birth.body);
@@ -320,13 +320,13 @@ std::size_t Simulation::reserve_of(std::string_view population) const {
 
 void Simulation::remove(const Model& model) {
   impl_->require_own(model);
-  Model::refuse_in_for_each(*impl_->world, "remove()");
+  Model::require_may_change(*impl_->world, "remove()");
   impl_->world->remove(model.place_->whole());
 }
 
 bool Simulation::set_disabled(const Model& model, bool disabled) {
   impl_->require_own(model);
-  Model::refuse_in_for_each(*impl_->world, disabled ? "disable()" : "enable()");
+  Model::require_may_change(*impl_->world, disabled ? "disable()" : "enable()");
   return impl_->world->set_disabled(model.place_->whole(), disabled);
 }
 
@@ -334,7 +334,7 @@ bool Simulation::disable(const Model& model) { return set_disabled(model, true);
 bool Simulation::enable(const Model& model) { return set_disabled(model, false); }
 
 void Simulation::set(std::string_view type, std::string_view setting) {
-  Model::refuse_in_for_each(*impl_->world, "set()");
+  Model::require_may_change(*impl_->world, "set()");
   impl_->world->require_whole();
   restore_fp_environment();  // a library may have changed it: see step()
   Diagnostics diagnostics;
@@ -367,7 +367,7 @@ std::vector<std::string> Simulation::robot_names() const {
 }
 
 void Simulation::subscribe(std::string_view model) {
-  Model::refuse_in_for_each(*impl_->world, "subscribe()");
+  Model::require_may_change(*impl_->world, "subscribe()");
   check_subscribable(*impl_->world);
   const BodyId body = find(model).place_->body;
   // Static geometry has no row in the state tables, and no sensor to run.

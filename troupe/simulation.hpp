@@ -442,9 +442,12 @@ class Model {
    private:
     const Model* before_;  // robot that was marked on this thread before; null if none
   };
-  static void refuse_in_for_each(const engine::World& world, std::string_view what);
+  /// Throws std::logic_error during a step, and in a function that Swarm::for_each() calls. what: name of the
+  /// calling function, for the error.
+  static void require_may_change(const engine::World& world, std::string_view what);
   static void require_finite(std::string_view robot, double x, double y, double turn);
-  void refuse_others_in_for_each() const;
+  /// As require_may_change(), but allows a function that Swarm::for_each() calls to command its own robot.
+  void require_may_command() const;
   void refuse_absent() const;
   void command(engine::ControlMode mode, double x, double y, double turn);
   std::shared_ptr<const Place> place_;
@@ -831,9 +834,9 @@ class Simulation {
   /// a tick begins, and with std::nullopt when the tick ends, on the thread that calls step(). Set it between
   /// two steps. A second call replaces the callback; a null callback removes it.
   ///
-  /// The callback must not change the simulation, because it is called within a step. There, step(), reset(),
-  /// set_poses(), spawn(), remove(), disable(), enable(), set(), save(), record(), on_tick(), on_phase(),
-  /// on_task() and on_loop() throw std::logic_error.
+  /// The callback must not change the simulation, because it is called within a step. There, the functions
+  /// of Simulation, Swarm and Model that step, reset, save or record the simulation, that change or command
+  /// models, or that set callbacks, and Swarm::for_each(), throw std::logic_error.
   void on_phase(std::function<void(std::optional<Phase>)> callback);
   /// Sets a callback for profilers. Parallel loops are divided into tasks for the worker threads. The
   /// callback is called when a task of a loop begins (`begins` is true) and when the task ends (false);

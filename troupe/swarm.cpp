@@ -80,7 +80,7 @@ void Swarm::read(std::size_t room, Read&& one) const {
 /// empty, is not size().
 template <class Write>
 void Swarm::write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const {
-  Model::refuse_in_for_each(*world_, "a command for a swarm");
+  Model::require_may_change(*world_, "a command for a swarm");
   world_->require_whole();
   check_size("elements", given, size());
   if (!where.empty()) check_size("elements of `where`", where.size(), size());
@@ -329,7 +329,7 @@ void Swarm::commands(std::span<std::byte> out, std::string_view field, std::stri
 
 void Swarm::set_commands(std::span<const std::byte> values, std::string_view field, std::string_view device,
                          std::span<const std::uint8_t> where) {
-  Model::refuse_in_for_each(*world_, "a command for a swarm");
+  Model::require_may_change(*world_, "a command for a swarm");
   if (!where.empty()) check_size("elements of `where`", where.size(), size());
   const auto for_selected = [&](auto&& visit) {
     for_cells(&Swarm::commands_of, values.size(), field, device,
@@ -352,7 +352,7 @@ void Swarm::set_commands(std::span<const std::byte> values, std::string_view fie
 }
 
 void Swarm::subscribe() {
-  Model::refuse_in_for_each(*world_, "subscribe()");
+  Model::require_may_change(*world_, "subscribe()");
   check_subscribable(*world_);
   for (const BodyId id : ids_) world_->subscribe(id);
 }
@@ -362,7 +362,7 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
   if (!visit)
     throw std::invalid_argument("for_each(): found a null function: give a function to call for each robot");
   world_->require_whole();
-  Model::refuse_in_for_each(*world_, "for_each()");
+  Model::require_may_change(*world_, "for_each()");
   if (robots_.empty()) {
     robots_.reserve(size());
     for (const BodyId id : ids_) robots_.push_back(Model::of(*world_, id));

@@ -568,7 +568,7 @@ void Links::answer_joints(Row row, std::size_t round, bool blocked) {
     for (std::size_t n = 0; n < device.kind->joints.size(); ++n) {
       const std::size_t j = static_cast<std::size_t>(device.moves) + n;
       if (all[j].state != Goal::asked) continue;
-      all[j].state = blocked ? Goal::refused : Goal::moved;
+      all[j].state = blocked ? Goal::blocked : Goal::moved;
       if (!blocked) state_.joint_state(row, j) = all[j].goal;
     }
   }

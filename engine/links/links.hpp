@@ -38,7 +38,7 @@ class Links {
     none,     ///< ask() was not called for the joint
     asked,    ///< ask() was called, and the motion is not yet resolved
     moved,    ///< the joint is at its goal, possibly because it already was there
-    refused,  ///< the motion was blocked: the joint is at its old pose
+    blocked,  ///< the motion was blocked: the joint is at its old pose
   };
 
   /// The arguments must outlive the object.

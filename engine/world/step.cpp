@@ -63,7 +63,6 @@ void World::step() {
   require_unfrozen();
   require_between_steps("step()");
   const Completion completion(*this);
-  const Raised in_tick(is_in_tick_);
   // A library that was loaded since the last step may have made this thread flush denormals to zero.
   restore_fp_environment();
   if (replica_)
@@ -77,6 +76,8 @@ void World::step() {
 /// readings on which it is based. If several ranks compute the world, each of them senses, actuates and
 /// decides for its own rows.
 void World::make_tick() {
+  // Not raised while a rank that has failed waits for the others: rank 0 may reset the world in its callback.
+  const Raised in_tick(is_in_tick_);
   begin(Phase::intervene);
   if (state_.now.tick >= experiment_.due) intervene();
   is_in_tick_ = false;  // the callback may do what is allowed between two steps

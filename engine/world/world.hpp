@@ -140,8 +140,8 @@ class World {
   /// Throws std::logic_error while step() computes a tick: in a callback of on_phase(), and in a hook of a
   /// kind. Does not throw in the callback of before_tick(). The functions that may only be called between two
   /// steps, and would otherwise change the state of half a tick, call this first: step(), reset(), restart(),
-  /// spawn(), remove(), set(), set_poses(), set_disabled() and on_phase(). call: name of the calling
-  /// function, for the error.
+  /// restore(), spawn(), remove(), set(), set_poses(), set_disabled() and on_phase(). call: name of the
+  /// calling function, for the error.
   void require_between_steps(std::string_view call) const {
     if (is_in_tick_) throw_in_tick(call);
   }

@@ -47,7 +47,7 @@ struct GripperState {
   std::uint8_t paddles = is_open;  ///< state of the paddles, one of Paddles
   std::uint8_t lift = is_down;     ///< state of the lift, one of Lift
   std::uint8_t stalled = 0;        ///< 1: the motion of the gripper in this tick was blocked
-  std::uint8_t taken = 0;          ///< 1: a body could not be gripped, because another gripper holds it
+  std::uint8_t taken = 0;          ///< 1: a body could not be gripped: World::attach() returned false
   std::uint8_t beam_inner = 0;     ///< 1: a body with gripper_return breaks the beam near the base
   std::uint8_t beam_outer = 0;     ///< 1: a body with gripper_return breaks the beam near the tips
   std::uint8_t contact_left = 0;   ///< 1: a body with gripper_return touches the left paddle's inner face
@@ -64,7 +64,9 @@ struct GripperState {
     d.member<&GripperState::lift>("lift", "state of the lift: 0: down, 1: rising, 2: up, 3: sinking");
     d.member<&GripperState::stalled>("stalled", "1: the motion of the gripper in this tick was blocked");
     d.member<&GripperState::taken>(
-        "taken", "1: the gripper could not grip a body, because another gripper holds that body");
+        "taken",
+        "1: the gripper could not grip a body, because another gripper holds that body, because that body "
+        "carries the gripper, or because a body would be carried by too many others (docs/limits.md)");
     d.member<&GripperState::beam_inner>("beam_inner",
                                         "1: a body with gripper_return breaks the beam near the base");
     d.member<&GripperState::beam_outer>("beam_outer",

@@ -265,13 +265,23 @@ TEST_F(HostileUsage, TooFewThreadsAreAnErrorThatSaysSo) {
   std::vector<std::string> commands{"sweep study.json -o none",
                                     "check room.world --for 0.1 --threads 1 --controllers"};
   if (worldio::has_hdf5()) commands.push_back("run room.world --for 0.1 --threads 1 --record run.h5");
-  for (const std::string& command : commands) {
-    EXPECT_EQ(limited(k_no_thread, command + " >/dev/null"), 1) << command;
+  const auto expect_error = [&] {
     EXPECT_THAT(read("err.txt"), HasSubstr("error: "));
     EXPECT_THAT(
         read("err.txt"),
         HasSubstr("the system allows no further thread (raise the limits on threads and memory of this "
                   "process): Resource temporarily unavailable\n"));
+  };
+  for (const std::string& command : commands) {
+    EXPECT_EQ(limited(k_no_thread, command + " >/dev/null"), 1) << command;
+    expect_error();
+  }
+  // oneTBB runs parallel loops with the threads that it gets. Without oneTBB (TROUPE_STD_THREADS), too few
+  // threads are an error.
+  const int exit_code = limited(k_one_thread, "run room.world --for 0.1 --threads 3 >/dev/null");
+  if (exit_code != 0) {
+    EXPECT_EQ(exit_code, 1);
+    expect_error();
   }
   EXPECT_EQ(limited(k_one_thread, "sweep study.json -o one --threads 2 --quiet"), 0) << read("err.txt");
   EXPECT_TRUE(fs::exists(path("one/table.csv")));

@@ -837,6 +837,11 @@ TEST_F(LintTest, ReportsGoalsOutOfBounds) {
           "far.json: 1 finding"));
   expect_nothing("odom.json", world(R"({"x_m": 6})", R"(, "localization": "odom")"));
   expect_nothing("origin.json", world(R"({"x_m": 6})", R"(, "localization_origin_m": [-2, 0])"));
+  expect_nothing("wheels.json", R"({ "troupe": 1, "bounds_m": [[-5, -5], [5, 5]], "types": {"bot": {
+  "size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+  "parts": [{"name": "cart", "size_m": [0.1, 0.1, 0.1], "device": {"kind": "wheels"},
+             "controllers": [{"kind": "waypoints", "goals": [{"x_m": 6}]}]}] }},
+  "models": [{"name": "r0", "type": "bot"}] })");
 }
 
 TEST_F(LintTest, ReportsAConditionWithOtherParametersThanTheListedMeasure) {

@@ -218,6 +218,10 @@ TEST(Effects, MayNotChangeTheWorldAsAProgramDoes) {
       "example in a callback of on_phase() or in a controller: call it between two steps");
   mover.apply = [](World& world, const std::any&, const Effect&) { world.step(); };
   EXPECT_THAT(error_of({mover}), HasSubstr("threw: step() is not allowed during a step"));
+  mover.apply = [](World& world, const std::any&, const Effect&) {
+    world.restore(0, {}, 0, [](std::span<StateTable>) {});
+  };
+  EXPECT_THAT(error_of({mover}), HasSubstr("threw: restore() is not allowed during a step"));
 }
 
 TEST(Effects, ThatADeviceMustNotEmitEndTheStep) {

@@ -15,10 +15,12 @@ struct Nested {
 };
 
 #if FAULT == ALIGNED
-struct alignas(64) Memory {
+#define ALIGNMENT alignas(64)
 #else
-struct Memory {
+#define ALIGNMENT
 #endif
+
+struct ALIGNMENT Memory {
   float turn_left_s = 0;
   std::uint32_t count = 0;
 #if FAULT == UNLISTED
@@ -30,16 +32,16 @@ struct Memory {
 #elif FAULT == TWICE
   TROUPE_FIELDS(count, count)
 #elif FAULT == NESTED
-Nested nested;
-TROUPE_FIELDS(turn_left_s, count, nested)
+  Nested nested;
+  TROUPE_FIELDS(turn_left_s, count, nested)
 #elif FAULT == CONSTRUCTED
-Memory() {}
-TROUPE_FIELDS(turn_left_s, count)
+  Memory() {}
+  TROUPE_FIELDS(turn_left_s, count)
 #elif FAULT == STRING
-std::string text;
-TROUPE_FIELDS(turn_left_s, count, text)
+  std::string text;
+  TROUPE_FIELDS(turn_left_s, count, text)
 #else
-TROUPE_FIELDS(turn_left_s, count)
+  TROUPE_FIELDS(turn_left_s, count)
 #endif
 };
 

@@ -1,6 +1,6 @@
 #include "sensors/ranger_grid.hpp"
-#include "tests/support/message_of.hpp"
 
+#include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 
 #include <gmock/gmock.h>

@@ -777,6 +777,28 @@ TEST_F(RanksOfLeds, ReportAnErrorThatOtherRanksHadBeforeTheCallback) {
   }
 }
 
+// The callback of rank 0 resets the world while the other ranks, which have already failed, wait for rank 0.
+TEST_F(RanksOfLeds, FollowAResetAfterTheyHaveFailed) {
+  const std::string more =
+      R"(, "at": [{"time_s": 0.2, "add": {"population": "w", "count": 3, "region_m": [[-3, -3], [3, 3]]}}])";
+  Simulation one = load(1, more);
+  Simulation three = load(3, more);
+  three.before_tick([](Simulation& simulation) {
+    EXPECT_FALSE(simulation.hash_log_line().empty()) << "the other ranks answer after they have failed";
+    if (UnluckyLed::throws.exchange(Unlucky::no) != Unlucky::no) simulation.world().reset();
+  });
+  three.step();
+  three.step();
+  UnluckyLed::throws = Unlucky::other_ranks;
+  EXPECT_THAT(step_error(three), HasSubstr("threw: dark"));
+  three.reset();
+  for (int tick = 0; tick < 4; ++tick) {
+    one.step();
+    three.step();
+    EXPECT_EQ(three.hash_log_line(), one.hash_log_line());
+  }
+}
+
 TEST_F(RanksOfLeds, ReportAnErrorWithoutAText) {
   engine::Registry registry = make_registry();
   engine::DeviceKind& led = *std::ranges::find(registry.devices, "led", &engine::DeviceKind::name);
