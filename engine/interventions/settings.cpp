@@ -313,23 +313,22 @@ Result<> World::set_at(std::uint64_t tick, const SettingSpec& setting, const Reg
   return insert_setting(setting, registry);
 }
 
+/// While an object of this class exists, no setting is in force.
+class World::WithoutSettings {
+ public:
+  explicit WithoutSettings(World& world) : world_(world) { world.swap_settings_back(world.experiment_.next); }
+  ~WithoutSettings() { world_.swap_settings(world_.experiment_.next); }
+  WithoutSettings(const WithoutSettings&) = delete;
+  WithoutSettings& operator=(const WithoutSettings&) = delete;
+
+ private:
+  World& world_;
+};
+
 /// Inserts a setting after the interventions of the present tick. Applies it, unless interventions of this
 /// tick are still due.
 Result<> World::insert_setting(const SettingSpec& setting, const Registry& registry) {
   Experiment& e = experiment_;
-  std::vector<InterventionSpec>& at = state_.spec.experiment.at;
-  // While an object of this class exists, no setting is in force.
-  struct Undone {
-    explicit Undone(World& w) : world(w) { world.swap_settings_back(world.experiment_.next); }
-    ~Undone() { world.swap_settings(world.experiment_.next); }
-    Undone(const Undone&) = delete;
-    Undone& operator=(const Undone&) = delete;
-    World& world;
-  };
-  const auto setting_of = [&](const Experiment::Intervention& each) -> const SettingSpec* {
-    const auto& of = at[each.spec].setting;
-    return of && of->type == setting.type ? &*of : nullptr;  // settings of other types do not matter here
-  };
   // The setting is inserted after all interventions of this tick, as in a world that is resumed from a
   // checkpoint of this tick.
   const auto after =
@@ -342,41 +341,27 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
   if (known > 0) {
     type = e.interventions[known - 1].basis->type;
   } else {
-    const Undone undone(*this);
+    const WithoutSettings undone(*this);
     type = std::make_shared<const BodyType>(state_.types[setting.type.index()]);
   }
   std::map<std::uint32_t, TypeSpec> types;
   TypeSpec& spec = types.emplace(setting.type.value, type_at(setting.type, place)).first->second;
-  Experiment::Intervention own{.tick = state_.now.tick,
-                               .spec = at.size(),
-                               .whom = {},
-                               .data = {},
-                               .device = {},
-                               .controllers = {},
-                               .basis = {}};
+  Experiment::Intervention own;
+  own.tick = state_.now.tick;
+  own.spec = state_.spec.experiment.at.size();
   if (const Result<> built = build_setting(setting, registry, *type, types, own); !built)
     return built.error();
   own.basis = std::make_shared<const Experiment::Basis>(Experiment::Basis{spec, type});
-  // The later settings of the type are compiled again, because each contains the values of those before it.
-  std::vector<std::pair<std::size_t, Experiment::Intervention>> later;
-  for (std::size_t i = place; i < e.interventions.size(); ++i) {
-    const SettingSpec* const next = setting_of(e.interventions[i]);
-    if (next == nullptr) continue;
-    Experiment::Intervention& again = later.emplace_back(i, e.interventions[i]).second;
-    again.basis.reset();
-    if (const Result<> built = build_setting(*next, registry, *type, types, again); !built)
-      return Error{
-          fmt::format("with these values, the world's intervention \"set\" at {:.10g} s would fail: {}",
-                      at[again.spec].time_s, built.error().text)};
-  }
+  auto later = build_settings_from(place, setting.type, registry, *type, types);
+  if (!later) return later.error();
   if (e.made++ == 0) {
-    const Undone undone(*this);
+    const WithoutSettings undone(*this);
     e.declared = e.interventions;
   }
-  for (auto& [i, again] : later) e.interventions[i] = std::move(again);
+  for (auto& [i, again] : *later) e.interventions[i] = std::move(again);
   if (known > 0) e.interventions[known - 1].basis.reset();
   e.interventions.insert(after, std::move(own));
-  InterventionSpec& added = at.emplace_back();
+  InterventionSpec& added = state_.spec.experiment.at.emplace_back();
   added.time_s = static_cast<double>(state_.now.tick) * state_.spec.tick_s;
   added.action = Action::set;
   added.setting = setting;
@@ -385,6 +370,27 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
   if (place == e.next) swap_setting(e.interventions[e.next++]);
   find_due();
   return {};
+}
+
+/// Compiles again the settings of a type from the intervention with the index `first` on, because each
+/// contains the values of those before it. Returns them with their indices; changes no intervention. The last
+/// two arguments are as for build_setting().
+Result<std::vector<std::pair<std::size_t, Experiment::Intervention>>> World::build_settings_from(
+    std::size_t first, TypeId changed_type, const Registry& registry, const BodyType& type,
+    std::map<std::uint32_t, TypeSpec>& types) {
+  std::vector<std::pair<std::size_t, Experiment::Intervention>> built;
+  for (std::size_t i = first; i < experiment_.interventions.size(); ++i) {
+    const Experiment::Intervention& each = experiment_.interventions[i];
+    const InterventionSpec& spec = state_.spec.experiment.at[each.spec];
+    if (!spec.setting || spec.setting->type != changed_type) continue;
+    Experiment::Intervention& again = built.emplace_back(i, each).second;
+    again.basis.reset();
+    if (const Result<> done = build_setting(*spec.setting, registry, type, types, again); !done)
+      return Error{
+          fmt::format("with these values, the world's intervention \"set\" at {:.10g} s would fail: {}",
+                      spec.time_s, done.error().text)};
+  }
+  return built;
 }
 
 /// Undoes the changes of all calls of set(). No setting is in force afterwards.

@@ -822,7 +822,11 @@ class World {
   void swap_settings_back(std::size_t count);
   std::size_t find_basis(TypeId type, std::size_t count) const;
   TypeSpec type_at(TypeId type, std::size_t count) const;
+  class WithoutSettings;
   Result<> insert_setting(const SettingSpec& setting, const Registry& registry);
+  Result<std::vector<std::pair<std::size_t, Experiment::Intervention>>> build_settings_from(
+      std::size_t first, TypeId changed_type, const Registry& registry, const BodyType& type,
+      std::map<std::uint32_t, TypeSpec>& types);
   void forget_settings();
 
   void report_joints();
