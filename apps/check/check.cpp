@@ -270,7 +270,8 @@ void print_foreign_measures(const Simulation& simulation) {
           name);
 }
 
-ExitCode check_checked(const CheckOptions& options, const engine::Registry& registry) {
+/// Throws InputError if the options ask for a single run, or for distributed robots in a run of one rank.
+void require_variants(const CheckOptions& options) {
   if (options.threads.size() * options.tile_sizes_m.size() * options.ranks.size() < 2 &&
       !options.simulation.processes && !options.controllers && !options.amnesia && !options.reach)
     throw InputError(
@@ -281,13 +282,10 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
     throw InputError(
         "--distribute: error: no run of this check has several ranks, so no robots would be distributed: "
         "give numbers of ranks, as in --ranks 2,3");
-  std::vector<Variant> variants = load(options, registry);
-  Simulation& first = variants.front().simulation;
-  for (const std::string& warning : first.warnings()) print_message(fmt::format("{}\n", warning));
-  const double end_s = end_of(options, first);
-  std::optional<Decisions> decisions;
-  if (options.controllers) decisions.emplace(variants.front());
+}
 
+/// Prints how the ranks of the variants share the work, and how to repeat it.
+void print_ranks(const CheckOptions& options, const std::vector<Variant>& variants) {
   if (std::ranges::max(options.ranks) > 1)
     fmt::print("random delays and order of messages between ranks: --rank-seed {} repeats them\n",
                rank_seed_of(options));
@@ -303,6 +301,19 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
                  ranks.is_distributed ? std::string("distributed")
                                       : fmt::format("replicated, because {}", ranks.why_replicated));
     }
+}
+
+}  // namespace
+
+ExitCode check(const CheckOptions& options, const engine::Registry& registry) try {
+  require_variants(options);
+  std::vector<Variant> variants = load(options, registry);
+  Simulation& first = variants.front().simulation;
+  for (const std::string& warning : first.warnings()) print_message(fmt::format("{}\n", warning));
+  const double end_s = end_of(options, first);
+  std::optional<Decisions> decisions;
+  if (options.controllers) decisions.emplace(variants.front());
+  print_ranks(options, variants);
   const std::vector<std::string> differences =
       step_to_end(variants, decisions ? &*decisions : nullptr, end_s);
   print_table(variants, decisions ? &*decisions : nullptr);
@@ -312,17 +323,9 @@ ExitCode check_checked(const CheckOptions& options, const engine::Registry& regi
     for (const std::string& line : differences) fmt::print("{}\n", line);
   }
   return differences.empty() ? k_finished : k_failed;
-}
-
-}  // namespace
-
-ExitCode check(const CheckOptions& options, const engine::Registry& registry) {
-  try {
-    return check_checked(options, registry);
-  } catch (const InputError& error) {
-    print_message(fmt::format("{}\n", error.what()));
-    return k_bad_input;
-  }
+} catch (const InputError& error) {
+  print_message(fmt::format("{}\n", error.what()));
+  return k_bad_input;
 }
 
 }  // namespace troupe::apps

@@ -175,7 +175,9 @@ void summarise(const Runs& runs) {
   if (lost) std::rethrow_exception(lost);
 }
 
-ExitCode run_checked(const RunOptions& options) {
+}  // namespace
+
+ExitCode run(const RunOptions& options) try {
   const auto start = Clock::now();
   check_combinations(options);
   count_save_requests();
@@ -210,20 +212,12 @@ ExitCode run_checked(const RunOptions& options) {
   summarise(runs);
   const bool stopped = std::ranges::any_of(runs, [](const auto& run) { return run->report().stopped; });
   return stopped ? k_stopped : k_finished;
-}
-
-}  // namespace
-
-ExitCode run(const RunOptions& options) {
-  try {
-    return run_checked(options);
-  } catch (const InputError& error) {
-    print_message(fmt::format("{}\n", error.what()));
-    return k_bad_input;
-  } catch (const OutputError& error) {
-    print_message(fmt::format("{}\n", error.what()));
-    return k_bad_input;
-  }
+} catch (const InputError& error) {
+  print_message(fmt::format("{}\n", error.what()));
+  return k_bad_input;
+} catch (const OutputError& error) {
+  print_message(fmt::format("{}\n", error.what()));
+  return k_bad_input;
 }
 
 }  // namespace troupe::apps

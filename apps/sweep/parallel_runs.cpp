@@ -66,6 +66,22 @@ void keep_series(const std::filesystem::path& file, const std::string& rows) {
   }
 }
 
+/// What became of a run. Both members are empty if a signal stopped the run.
+struct Attempt {
+  std::optional<MadeRun> made;
+  std::optional<std::string> error;  ///< text of the exception that ended the run
+};
+
+/// Calls make_run() and catches its exceptions.
+Attempt attempt_run(const worldio::Study& study, std::size_t index, const std::vector<std::string>& columns,
+                    const SweepOptions& options) try {
+  return {.made = make_run(study, index, columns, options)};
+} catch (const std::exception& thrown) {
+  return {.error = exception_text(thrown)};
+} catch (...) {  // a plug-in may throw anything
+  return {.error = "unknown exception (not derived from std::exception)"};
+}
+
 }  // namespace
 
 std::map<std::size_t, std::string> make_runs(const worldio::Study& study,
@@ -78,30 +94,27 @@ std::map<std::size_t, std::string> make_runs(const worldio::Study& study,
   std::atomic<std::size_t> next = 0;
   std::mutex mutex;
   Count count(study.run_count() - runs.size(), study.run_count(), !options.quiet);
+  const auto keep = [&](std::size_t run, const Attempt& attempt) {
+    if (attempt.error) {
+      failed.emplace(run, *attempt.error);
+      journal.add_failure(run, *attempt.error);
+    }
+    if (!attempt.made) return;
+    // The rows are on the disk before the entry in the journal, so that they exist for every run in the
+    // journal, even after a power loss.
+    if (study.series) keep_series(series_file(options.folder, run), attempt.made->series);
+    journal.add(attempt.made->outcome);
+    count.add_one();
+  };
   const auto work = [&] {
     while (!stop_requested()) {
       const std::size_t i = next++;
       if (i >= runs.size()) return;
-      std::optional<MadeRun> made;
-      std::optional<std::string> error;
-      try {
-        made = make_run(study, runs[i], columns, options);
-      } catch (const std::exception& thrown) {
-        error = exception_text(thrown);
-      } catch (...) {  // a plug-in may throw anything
-        error = "unknown exception (not derived from std::exception)";
-      }
+      const Attempt attempt = attempt_run(study, runs[i], columns, options);
       const std::lock_guard lock(mutex);
       if (write_error) return;
-      if (error) failed.emplace(runs[i], *error);
       try {
-        if (error) journal.add_failure(runs[i], *error);
-        if (!made) continue;
-        // The rows are on the disk before the entry in the journal, so that they exist for every run in the
-        // journal, even after a power loss.
-        if (study.series) keep_series(series_file(options.folder, runs[i]), made->series);
-        journal.add(made->outcome);
-        count.add_one();
+        keep(runs[i], attempt);
       } catch (...) {
         write_error = std::current_exception();
         next = runs.size();

@@ -224,7 +224,9 @@ ExitCode finish(const Study& study, const SweepIdentity& identity, const SweepOp
   return ended.failed.empty() ? k_finished : k_failed;
 }
 
-ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
+/// Makes the runs that `deal` gives to this rank. Rank 0 also determines which runs are missing, and writes
+/// the tables when all ranks have finished.
+ExitCode sweep_on_rank(SweepOptions options, RankDeal& deal) {
   std::vector<std::size_t> list;   // the indices of all runs to make
   std::string identity_of_rank_0;  // SweepIdentity::text; on the other ranks
   if (deal.rank() > 0) {
@@ -284,7 +286,7 @@ ExitCode sweep_checked(SweepOptions options, RankDeal& deal) {
 ExitCode sweep(const SweepOptions& options) {
   return on_each_rank(options.runs_at_once, options.rank_limit_s, [&](RankDeal& deal) {
     try {
-      return sweep_checked(options, deal);
+      return sweep_on_rank(options, deal);
     } catch (const InputError& error) {
       // An error of this rank alone, for example a plug-in that only its computer lacks: the others wait.
       if (deal.ranks() > 1 && deal.has_shared()) throw std::runtime_error(error.what());

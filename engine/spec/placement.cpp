@@ -221,22 +221,20 @@ class Spaced {
 /// that is placed affects the next ones.
 class RulePlacer {
  public:
-  RulePlacer(const PlacementRule& rule, const partition::ObstacleShape& shape, const Candidates& candidates,
-             const std::optional<Box>& bounds, const partition::StaticScene& scene, Crowd& crowd,
-             partition::Parallel& parallel)
-      : rule_(rule),
-        shape_(shape),
-        candidates_(candidates),
-        bounds_(bounds),
-        scene_(scene),
+  RulePlacer(const Placement& placement, Crowd& crowd, partition::Parallel& parallel)
+      : placement_(placement),
+        candidates_(placement.rule, placement.seed, stream_id("place", placement.population)),
         crowd_(crowd),
         parallel_(parallel) {
-    if (rule.kind == PlacementRule::Kind::free_floor) floor_.emplace(rule, shape, scene, parallel);
+    const PlacementRule& rule = placement.rule;
+    if (rule.kind == PlacementRule::Kind::free_floor)
+      floor_.emplace(rule, placement.shape, placement.scene, parallel);
     if (rule.kind == PlacementRule::Kind::poisson_disc) spaced_.emplace(rule.distance_m);
   }
 
-  /// Places at most `count` bodies by a rule that draws positions.
-  std::vector<Pose> place_at_random(std::size_t count) {
+  /// Places the bodies by a rule that draws positions.
+  std::vector<Pose> place_at_random() {
+    const std::size_t count = placement_.count;
     std::size_t size = 64;  // poses per batch, doubled each time: little work is lost if no pose is free
     for (std::size_t i = 0; poses_.size() < count; ++i) {
       const auto body = static_cast<std::uint32_t>(poses_.size());
@@ -254,8 +252,9 @@ class RulePlacer {
     return std::move(poses_);
   }
 
-  /// Places at most `count` bodies in the cells of a grid rule.
-  std::vector<Pose> place_in_cells(std::size_t count) {
+  /// Places the bodies in the cells of a grid rule.
+  std::vector<Pose> place_in_cells() {
+    const std::size_t count = placement_.count;
     std::uint32_t trial = 0;
     std::size_t i = 0;
     for (std::uint64_t cell = 0; cell < candidates_.cells() && poses_.size() < count; ++cell, ++i) {
@@ -291,21 +290,23 @@ class RulePlacer {
 
   /// Whether the rule and the bounds allow the pose and no wall blocks it.
   bool is_open(const Pose& pose) const {
+    const PlacementRule& rule = placement_.rule;
+    const std::optional<Box>& bounds = placement_.bounds;
     // Normally distributed positions may lie outside the region.
-    const bool may_leave = rule_.kind == PlacementRule::Kind::gaussian;
+    const bool may_leave = rule.kind == PlacementRule::Kind::gaussian;
     const Vec2 at = pose.position();
-    return (!bounds_ || bounds_->contains(at)) && (!may_leave || rule_.region.contains(at)) &&
-           (rule_.polygon.empty() || contains(polygon_, at)) && (!floor_ || floor_->contains(at)) &&
-           !scene_.blocked(shape_, pose);
+    return (!bounds || bounds->contains(at)) && (!may_leave || rule.region.contains(at)) &&
+           (rule.polygon.empty() || contains(polygon_, at)) && (!floor_ || floor_->contains(at)) &&
+           !placement_.scene.blocked(placement_.shape, pose);
   }
 
   /// Whether the bodies that are already placed allow the pose.
   bool is_free(const Pose& pose) const {
-    return (!spaced_ || spaced_->takes(pose.position())) && crowd_.free(shape_, pose);
+    return (!spaced_ || spaced_->takes(pose.position())) && crowd_.free(placement_.shape, pose);
   }
 
   void add(const Pose& pose) {
-    crowd_.add(shape_, pose);
+    crowd_.add(placement_.shape, pose);
     if (spaced_) spaced_->add(pose.position());
     poses_.push_back(pose);
   }
@@ -313,7 +314,7 @@ class RulePlacer {
   /// Returns the first open one of the random poses of a body, from this trial on. If there is none, is_open
   /// of the result is false.
   Ahead next_open(std::uint32_t body, std::uint32_t trial) const {
-    for (; trial < rule_.trials; ++trial)
+    for (; trial < placement_.rule.trials; ++trial)
       if (const Pose pose = candidates_.pose(0, body, trial); is_open(pose)) return {pose, trial, true};
     return {{}, trial, false};
   }
@@ -328,14 +329,11 @@ class RulePlacer {
     });
   }
 
-  const PlacementRule& rule_;
-  const partition::ObstacleShape& shape_;
-  const Candidates& candidates_;
-  const std::optional<Box>& bounds_;
-  const partition::StaticScene& scene_;
+  const Placement& placement_;
+  const Candidates candidates_;
   Crowd& crowd_;
   partition::Parallel& parallel_;
-  const Solid polygon_{{rule_.polygon}, {}};
+  const Solid polygon_{{placement_.rule.polygon}, {}};
   std::optional<Floor> floor_;
   std::optional<Spaced> spaced_;
   std::vector<Ahead> ahead_;
@@ -435,14 +433,11 @@ bool is_on_floor(const PlacementRule& rule, const partition::ObstacleShape& shap
   return Floor(rule, shape, scene, parallel).contains(*rule.from);
 }
 
-std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
-                        std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
-                        const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel) {
-  if (count == 0) return {};
-  const Candidates candidates(rule, seed, stream_id("place", population));
-  RulePlacer placer(rule, shape, candidates, bounds, scene, crowd, parallel);
-  return rule.kind == PlacementRule::Kind::grid ? placer.place_in_cells(count)
-                                                : placer.place_at_random(count);
+std::vector<Pose> place(const Placement& placement, Crowd& crowd, partition::Parallel& parallel) {
+  if (placement.count == 0) return {};
+  RulePlacer placer(placement, crowd, parallel);
+  return placement.rule.kind == PlacementRule::Kind::grid ? placer.place_in_cells()
+                                                          : placer.place_at_random();
 }
 
 }  // namespace troupe::engine

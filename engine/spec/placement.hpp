@@ -127,20 +127,27 @@ double floor_cells(const PlacementRule& rule, const partition::ObstacleShape& sh
 bool is_on_floor(const PlacementRule& rule, const partition::ObstacleShape& shape,
                  const partition::StaticScene& scene, partition::Parallel& parallel);
 
+/// The bodies of a population for which place() chooses poses, and what restricts the poses apart from other
+/// bodies.
+struct Placement {
+  const PlacementRule& rule;              ///< grid_cells() and floor_cells() of the rule must be below 2^32
+  const partition::ObstacleShape& shape;  ///< obstacle shape of each body
+  std::size_t count = 0;                  ///< number of bodies
+  std::uint64_t seed = 0;                 ///< seed of the world (WorldSpec::seed)
+  std::string_view population;            ///< name of the population
+  std::optional<Box> bounds;              ///< must contain the bodies' origins; not set: not restricted
+  const partition::StaticScene& scene;    ///< the static scene
+};
+
 /// Chooses poses (world frame) for the bodies 0, 1, ... of a population, one after another, by a rule. At its
-/// pose, a body overlaps neither the static scene `scene` nor a body of `crowd`, and its origin is within
-/// `bounds` (if set). Each body is added to `crowd` before the next pose is chosen. If no free pose is found
-/// for a body, the function stops, and the result has fewer than `count` poses.
+/// pose, a body overlaps neither the static scene nor a body of `crowd`, and its origin is within the bounds.
+/// Each body is added to `crowd` before the next pose is chosen. The crowd keeps a reference to the shape, so
+/// the shape must outlive the crowd. If no free pose is found for a body, the function stops, and the result
+/// has fewer than Placement::count poses.
 ///
-/// The random numbers for body k depend only on `seed`, on `population`, on k, and on the number of the
-/// trial. The poses of the first bodies therefore do not depend on `count`. The time is proportional to the
-/// number of tested positions.
-///
-/// rule: grid_cells() and floor_cells() of the rule must be below 2^32
-/// shape: obstacle shape of each body; must outlive `crowd`, which keeps a reference to it
-/// population: name of the population
-std::vector<Pose> place(const PlacementRule& rule, const partition::ObstacleShape& shape, std::size_t count,
-                        std::uint64_t seed, std::string_view population, const std::optional<Box>& bounds,
-                        const partition::StaticScene& scene, Crowd& crowd, partition::Parallel& parallel);
+/// The random numbers for body k depend only on the seed, on the name of the population, on k, and on the
+/// number of the trial. The poses of the first bodies therefore do not depend on Placement::count. The time
+/// is proportional to the number of tested positions.
+std::vector<Pose> place(const Placement& placement, Crowd& crowd, partition::Parallel& parallel);
 
 }  // namespace troupe::engine

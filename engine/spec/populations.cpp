@@ -192,9 +192,14 @@ const partition::ObstacleShape* Placer::find_shape(const PopulationSpec& populat
 void Placer::add(const PopulationSpec& population, partition::Parallel& parallel) {
   const partition::ObstacleShape* shape = find_shape(population);
   if (shape == nullptr) return;
-  const std::vector<Pose> poses =
-      place(population.rule, *shape, population.count, spec_.seed, population.name, spec_.bounds,
-            occupancy_.scene(), occupancy_.crowd(), parallel);
+  const std::vector<Pose> poses = place({.rule = population.rule,
+                                         .shape = *shape,
+                                         .count = population.count,
+                                         .seed = spec_.seed,
+                                         .population = population.name,
+                                         .bounds = spec_.bounds,
+                                         .scene = occupancy_.scene()},
+                                        occupancy_.crowd(), parallel);
   if (poses.size() < population.count)
     error(population, too_few_places(population, poses.size(), spec_.bounds, occupancy_, parallel));
   add_bodies(population, poses);
@@ -265,9 +270,14 @@ void place_again(std::span<const PopulationSpec> populations, std::span<BodySpec
   partition::Parallel one_thread(1);
   for (std::size_t p = 0; p < populations.size(); ++p) {
     const PopulationSpec& population = populations[p];
-    const std::vector<Pose> poses =
-        place(population.rule, occupancy.shape(population.type), population.count, seed, population.name,
-              bounds, occupancy.scene(), crowd, one_thread);
+    const std::vector<Pose> poses = place({.rule = population.rule,
+                                           .shape = occupancy.shape(population.type),
+                                           .count = population.count,
+                                           .seed = seed,
+                                           .population = population.name,
+                                           .bounds = bounds,
+                                           .scene = occupancy.scene()},
+                                          crowd, one_thread);
     if (poses.size() < population.count)
       return diagnostics.error(
           population.where_place,

@@ -532,7 +532,7 @@ class World {
   /// of all bodies. Call this between steps.
   void remove(Row row);
 
-  // ---- experiments: engine/interventions/experiment.cpp
+  // ---- experiments: engine/interventions/experiment.cpp, settings.cpp
   /// Whether the row's body is disabled by an intervention or a program, or dropped out by a fault. The
   /// devices, controllers and drive of such a body do not run. The body does not move on its own, but it
   /// still blocks motions and is visible to sensors.
@@ -783,13 +783,7 @@ class World {
   /// the changes of this intervention to the map.
   void build_intervention(Experiment::Intervention& intervention, const Registry& registry, Groups& groups,
                           std::map<std::uint32_t, TypeSpec>& types, Diagnostics& diagnostics);
-  /// Compiles a change of parameters, `setting`, into `intervention`. `type` is the type whose parameters
-  /// change, with those of tick 0. `types` is as for build_intervention(). The error says what is wrong with
-  /// the change.
-  Result<> build_setting(const SettingSpec& setting, const Registry& registry, const BodyType& type,
-                         std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
   void build_faults(const Registry& registry, Groups& groups, Diagnostics& diagnostics);
-  void bind_kinds_again(const Registry& registry);
   void build_fault(std::size_t at, const Registry& registry, Groups& groups, Diagnostics& diagnostics);
   void build_conditions();
   /// Computes from the tick which interventions have been applied: those whose tick is before the present
@@ -810,18 +804,30 @@ class World {
   bool add(const Experiment::Intervention& intervention);
   Pose place_to_add(const Experiment::Intervention& intervention, std::uint32_t number,
                     std::uint32_t trial) const;
-  bool is_setting(const Experiment::Intervention& intervention) const;
-  std::size_t find_basis(TypeId type, std::size_t count) const;
-  TypeSpec type_at(TypeId type, std::size_t count) const;
-  Result<> insert_setting(const SettingSpec& setting, const Registry& registry);
-  void swap_settings(std::size_t count);
-  void swap_settings_back(std::size_t count);
-  void forget_settings();
-  void swap_setting(Experiment::Intervention& intervention);
   std::uint64_t next_fault_tick(std::uint32_t fault, BodyId body, std::uint64_t from) const;
   Experiment::FaultEvent take_fault_event();
   void apply_fault_event(const Experiment::FaultEvent& event);
   double speed_scale(Row row) const;
+
+  // engine/interventions/settings.cpp
+  /// Compiles a change of parameters, `setting`, into `intervention`. `type` is the type whose parameters
+  /// change, with those of tick 0. `types` is as for build_intervention(). The error says what is wrong with
+  /// the change.
+  Result<> build_setting(const SettingSpec& setting, const Registry& registry, const BodyType& type,
+                         std::map<std::uint32_t, TypeSpec>& types, Experiment::Intervention& intervention);
+  void bind_kinds_again(const Registry& registry);
+  bool is_setting(const Experiment::Intervention& intervention) const;
+  void swap_setting(Experiment::Intervention& intervention);
+  void swap_settings(std::size_t count);
+  void swap_settings_back(std::size_t count);
+  std::size_t find_basis(TypeId type, std::size_t count) const;
+  TypeSpec type_at(TypeId type, std::size_t count) const;
+  class WithoutSettings;
+  Result<> insert_setting(const SettingSpec& setting, const Registry& registry);
+  Result<std::vector<std::pair<std::size_t, Experiment::Intervention>>> build_settings_from(
+      std::size_t first, TypeId changed_type, const Registry& registry, const BodyType& type,
+      std::map<std::uint32_t, TypeSpec>& types);
+  void forget_settings();
 
   void report_joints();
   void redraw_ray_grid();

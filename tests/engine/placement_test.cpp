@@ -91,7 +91,13 @@ struct Setting {
   }
   std::vector<Pose> placed(std::size_t count, double cell_m = 0.5) const {
     Crowd crowd;
-    return place(rule, box_shape(size), count, seed, "p", std::nullopt, scene(cell_m), crowd, one_thread());
+    return place({.rule = rule,
+                  .shape = box_shape(size),
+                  .count = count,
+                  .seed = seed,
+                  .population = "p",
+                  .scene = scene(cell_m)},
+                 crowd, one_thread());
   }
 };
 
@@ -114,11 +120,21 @@ Setting any_setting() {
   return s;
 }
 
+std::vector<Pose> placed(const PlacementRule& rule, std::size_t count,
+                         const partition::StaticScene& scene = {}, Size size = {0.1, 0.1}) {
+  Crowd crowd;
+  return place(
+      {.rule = rule, .shape = box_shape(size), .count = count, .seed = 1, .population = "p", .scene = scene},
+      crowd, one_thread());
+}
+
 TEST(Placement, GridFillsColumnByColumn) {
   const PlacementRule rule{.region = region(1, 2, 1.3, 2.2), .pitch_m = 0.1, .heading = 0.5, .z = 3};
   EXPECT_EQ(grid_cells(rule), 4 * 3);
   Crowd crowd;
-  const auto poses = place(rule, box_shape({0.01, 0.01}), 5, 1, "p", std::nullopt, {}, crowd, one_thread());
+  const auto poses = place(
+      {.rule = rule, .shape = box_shape({0.01, 0.01}), .count = 5, .seed = 1, .population = "p", .scene = {}},
+      crowd, one_thread());
   EXPECT_THAT(poses, ElementsAre(Pose{1, 2, 3, 0.5}, Pose{1, 2.1, 3, 0.5}, Pose{1, 2 + 0.1 * 2, 3, 0.5},
                                  Pose{1.1, 2, 3, 0.5}, Pose{1.1, 2.1, 3, 0.5}));
   EXPECT_EQ(crowd.size(), 5u);
@@ -131,7 +147,14 @@ TEST(Placement, GridSkipsWhatIsTaken) {
   Crowd crowd;
   crowd.add(shape, {0.2, 0, 0, 0});
   const PlacementRule rule{.region = region(0, 0, 0, 5), .pitch_m = 1, .heading = 0};
-  const auto poses = place(rule, shape, 10, 1, "p", region(-9, -9, 9, 4.5), scene, crowd, one_thread());
+  const auto poses = place({.rule = rule,
+                            .shape = shape,
+                            .count = 10,
+                            .seed = 1,
+                            .population = "p",
+                            .bounds = region(-9, -9, 9, 4.5),
+                            .scene = scene},
+                           crowd, one_thread());
   // (0, 0) holds the other body, (0, 1) a wall, (0, 3) a wall above head height; (0, 5) is out of bounds.
   EXPECT_THAT(poses, ElementsAre(Pose{0, 2, 0, 0}, Pose{0, 3, 0, 0}, Pose{0, 4, 0, 0}));
 }
@@ -140,17 +163,14 @@ TEST(Placement, AFullGridSpills) {
   const PlacementRule rule{
       .region = region(0, 0, 0, 1), .spill = region(-1, 0, 0, 1), .pitch_m = 1, .heading = 0};
   EXPECT_EQ(grid_cells(rule), 2 + 4);
-  Crowd crowd;
-  const auto poses = place(rule, box_shape({0.5, 0.5}), 9, 1, "p", std::nullopt, {}, crowd, one_thread());
+  const auto poses = placed(rule, 9, {}, {0.5, 0.5});
   // The spill covers the region: what is taken there is passed over.
   EXPECT_THAT(poses, ElementsAre(Pose{0, 0, 0, 0}, Pose{0, 1, 0, 0}, Pose{-1, 0, 0, 0}, Pose{-1, 1, 0, 0}));
 }
 
 TEST(Placement, TouchingIsNotTaken) {
-  Crowd crowd;
   const PlacementRule rule{.region = region(0, 0, 1, 1), .pitch_m = 0.5, .heading = 0};
-  EXPECT_EQ(place(rule, box_shape({0.5, 0.5}), 100, 1, "p", std::nullopt, {}, crowd, one_thread()).size(),
-            9u);
+  EXPECT_EQ(placed(rule, 100, {}, {0.5, 0.5}).size(), 9u);
 }
 
 TEST(Placement, WhatIsNoObstacleIsNowhereInTheWay) {
@@ -161,7 +181,10 @@ TEST(Placement, WhatIsNoObstacleIsNowhereInTheWay) {
   const partition::StaticScene scene({{box({0, 0}, {9, 9}), BodyId(1)}}, 1);
   Crowd crowd;
   const PlacementRule rule{.region = region(0, 0, 0.1, 0.1), .pitch_m = 0.1, .heading = 0};
-  EXPECT_EQ(place(rule, none, 4, 1, "p", std::nullopt, scene, crowd, one_thread()).size(), 4u);
+  EXPECT_EQ(place({.rule = rule, .shape = none, .count = 4, .seed = 1, .population = "p", .scene = scene},
+                  crowd, one_thread())
+                .size(),
+            4u);
   EXPECT_TRUE(crowd.free(box_shape({1, 1}), {}));
 }
 
@@ -169,7 +192,13 @@ TEST(Placement, DrawsAreNamedBySeedAndPopulation) {
   const PlacementRule rule{.kind = PlacementRule::Kind::uniform, .region = region(0, 0, 100, 100)};
   const auto first = [&](std::uint64_t seed, std::string_view name) {
     Crowd crowd;
-    return place(rule, box_shape({0.1, 0.1}), 1, seed, name, std::nullopt, {}, crowd, one_thread())[0];
+    return place({.rule = rule,
+                  .shape = box_shape({0.1, 0.1}),
+                  .count = 1,
+                  .seed = seed,
+                  .population = name,
+                  .scene = {}},
+                 crowd, one_thread())[0];
   };
   EXPECT_EQ(first(1, "p"), first(1, "p"));
   EXPECT_NE(first(1, "p"), first(2, "p"));
@@ -179,10 +208,9 @@ TEST(Placement, DrawsAreNamedBySeedAndPopulation) {
 
 TEST(Placement, AFixedHeadingMovesNoRobot) {
   PlacementRule rule{.region = region(0, 0, 9, 9), .pitch_m = 1, .jitter_m = 0.2};
-  Crowd crowd_a, crowd_b;
-  const auto a = place(rule, box_shape({0.1, 0.1}), 20, 1, "p", std::nullopt, {}, crowd_a, one_thread());
+  const auto a = placed(rule, 20);
   rule.heading = 1;
-  const auto b = place(rule, box_shape({0.1, 0.1}), 20, 1, "p", std::nullopt, {}, crowd_b, one_thread());
+  const auto b = placed(rule, 20);
   for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(a[i].position(), b[i].position());
 }
 
@@ -222,19 +250,15 @@ TEST(Placement, ThreadsChangeNoPlacement) {
     for (const unsigned threads : {1u, 2u, 3u, 8u}) {
       partition::Parallel parallel(threads);
       Crowd others;
-      const auto poses = place(rule, shape, k_bodies, 1, "p", std::nullopt, scene, others, parallel);
+      const auto poses = place(
+          {.rule = rule, .shape = shape, .count = k_bodies, .seed = 1, .population = "p", .scene = scene},
+          others, parallel);
       if (threads == 1 && rule.kind != PlacementRule::Kind::uniform) expected = poses;
       EXPECT_EQ(poses, expected) << threads << " threads";
       EXPECT_EQ(others.size(), poses.size());
       EXPECT_GT(poses.size(), k_bodies * 5 / 12);
     }
   }
-}
-
-std::vector<Pose> placed(const PlacementRule& rule, std::size_t count,
-                         const partition::StaticScene& scene = {}, Size size = {0.1, 0.1}) {
-  Crowd crowd;
-  return place(rule, box_shape(size), count, 1, "p", std::nullopt, scene, crowd, one_thread());
 }
 
 TEST(Placement, APolygonHoldsThemWhateverTheRule) {

@@ -96,8 +96,9 @@ TEST(Populations, AreThoseOfTheirRule) {
   Crowd crowd;
   crowd.add(shape, {3, 0, 0, 0});
   partition::Parallel parallel(1);
-  const std::vector<Pose> poses =
-      place(swarm.rule, shape, 40, spec.seed, "s", std::nullopt, scene, crowd, parallel);
+  const std::vector<Pose> poses = place(
+      {.rule = swarm.rule, .shape = shape, .count = 40, .seed = spec.seed, .population = "s", .scene = scene},
+      crowd, parallel);
   for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(spec.bodies[3 + i].pose_world_body, poses[i]) << i;
 }
 

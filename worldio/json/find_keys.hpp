@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/kinds/kinds.hpp"
-#include "worldio/json/fields_reference.hpp"
+#include "worldio/json/key_row.hpp"
 
 #include <string>
 #include <string_view>

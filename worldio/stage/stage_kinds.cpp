@@ -35,6 +35,65 @@ std::vector<std::string_view> words_of(std::string_view text) {
   return words;
 }
 
+/// Reads the text of an argument of a controller as a number, which is multiplied by `to_si`. The error says
+/// what the argument must be.
+Result<double> number_argument(const Field& field, double to_si, std::string_view text) {
+  const std::optional<double> given = finite_number_of(text);
+  if (!given) return Error{"needs a number"};
+  const double si = *given * to_si;
+  if (const Result<> kept = check_limits(field, si, to_si); !kept) return kept.error();
+  return si;
+}
+
+/// Like number_argument(), for several numbers.
+Result<std::vector<double>> numbers_argument(const Field& field, double to_si, std::string_view text) {
+  std::vector<double> list;
+  for (std::string_view rest = text; !rest.empty() || list.empty();) {
+    const std::size_t comma = std::min(rest.size(), rest.find(','));
+    const std::optional<double> given = finite_number_of(rest.substr(0, comma));
+    if (!given) return Error{"needs numbers separated by commas, without blanks"};
+    list.push_back(*given * to_si);
+    if (const Result<> kept = check_limits(field, list.back(), to_si); !kept) return kept.error();
+    rest.remove_prefix(std::min(rest.size(), comma + 1));
+  }
+  if (field.columns > 0 && list.size() != field.columns)
+    return Error{fmt::format("needs {} numbers separated by commas, without blanks", field.columns)};
+  return list;
+}
+
+/// Reads the text of an argument of a controller as a value of `field`. Numbers are multiplied by `to_si`.
+/// The error says what the argument must be.
+Result<Value> argument_value(const Field& field, double to_si, std::string_view text) {
+  switch (field.type) {
+    case FieldType::boolean:
+      if (text != "0" && text != "1" && text != "true" && text != "false")
+        return Error{"needs true or false"};
+      return Value(text == "1" || text == "true");
+    case FieldType::integer: {
+      const Result<double> given = number_argument(field, to_si, text);
+      if (!given) return given.error();
+      if (*given != std::floor(*given) || std::abs(*given) > 9e15) return Error{"needs a whole number"};
+      return Value(static_cast<std::int64_t>(*given));
+    }
+    case FieldType::number: {
+      const Result<double> given = number_argument(field, to_si, text);
+      if (!given) return given.error();
+      return Value(*given);
+    }
+    case FieldType::text:
+      if (!field.choices.empty() && std::ranges::find(field.choices, text) == field.choices.end())
+        return Error{
+            fmt::format("must be one of {}{}", comma_list(field.choices), did_you_mean(text, field.choices))};
+      return Value(std::string(text));
+    case FieldType::numbers: {
+      Result<std::vector<double>> given = numbers_argument(field, to_si, text);
+      if (!given) return given.error();
+      return Value(*std::move(given));
+    }
+    default: return Error{"cannot be given in a .world file, only in JSON"};
+  }
+}
+
 }  // namespace
 
 double StageKinds::period_s(const StageModel& model) {
@@ -403,14 +462,20 @@ std::optional<engine::ControllerSpec> StageKinds::controller(std::string_view ca
   std::vector<bool> is_set(fields.size());
   for (const std::string_view word : std::span(words).subspan(1)) {
     const std::optional<Argument> given = argument(word, fields, name, where, positional);
-    if (given && is_set[given->field])
+    if (!given) return {};
+    const Field& field = fields[given->field];
+    if (is_set[given->field])
       values_.warning_once(
-          where, fmt::format("controller \"{}\": \"{}\" is given twice; the last value is used", name,
-                             fields[given->field].name));
-    if (given) is_set[given->field] = true;
-    if (!given || !set_argument(fields[given->field], given->to_si, given->text, name, where,
-                                spec.params[given->field]))
+          where,
+          fmt::format("controller \"{}\": \"{}\" is given twice; the last value is used", name, field.name));
+    is_set[given->field] = true;
+    Result<Value> value = argument_value(field, given->to_si, given->text);
+    if (!value) {
+      values_.error(where, fmt::format("controller \"{}\": \"{}\" {}, found \"{}\"", name, field.name,
+                                       value.error().text, given->text));
       return {};
+    }
+    spec.params[given->field] = *std::move(value);
   }
   for (std::size_t i = 0; i < fields.size(); ++i)
     if (!spec.params[i].given() && !fields[i].optional) {
@@ -446,71 +511,6 @@ std::optional<StageKinds::Argument> StageKinds::argument(std::string_view word, 
                     : fmt::format("controller \"{}\" has no parameter \"{}\"; known: {}{}", controller, key,
                                   comma_list(known), did_you_mean(key, known)));
   return {};
-}
-
-bool StageKinds::set_argument(const Field& field, double to_si, std::string_view text,
-                              std::string_view controller, Where where, Value& value) {
-  const auto refuse = [&](std::string_view what) {
-    values_.error(
-        where, fmt::format("controller \"{}\": \"{}\" {}, found \"{}\"", controller, field.name, what, text));
-    return false;
-  };
-  const auto number = [&]() -> std::optional<double> {
-    const std::optional<double> given = finite_number_of(text);
-    if (!given) {
-      refuse("needs a number");
-      return {};
-    }
-    const double si = *given * to_si;
-    if (const Result<> kept = check_limits(field, si, to_si); !kept) {
-      refuse(kept.error().text);
-      return {};
-    }
-    return si;
-  };
-  switch (field.type) {
-    case FieldType::boolean:
-      if (text != "0" && text != "1" && text != "true" && text != "false")
-        return refuse("needs true or false");
-      value = text == "1" || text == "true";
-      return true;
-    case FieldType::integer: {
-      const auto given = number();
-      if (!given) return false;
-      if (*given != std::floor(*given) || std::abs(*given) > 9e15) return refuse("needs a whole number");
-      value = static_cast<std::int64_t>(*given);
-      return true;
-    }
-    case FieldType::number: {
-      const auto given = number();
-      if (!given) return false;
-      value = *given;
-      return true;
-    }
-    case FieldType::text:
-      if (!field.choices.empty() && std::ranges::find(field.choices, text) == field.choices.end())
-        return refuse(
-            fmt::format("must be one of {}{}", comma_list(field.choices), did_you_mean(text, field.choices)));
-      value = std::string(text);
-      return true;
-    case FieldType::numbers: {
-      std::vector<double> list;
-      for (std::string_view rest = text; !rest.empty() || list.empty();) {
-        const std::size_t comma = std::min(rest.size(), rest.find(','));
-        const std::optional<double> given = finite_number_of(rest.substr(0, comma));
-        if (!given) return refuse("needs numbers separated by commas, without blanks");
-        list.push_back(*given * to_si);
-        if (const Result<> kept = check_limits(field, list.back(), to_si); !kept)
-          return refuse(kept.error().text);
-        rest.remove_prefix(std::min(rest.size(), comma + 1));
-      }
-      if (field.columns > 0 && list.size() != field.columns)
-        return refuse(fmt::format("needs {} numbers separated by commas, without blanks", field.columns));
-      value = std::move(list);
-      return true;
-    }
-    default: return refuse("cannot be given in a .world file, only in JSON");
-  }
 }
 
 }  // namespace troupe::worldio

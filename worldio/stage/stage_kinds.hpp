@@ -86,8 +86,6 @@ class StageKinds {
   /// controller has no such parameter.
   std::optional<Argument> argument(std::string_view word, std::span<const engine::Field> fields,
                                    std::string_view controller, Where where, std::size_t& positional);
-  bool set_argument(const engine::Field& field, double to_si, std::string_view text,
-                    std::string_view controller, Where where, engine::Value& value);
 
   const StageDocument& document_;
   const engine::Registry& registry_;

@@ -375,35 +375,10 @@ class Parser {
   /// true for an entity.
   bool item(std::vector<StageProperty>& properties, StageEntity& entity, std::size_t depth) {
     const StageToken token = peek();
-    switch (token.kind) {
-      case TokenKind::word: break;
-      case TokenKind::open: {
-        errors_.add(token.where(),
-                    "a ( is allowed only directly after a word, such as a model type or the name of a macro");
-        entity.word = position();
-        ++at_;
-        StageEntity dropped{.word = entity.word};
-        body(dropped, depth);
-        return false;
-      }
-      case TokenKind::tuple_open:
-        errors_.add(token.where(),
-                    "this tuple has no property name before it; a property is written: name [1 2 3]");
-        static_cast<void>(tuple());
-        return false;
-      case TokenKind::tuple_close:
-        errors_.add(token.where(), "this ] has no matching [");
-        ++at_;
-        return false;
-      default:
-        errors_.add(
-            token.where(),
-            fmt::format("the value {} has no property name before it; a property is written: name value",
-                        shown(token)));
-        ++at_;
-        return false;
+    if (token.kind != TokenKind::word) {
+      skip_misplaced(depth);
+      return false;
     }
-
     const StageToken next = peek(1);
     if (next.kind == TokenKind::open) {
       entity.word = position();
@@ -433,6 +408,34 @@ class Parser {
       ++at_;
     }
     return false;
+  }
+
+  /// Reports an error for the next token, which begins neither a property nor an entity, and skips it. Also
+  /// skips what belongs to it: the rest of a tuple, or the content of parentheses.
+  void skip_misplaced(std::size_t depth) {
+    const StageToken token = peek();
+    switch (token.kind) {
+      case TokenKind::open: {
+        errors_.add(token.where(),
+                    "a ( is allowed only directly after a word, such as a model type or the name of a macro");
+        StageEntity dropped{.word = position()};
+        ++at_;
+        body(dropped, depth);
+        return;
+      }
+      case TokenKind::tuple_open:
+        errors_.add(token.where(),
+                    "this tuple has no property name before it; a property is written: name [1 2 3]");
+        static_cast<void>(tuple());
+        return;
+      case TokenKind::tuple_close: errors_.add(token.where(), "this ] has no matching ["); break;
+      default:
+        errors_.add(
+            token.where(),
+            fmt::format("the value {} has no property name before it; a property is written: name value",
+                        shown(token)));
+    }
+    ++at_;
   }
 
   /// Parses a tuple, from [ to ] on one line. A tuple over several lines is one error, and its values are

@@ -411,18 +411,6 @@ std::string without_numbers(std::string_view name) {
   return out;
 }
 
-std::string_view status(StageSupport support) {
-  switch (support) {
-    case honoured: return "honoured";
-    case fixed: return "honoured, with a fix";
-    case no_effect: return "accepted, no effect";
-    case window_camera: return "honoured by `--camera window`";
-    case window_only: return "accepted, window only";
-    case obsolete: break;
-  }
-  return "accepted, obsolete";
-}
-
 /// Returns all rows with this property name, for whatever type of entity.
 std::span<const StageRow* const> rows_of_name(std::string_view written) {
   using Index = std::unordered_map<std::string_view, std::vector<const StageRow*>>;
@@ -494,13 +482,6 @@ std::string stage_properties_text(std::string_view model) {
   if (model == "ranger") text += properties_text("properties of each sensor( ) block in a ranger", "sensor");
   return text + properties_text("properties of every model", "model") +
          properties_text("properties of each block( ) in a model", "block");
-}
-
-std::string stage_property_table() {
-  std::string out = "| in | property | status | notes |\n|---|---|---|---|\n";
-  for (const StageRow& row : k_rows)
-    out += fmt::format("| {} | `{}` | {} | {} |\n", row.type, row.name, status(row.support), row.note);
-  return out;
 }
 
 }  // namespace troupe::worldio

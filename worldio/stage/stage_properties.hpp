@@ -51,7 +51,4 @@ std::vector<std::string_view> stage_property_names(std::string_view type);
 /// of a `sensor` in a ranger are included.
 std::string stage_properties_text(std::string_view model);
 
-/// Returns all properties of stage_rows() as a Markdown table, which docs/stage-worlds.md contains.
-std::string stage_property_table();
-
 }  // namespace troupe::worldio

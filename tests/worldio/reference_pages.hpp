@@ -1,9 +1,11 @@
-#include "worldio/json/fields_reference.hpp"
+// The generated parts of docs/world-format.md and docs/measures.md.
+#pragma once
 
-#include "base/number_text.hpp"
+#include "engine/kinds/kinds.hpp"
 #include "engine/spec/watch_spec.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
+#include "worldio/json/key_row.hpp"
 #include "worldio/json/world_document.hpp"
 #include "worldio/window_fields.hpp"
 
@@ -13,78 +15,34 @@
 #include <cctype>
 #include <map>
 #include <stdexcept>
-#include <variant>
+#include <string>
+#include <string_view>
+#include <vector>
 
-namespace troupe::worldio {
-namespace {
-
-constexpr std::string_view k_watch_heading = "### `watch{}`: printed time and speed";
-constexpr std::string_view k_window_heading = "### `window{}`: the view of `--camera window`";
+namespace troupe::worldio::reference_pages {
 
 using engine::Field;
 using engine::FieldTable;
 using engine::FieldType;
-using engine::Value;
+
+constexpr std::string_view k_watch_heading = "### `watch{}`: printed time and speed";
+constexpr std::string_view k_window_heading = "### `window{}`: the view of `--camera window`";
+constexpr std::string_view k_table_head = "| key | value | default | meaning |\n|---|---|---|---|\n";
 
 /// Returns the spellings of a key, one for each unit, as Markdown.
-std::string keys(const Field& field) {
+inline std::string keys(const Field& field) {
   std::string text;
   for (const engine::UnitSuffix& suffix : engine::unit_suffixes(field.unit))
     text += fmt::format("{}`{}{}`", text.empty() ? "" : ", ", field.name, suffix.suffix);
   return text;
 }
 
-std::string what(const Field& field) {
-  const std::string limits = limits_text(field, engine::unit_suffixes(field.unit).front());
-  const auto within = [&](const std::string& noun) { return limits.empty() ? noun : noun + ", " + limits; };
-  switch (field.type) {
-    case FieldType::boolean: return "true or false";
-    case FieldType::integer: return within("whole number");
-    case FieldType::number: return within("number");
-    case FieldType::numbers:
-      return within(field.columns > 0 ? fmt::format("list of {} numbers", field.columns)
-                                      : std::string("list of numbers"));
-    case FieldType::text: return field.choices.empty() ? "text" : comma_list(field.choices);
-    case FieldType::texts: return "list of texts";
-    case FieldType::color: return "colour, an X11 name or [r, g, b]";
-    case FieldType::colors: return "list of colours, each an X11 name or [r, g, b]";
-    case FieldType::record: return "object";
-    case FieldType::records: return "list of objects";
-  }
-  return {};
-}
-
-std::string value_text(const Value& value, const Field& field) {
-  const std::string_view symbol = engine::unit_suffixes(field.unit).front().symbol;
-  const std::string unit = symbol.empty() ? std::string() : fmt::format(" {}", symbol);
-  if (const auto* x = std::get_if<bool>(&value.v)) return *x ? "true" : "false";
-  if (const auto* x = std::get_if<std::int64_t>(&value.v)) return fmt::format("{}{}", *x, unit);
-  if (const auto* x = std::get_if<double>(&value.v)) return fmt::format("{}{}", plain_number(*x, 6), unit);
-  if (const auto* x = std::get_if<std::string>(&value.v)) return fmt::format("\"{}\"", *x);
-  if (const auto* x = std::get_if<std::vector<double>>(&value.v)) {
-    std::string numbers;
-    for (const double number : *x) numbers += fmt::format("{}{:.6g}", numbers.empty() ? "" : ", ", number);
-    return fmt::format("[{}]{}", numbers, x->empty() ? "" : unit);
-  }
-  if (const auto* x = std::get_if<std::vector<std::string>>(&value.v)) {
-    std::string texts;
-    for (const std::string& one : *x) texts += fmt::format("{}\"{}\"", texts.empty() ? "" : ", ", one);
-    return fmt::format("[{}]", texts);
-  }
-  if (std::holds_alternative<std::vector<engine::Record>>(value.v) || field.optional) return "none";
-  // A block may be absent if none of its fields is required. Its fields then have their defaults.
-  const bool optional = field.type == FieldType::record &&
-                        std::ranges::all_of(field.record->fields,
-                                            [](const Field& f) { return f.fallback.given() || f.optional; });
-  return optional ? "the defaults of its keys" : "required";
-}
-
-void append_table(const FieldTable& table, std::string& text) {
+inline void append_table(const FieldTable& table, std::string& text) {
   if (table.fields.empty()) {
     text += "No parameters.\n\n";
     return;
   }
-  text += "| key | value | default | meaning |\n|---|---|---|---|\n";
+  text += k_table_head;
   for (const Field& field : table.fields) {
     const KeyRow row = key_row(field);
     text += fmt::format("| {} | {} | {} | {} |\n", keys(field), row.value, row.usual, row.meaning);
@@ -100,16 +58,12 @@ void append_table(const FieldTable& table, std::string& text) {
 }
 
 template <class Kinds>
-void append_kinds(std::string_view heading, const Kinds& kinds, std::string& text) {
+inline void append_kinds(std::string_view heading, const Kinds& kinds, std::string& text) {
   for (const auto& kind : kinds) {
     text += fmt::format("### {} `{}`\n\n{}\n\n", heading, kind.name, kind.text);
     append_table(kind.params, text);
   }
 }
-
-// ---- the keys of the document
-
-constexpr std::string_view k_table_head = "| key | value | default | meaning |\n|---|---|---|---|\n";
 
 /// A table of keys in docs/world-format.md.
 struct Section {
@@ -148,7 +102,7 @@ constexpr Section k_sections[] = {
     {"### `faults[]`", "faults", document_table<FaultDocument>}};
 
 /// Returns the anchor of a heading, with which a link refers to it: "watch-speed" for "### `watch{}`: speed".
-std::string anchor(std::string_view heading) {
+inline std::string anchor(std::string_view heading) {
   std::string text;
   heading.remove_prefix(heading.find(' ') + 1);
   for (const char c : heading) {
@@ -160,7 +114,7 @@ std::string anchor(std::string_view heading) {
 }
 
 /// Returns the heading of the section of the page that describes the value of a key; empty if none does.
-std::string_view heading_of(const DocumentKey& key) {
+inline std::string_view heading_of(const DocumentKey& key) {
   if (key.block == &engine::watch_fields()) return k_watch_heading;
   if (key.block == &window_fields()) return k_window_heading;
   if (key.table == nullptr) return {};
@@ -172,7 +126,7 @@ std::string_view heading_of(const DocumentKey& key) {
 }
 
 /// Turns the names of pages, such as docs/lives.md, into links.
-std::string with_links(std::string_view text) {
+inline std::string with_links(std::string_view text) {
   constexpr std::string_view k_folder = "docs/", k_end = ".md";
   std::string linked;
   while (true) {
@@ -186,92 +140,19 @@ std::string with_links(std::string_view text) {
   }
 }
 
-std::string form_text(const DocumentKey& key, const Field& field) {
-  switch (key.form) {
-    case Form::value: return what(field);
-    case Form::choice: return comma_list(field.choices);
-    case Form::version: return fmt::format("{}", k_format_version);
-    case Form::seed: return "whole number, from 0 to 2^64 - 1";
-    case Form::names: return "list of texts";
-    case Form::color: return "colour";
-    case Form::color_or_random: return "colour, or \"random\"";
-    case Form::heading:
-      return fmt::format("{}; `{}`: the text \"random\"", what(heading_field()), field.name);
-    case Form::points: return "[[x, y], ...]";
-    case Form::box: return "[[x_min, y_min], [x_max, y_max]]";
-    case Form::contours: return "[[[x, y], ...], ...]";
-    case Form::joint: return "text or null";
-    case Form::comparison: return "text, as in `\">= 0.9\"`";
-    case Form::list: return "list";
-    case Form::map: return "object, whose keys are names";
-    case Form::block:
-    case Form::kept:
-    case Form::faults:
-    case Form::object: return "object";
-    default: return "text";
-  }
-}
-
-std::string default_text(const DocumentTable& table, const DocumentKey& key, const Field& field) {
-  if (key.required) return "required";
-  if (!key.by_default.empty()) return std::string(key.by_default);
-  if (key.is_resolved || key.form == Form::kind || key.form == Form::faults) return "none";
-  if (key.form == Form::value) {
-    if (field.type == FieldType::record) return "the defaults of its keys";
-    const Value value = engine::get(field, table.usual);
-    return value.given() ? value_text(value, field) : "none";
-  }
-  const void* usual = key.find(table.usual);
-  if (usual != nullptr && key.form == Form::choice)
-    return fmt::format("\"{}\"", field.choices[*static_cast<const std::uint8_t*>(usual)]);
-  if (usual != nullptr && key.form == Form::seed)
-    return fmt::format("{}", *static_cast<const std::uint64_t*>(usual));
-  return "none";
-}
-
-std::string meaning(const DocumentTable& table, const DocumentKey& key) {
-  std::string text;
-  if (key.variants != ~0u) {
-    const auto& choices = table.find(table.variant)->field.choices;
-    for (std::size_t i = 0; i < choices.size(); ++i)
-      if ((key.variants >> i & 1) != 0) text += fmt::format("{}{}", text.empty() ? "" : ", ", choices[i]);
-    text += ": ";
-  }
-  if (key.form == Form::kind)
-    text += fmt::format("kind of the {}; the parameters of this kind are further keys", table.kinds->what);
-  else if (key.form == Form::faults)
-    text += "a kind of fault, with its parameters";
-  else
-    text += key.field.text;
-  if (text.empty() && key.table != nullptr && heading_of(key).empty())
-    for (const DocumentKey& inner : key.table().keys)
-      text += fmt::format("{}`{}`: {}", text.empty() ? "" : "; ", inner.field.name, inner.field.text);
-  if (key.other)
-    text += fmt::format("; called `{}{}` for kinds with a parameter `{}`", key.other->name,
-                        engine::unit_suffixes(key.other->unit).front().suffix, key.field.name);
-  return text;
-}
-
-/// Returns the names of all faults, each with `mark` before and after it.
-std::string fault_names(const engine::Registry& registry, std::string_view mark) {
-  std::string names;
-  for (const engine::FaultKind& fault : registry.faults)
-    names += fmt::format("{}{}{}{}", names.empty() ? "" : ", ", mark, fault.name, mark);
-  return names;
-}
-
 struct TableRow {
   std::string first_key;  ///< the first of its keys
   std::string text;       ///< the row as Markdown
 };
 
-TableRow row_of(const DocumentTable& table, const DocumentKey& key, std::string_view heading,
-                const engine::Registry& registry) {
+inline TableRow row_of(const DocumentTable& table, const DocumentKey& key, std::string_view heading,
+                       const engine::Registry& registry) {
   std::string names;
   if (key.form == Form::heading)
     names = fmt::format("{}, `{}`", keys(heading_field()), key.field.name);
   else if (key.form == Form::faults)
-    names = fault_names(registry, "`");
+    for (const engine::FaultKind& fault : registry.faults)
+      names += fmt::format("{}`{}`", names.empty() ? "" : ", ", fault.name);
   else
     names = keys(key.field);
   const KeyRow row = key_row(table, key, registry);
@@ -284,8 +165,8 @@ TableRow row_of(const DocumentTable& table, const DocumentKey& key, std::string_
 
 /// Appends the rows of a table. One row that refers to an earlier table replaces each group of `k_fewest` or
 /// more consecutive rows that this earlier table also has.
-void append_rows(const std::vector<TableRow>& rows, const std::map<std::string, const Section*>& earlier,
-                 std::string& text) {
+inline void append_rows(const std::vector<TableRow>& rows,
+                        const std::map<std::string, const Section*>& earlier, std::string& text) {
   constexpr std::size_t k_fewest = 3;
   const auto section_of = [&](std::size_t i) {
     const auto found = i < rows.size() ? earlier.find(rows[i].text) : earlier.end();
@@ -306,29 +187,13 @@ void append_rows(const std::vector<TableRow>& rows, const std::map<std::string, 
   }
 }
 
-}  // namespace
-
-std::string key_text(const Field& field) {
-  const auto units = engine::unit_suffixes(field.unit);
-  std::string others;
-  for (const engine::UnitSuffix& unit : units.subspan(1))
-    others += fmt::format("{}{}", others.empty() ? "" : ", ", unit.suffix);
-  return fmt::format("{}{}{}", field.name, units.front().suffix, others.empty() ? "" : " (" + others + ")");
-}
-
-KeyRow key_row(const DocumentTable& table, const DocumentKey& key, const engine::Registry& registry) {
-  const std::string names = key.form == Form::faults ? fault_names(registry, {})
-                            : key.form == Form::heading
-                                ? fmt::format("{}, {}", key_text(heading_field()), key.field.name)
-                                : key_text(key.field);
-  return {names, form_text(key, key.field), default_text(table, key, key.field), meaning(table, key)};
-}
-
-KeyRow key_row(const Field& field) {
-  return {key_text(field), what(field), value_text(field.fallback, field), std::string(field.text)};
-}
-
-std::string world_format_reference(const engine::Registry& registry) {
+/// Returns the last part of docs/world-format.md as Markdown, which is generated. It has a table for poses,
+/// for the object `watch` (printed time and speed), for the object `window` (a view of the world), and for
+/// each kind (sort) of drive, sensor, other device, controller and fault in `registry`. Each row describes a
+/// key or parameter: its spelling in each unit, the allowed values, the default and the meaning. There is
+/// also a table for each preset, which is a kind of controller with other defaults. It lists only these other
+/// defaults.
+inline std::string world_format_reference(const engine::Registry& registry) {
   std::string text = "### Poses\n\n";
   append_table(engine::pose_fields(), text);
   text += k_watch_heading;
@@ -356,8 +221,9 @@ std::string world_format_reference(const engine::Registry& registry) {
     if (!kind || preset.params.empty()) continue;
     text += "| key | default |\n|---|---|\n";
     for (const auto& [name, value] : preset.params) {
-      const Field& field = kind->params.at(name);
-      text += fmt::format("| {} | {} |\n", keys(field), value_text(value, field));
+      Field field = kind->params.at(name);
+      field.fallback = value;
+      text += fmt::format("| {} | {} |\n", keys(field), key_row(field).usual);
     }
     text += '\n';
   }
@@ -365,7 +231,17 @@ std::string world_format_reference(const engine::Registry& registry) {
   return text;
 }
 
-std::vector<KeyTable> document_key_tables(const engine::Registry& registry) {
+/// A table in docs/world-format.md that lists the keys of one kind of JSON object.
+struct KeyTable {
+  std::string_view heading;  ///< the line, with its "#" characters, of the heading above the table; several
+                             ///< tables can share it
+  std::string markdown;      ///< the lines of the table
+};
+
+/// Returns the tables of keys of docs/world-format.md, in the order of the page. They are made from the
+/// tables of worldio/json/document_table.hpp. If three or more consecutive rows of a table are the same as in
+/// an earlier table, a single row with a link to the earlier table replaces them.
+inline std::vector<KeyTable> document_key_tables(const engine::Registry& registry) {
   std::vector<KeyTable> tables;
   std::map<std::string, const Section*> sections;  // per row: the first table that has it
   for (const Section& section : k_sections) {
@@ -383,7 +259,12 @@ std::vector<KeyTable> document_key_tables(const engine::Registry& registry) {
   return tables;
 }
 
-std::string with_key_tables(const std::string& page, const std::vector<KeyTable>& tables) {
+/// Replaces tables of keys in the Markdown page `page` by `tables`, and returns the new page. A table of keys
+/// is a table that begins with `| key`. Each of `tables` replaces a table below the heading that it names
+/// (KeyTable::heading). If several of `tables` name the same heading, they must be consecutive, and replace
+/// the tables below this heading in their order. Throws std::runtime_error if the page lacks a heading, or
+/// has fewer tables of keys below it than `tables` has for this heading.
+inline std::string with_key_tables(const std::string& page, const std::vector<KeyTable>& tables) {
   std::string made = page;
   std::string_view heading;
   std::size_t at = 0;
@@ -410,7 +291,10 @@ std::string with_key_tables(const std::string& page, const std::vector<KeyTable>
   return made;
 }
 
-std::string measures_reference(const engine::Registry& registry) {
+/// Returns the generated part of docs/measures.md as Markdown. A measure is a number that is computed from
+/// the state of a run. The text lists all measures of `registry`, each with the name of its column in the
+/// results, its definition, its formula if it has one, and its parameters.
+inline std::string measures_reference(const engine::Registry& registry) {
   std::string text = "| measure | column | what it is |\n|---|---|---|\n";
   for (const engine::MeasureKind& kind : registry.measures)
     text += fmt::format("| `{}` | `{}{}` | {} |\n", kind.name, kind.name,
@@ -426,4 +310,4 @@ std::string measures_reference(const engine::Registry& registry) {
   return text;
 }
 
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::reference_pages

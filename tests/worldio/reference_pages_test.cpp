@@ -1,5 +1,4 @@
-#include "worldio/json/fields_reference.hpp"
-
+#include "tests/worldio/reference_pages.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
 
@@ -15,6 +14,11 @@
 namespace troupe::worldio {
 namespace {
 
+using reference_pages::document_key_tables;
+using reference_pages::KeyTable;
+using reference_pages::measures_reference;
+using reference_pages::with_key_tables;
+using reference_pages::world_format_reference;
 using testing::HasSubstr;
 
 std::string document(const char* name = "world-format.md") {
