@@ -134,6 +134,16 @@ class BodyIndex {
   /// A number that the latest rebuild() gave to the contents of the index. No other contents, of this or of
   /// any other index of the process, have the same number. 0 before the first rebuild().
   std::uint64_t version() const { return version_; }
+  /// Whether a body of this radius (m) is huge in an index with cells of this width (m).
+  static bool is_huge(double radius, double cell_m) { return radius > k_huge_cells * cell_m; }
+  /// Returns the largest number of entries that a body of this radius (m) can have in an index with cells of
+  /// this width (m), over all positions of the body.
+  static double most_entries(double radius, double cell_m) {
+    if (radius <= 0.5 * cell_m) return 1;
+    if (is_huge(radius, cell_m)) return 2;
+    const double cells = std::floor(2 * radius / cell_m) + 2;
+    return cells * cells;
+  }
   /// Number of rows in the arguments of the latest rebuild(), including rows that are not in the index.
   std::size_t rows() const { return radii_.size(); }
   /// Number of tiles for which the index holds data: those that contain entries, and some that contained
@@ -157,7 +167,7 @@ class BodyIndex {
   Box reach_of(const Box& box) const { return box.expanded(small_radius_ + k_query_margin_m); }
   bool is_there(std::uint32_t row) const { return radii_[row] >= 0; }
   bool is_wide(std::uint32_t row) const { return radii_[row] > 0.5 * geometry_.cell_m; }
-  bool is_huge(std::uint32_t row) const { return radii_[row] > k_huge_cells * geometry_.cell_m; }
+  bool is_huge(std::uint32_t row) const { return is_huge(radii_[row], geometry_.cell_m); }
   /// Whether the row is listed in every cell that its body touches, and not only in the cell of its origin.
   bool is_in_many_cells(std::uint32_t row) const { return is_wide(row) && !is_huge(row); }
   /// The entries of the huge bodies. Requires that there are any.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -26,6 +27,15 @@ constexpr unsigned k_most_tile_bits = 8;       // a tile is at most 2^8 cells wi
 constexpr double k_most_cells = 1 << 22;       // in all tiles in use, or k_most_cells_per_body
 constexpr double k_most_cells_per_body = 256;  // as with tiles of the default width, one for each body
 constexpr unsigned k_default_tile_bits = 4;
+
+constexpr double k_least_cell_m = 0.05;
+
+// Cells that are wider than the reach of the sensors requires, by up to this factor, cost little time. If
+// they would be even wider, a few wide bodies do not count: bodies that have at most this many entries in the
+// spatial index per body of the world, and at most this many huge bodies, each of which every query visits.
+constexpr double k_much_wider = 6;
+constexpr double k_most_wide_entries = 1;
+constexpr double k_most_huge = 16;
 
 // Longest reach that counts for the width of the cells, m. A device may have an infinite reach.
 constexpr double k_most_hint = 10'000;
@@ -84,6 +94,53 @@ double expected_density(std::span<const Vec2> places, const Vec2& ground, double
   return std::sqrt(at_start * spread);
 }
 
+/// The width of the bodies of a type (the diameter of their enclosing circle, m) and their number.
+struct BodyWidth {
+  double width = 0;
+  double bodies = 0;
+};
+
+/// Whether the spatial index can list these bodies, which are wider than its cells (m), in little time.
+bool are_few(std::span<const BodyWidth> types, double cell_m, double bodies_of_the_world) {
+  double entries = 0;
+  double huge = 0;
+  for (const BodyWidth& type : types) {
+    entries += type.bodies * partition::BodyIndex::most_entries(0.5 * type.width, cell_m);
+    if (partition::BodyIndex::is_huge(0.5 * type.width, cell_m)) huge += type.bodies;
+  }
+  return entries <= k_most_wide_entries * bodies_of_the_world && huge <= k_most_huge;
+}
+
+/// Returns the least width of cells for these bodies, m: their mean width, weighted by width, so that few
+/// bodies are listed in several cells, and an eighth of the largest width, so that no body is listed in more
+/// than about a hundred cells. If this is much more than `wanted`, the widest bodies are left out, provided
+/// that they are few: one truck must not make the cells so wide that each query of a hundred thousand small
+/// robots visits a crowd.
+double least_cell(std::vector<BodyWidth> types, double wanted) {
+  std::erase_if(types, [](const BodyWidth& type) { return type.bodies == 0; });
+  std::ranges::sort(types, std::greater(), &BodyWidth::width);
+  std::vector<double> least(types.size() + 1, k_least_cell_m);  // [n]: without the n widest types
+  double bodies = 0;
+  double sum = 0;
+  double sum2 = 0;
+  for (std::size_t t = types.size(); t-- > 0;) {
+    const auto& [width, count] = types[t];
+    bodies += count;
+    sum += count * width;
+    sum2 += count * width * width;
+    // The factor covers the rounding of the sums: if all bodies have the same width, no body is wider than a
+    // cell.
+    const double mean = sum > 0 ? (1 + 1e-9) * sum2 / sum : 0;
+    least[t] = std::max({k_least_cell_m, mean, width / 8});
+  }
+  const std::span<const BodyWidth> all(types);
+  std::size_t left_out = 0;
+  while (left_out + 1 < all.size() && least[left_out] > k_much_wider * wanted &&
+         are_few(all.first(left_out + 1), std::max(least[left_out + 1], wanted), bodies))
+    ++left_out;
+  return least[left_out];
+}
+
 /// Chooses the cells of the spatial index. Their least width is an eighth of the mean reach of the bodies
 /// with rows. The reach of a body is the longest reach of its active devices
 /// (DeviceKind::Prepared::cell_hint_m, or reach_m if that is not set) plus its radius; without such devices,
@@ -98,10 +155,8 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
   std::vector<Vec2> places;   // of the bodies at the start
   std::vector<Vec2> sensing;  // of those of them that have active sensors
   double sum = 0;
-  double widths = 0;
-  double widths2 = 0;
+  std::vector<BodyWidth> widths(types.size());
   double count = 0;
-  double width = 0;
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodySpec& body = spec.bodies[b];
     const BodyType& type = types[body.type.index()];
@@ -117,19 +172,13 @@ partition::GridGeometry choose_geometry(const WorldSpec& spec, std::span<const B
     }
     const double radius = type.radius + type.joint_reach;
     sum += reach > 0 ? 1.001 * (reach + radius) : 16 * radius;
-    widths += 2 * radius;
-    widths2 += 4 * radius * radius;
-    width = std::max(width, 2 * radius);
+    widths[body.type.index()].width = 2 * radius;
+    widths[body.type.index()].bodies += 1;
     ++count;
   }
-  // The width of a body is the diameter of its enclosing circle. Cells are at least as wide as the mean width
-  // of the bodies, weighted by width, so that few bodies are listed in several cells. Cells are also at least
-  // an eighth as wide as the widest body, so that no body is listed in more than about a hundred cells. The
-  // factor 1 + 1e-9 covers the rounding of the sums: if all bodies have the same width, no body is wider than
-  // a cell.
-  const double own_width = widths > 0 ? (1 + 1e-9) * widths2 / widths : 0;
-  const double least = std::max({0.05, own_width, width / 8});
-  const double narrow = std::max(least, count > 0 ? sum / (8 * count) : 1.0);
+  const double wanted = count > 0 ? sum / (8 * count) : 1.0;
+  const double least = least_cell(std::move(widths), wanted);
+  const double narrow = std::max(least, wanted);
   double widening = 1;
   if (!places.empty()) {
     const Vec2 ground = expected_ground(spec, types, places).size();

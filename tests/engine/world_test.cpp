@@ -571,6 +571,34 @@ TEST(World, GivenTilesMakeNeitherHugeCellsNorHugeTables) {
   EXPECT_LE(scene.world({.threads = 1, .tile_size_m = 1e300}).geometry().tile_m(), 2048 * cell_m);
 }
 
+TEST(World, AFewWideBodiesDoNotWidenTheCells) {
+  const auto scene_with = [](int trucks, double truck_m) {
+    SceneBuilder scene;
+    const TypeId robot = scene.robot("robot", {box(0.1, 0.1)});
+    scene[robot].devices = {test::ranger("eye", {{.range_max = 2, .fov = radians(360), .samples = 8}})};
+    for (int i = 0; i < 2500; ++i)
+      scene.body(fmt::format("r{}", i), robot, {0.5 * (i % 50), 0.5 * (i / 50), 0, 0});
+    const TypeId truck = scene.robot("truck", {box(truck_m, 0.2)});
+    for (int i = 0; i < trucks; ++i) scene.body(fmt::format("t{}", i), truck, {12, 24.75 + 0.25 * i, 0, 0});
+    return scene;
+  };
+  const auto cell_m = [](const SceneBuilder& scene) { return scene.world({.threads = 1}).geometry().cell_m; };
+  const double of_robots = cell_m(scene_with(0, 1));
+  for (const double truck_m : {3.0, 10.0, 30.0, 300.0}) {
+    const SceneBuilder scene = scene_with(1, truck_m);
+    EXPECT_LT(cell_m(scene), 6 * of_robots) << truck_m;  // an eighth of the wider trucks is more
+    // Wide bodies that are not few still do.
+    EXPECT_GT(cell_m(scene_with(100, truck_m)), 0.99 * truck_m / 8);
+    const auto hash = [&](double tile_size_m) {
+      World world = scene.world({.threads = 1, .tile_size_m = tile_size_m});
+      for (int i = 0; i < 3; ++i) world.step();
+      return world.hashes().state;
+    };
+    const std::uint64_t expected = hash(0);
+    for (const double tile_size_m : {0.3, 5.0, 1e4}) EXPECT_EQ(hash(tile_size_m), expected) << truck_m;
+  }
+}
+
 #if defined(__SSE2__)
 TEST(World, AStepComputesAsPromisedInAThreadSwitchedToFastMaths) {
   const auto run = [] {

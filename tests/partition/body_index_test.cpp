@@ -136,6 +136,28 @@ TEST(BodyIndex, LeavesOutMostOfWhatIsFar) {
   EXPECT_LT(visited, 30u);
 }
 
+TEST(BodyIndex, SaysHowManyEntriesABodyCanHave) {
+  Parallel parallel(1);
+  Draw draw(1);
+  for (const double cell_m : {0.5, 1.0, 3.0})
+    for (const double radius : {0.1, 0.5, 0.6, 1.2, 7.4, 31.9, 33.0, 1e5}) {
+      const double most = BodyIndex::most_entries(radius * cell_m, cell_m);
+      std::size_t found = 0;
+      for (int i = 0; i < 100; ++i) {
+        const std::vector<Transform> places{Transform(Pose{draw.real(-50, 50), draw.real(-50, 50), 0, 0})};
+        const std::vector<double> radii{radius * cell_m};
+        BodyIndex index({cell_m, 4});
+        index.rebuild(places, radii, parallel);
+        std::size_t entries = 0;
+        index.for_each_run(Box::around(places[0].position, 40 * cell_m),
+                           [&](std::span<const BodyCircle> run) { entries += run.size(); });
+        found = std::max(found, entries);
+      }
+      EXPECT_EQ(static_cast<double>(found), most) << radius << " cells of " << cell_m << " m";
+      EXPECT_EQ(BodyIndex::is_huge(radius * cell_m, cell_m), radius > 32);
+    }
+}
+
 // A body that covers 10^14 cells has no entry in each of them; queries find it nevertheless.
 TEST(BodyIndex, FindsHugeBodiesWhateverTheirSize) {
   for (const unsigned threads : {1u, 3u}) {
