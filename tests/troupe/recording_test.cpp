@@ -297,6 +297,23 @@ TEST_F(RecordingTest, DevicesHaveTheNamesThatTheWorldGivesThem) {
   EXPECT_THAT(message_of<InputError>([&] { recorded("eyee"); }), HasSubstr("(did you mean \"eye\"?)"));
 }
 
+TEST_F(RecordingTest, NamesOfATypeWithoutBodiesSelectNothing) {
+  Simulation simulation(world_, {.robots = {{"r", 0}}});
+  const auto recorded = [&](const std::string& name) {
+    Recording(folder_ / "run.h5", simulation, {.fields = {name}, .replace = true}).close();
+    const RecordingReader recording(folder_ / "run.h5");
+    EXPECT_EQ(recording.frames(), 1u);
+    return recording.arrays().size();
+  };
+  for (const char* name : {"eye", "eye.ranges", "ranger/eye", "ranger", "ranger.ranges", "ranges", "wander",
+                           "wander/0", "wander/0.avoid_updates"})
+    EXPECT_EQ(recorded(name), 0u) << name;
+  EXPECT_THAT(message_of<InputError>([&] { recorded("eye.rangs"); }),
+              HasSubstr("unknown field \"eye.rangs\"; known: all, command, eye, pose, ranger, ranges, "));
+  EXPECT_THAT(message_of<InputError>([&] { recorded("sensors/bot/eye/ranges"); }),
+              HasSubstr("unknown field \"sensors/bot/eye/ranges\": write \"eye.ranges\" instead"));
+}
+
 TEST_F(RecordingTest, ReadingsOfSensorsThatDoNotRunAreNoNumbers) {
   write("resting.json", R"({"troupe": 1, "arena": {"size_m": [4, 4]},
     "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
