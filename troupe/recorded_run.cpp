@@ -53,7 +53,7 @@ struct RecordedRun::Impl {
   RecordingReader reader;
   RecordedScene world;
   std::optional<engine::Record> window;
-  std::map<std::pair<std::string_view, std::string_view>, const Array*> arrays;  // by component and field
+  std::map<std::pair<std::string_view, std::string_view>, const Array*> by_name;  // by component and field
   std::array<const Array*, 4> pose{};  // x, y, z, heading; z may be null
   const Array* stalled = nullptr;
   /// Per ranger, in the order of FrameScene::rangers: the array of its readings; null if they were not
@@ -75,7 +75,7 @@ struct RecordedRun::Impl {
       : reader(file), world(worldio::recorded_scene(reader)), window(worldio::recorded_window(reader)) {
     if (reader.frames() == 0) refuse("the recording has no frames to draw: record the run again");
     for (const Array& array : reader.arrays())
-      arrays.try_emplace({array.component, array.field.name}, &array);
+      by_name.try_emplace({array.component, array.field.name}, &array);
     pose = find_pose("pose");
     rows.assign(world.bodies.size(), k_none);
     type_rows.resize(world.types.size());
@@ -118,8 +118,8 @@ struct RecordedRun::Impl {
   }
 
   const Array* find(std::string_view component, std::string_view field) const {
-    const auto found = arrays.find({component, field});
-    return found == arrays.end() ? nullptr : found->second;
+    const auto found = by_name.find({component, field});
+    return found == by_name.end() ? nullptr : found->second;
   }
 
   /// Returns the arrays of a pose. An array without exactly one value per body, as damaged files may have it,

@@ -467,9 +467,9 @@ TEST_F(RecordingTest, BodiesHaveTheLooksOfTheRunInTheSameOrder) {
     step(simulation, recording, 3);
   }
   const auto looks = [](const engine::Frame& frame) {
-    std::vector<std::uint32_t> looks;
-    for (const engine::FrameBody& body : frame.mobile) looks.push_back(body.type);
-    return looks;
+    std::vector<std::uint32_t> types;
+    for (const engine::FrameBody& body : frame.mobile) types.push_back(body.type);
+    return types;
   };
   const std::vector<std::uint32_t> of_run = looks(simulation.world().frame());
   const auto n = static_cast<std::uint32_t>(simulation.world().types().size());
