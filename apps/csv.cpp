@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -33,7 +32,7 @@ CsvFile::CsvFile(const fs::path& file, std::string_view header, const std::optio
     fail(fmt::format("its first line is not \"{}\"", header));
   if (!start) fail("the checkpoint was saved by a run without this table");
   old.seekg(0);
-  for (std::array<char, 65536> piece; written_.bytes < start->bytes && old;) {
+  for (std::string piece(1 << 16, '\0'); written_.bytes < start->bytes && old;) {
     old.read(piece.data(), static_cast<std::streamsize>(
                                std::min<std::uint64_t>(start->bytes - written_.bytes, piece.size())));
     count({piece.data(), static_cast<std::size_t>(old.gcount())});

@@ -12,7 +12,8 @@ namespace troupe::apps {
 namespace {
 
 // A signal handler may set lock-free flags, remove a file and raise a signal, but not lock or allocate.
-std::atomic<bool> requested = false;
+std::atomic<bool> requested = false;  // whether SIGINT or SIGTERM has arrived
+std::atomic<bool> hung_up = false;    // whether SIGHUP has arrived
 std::atomic<bool> has_doomed = false;
 std::atomic<std::uint32_t> saves = 0;  // how often SIGUSR1 has arrived
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::uint32_t>::is_always_lock_free);
@@ -33,10 +34,16 @@ void stop_on_signals() {
   action.sa_handler = handle;
   action.sa_flags = SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  // When a terminal closes, the shell and the kernel may each send a SIGHUP. Only people send a second signal
+  // to end the program immediately.
+  action.sa_handler = [](int) { hung_up = true; };
+  struct sigaction started {};
+  sigaction(SIGHUP, nullptr, &started);
+  if (started.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);  // nohup ignores it
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-bool stop_requested() { return requested; }
+bool stop_requested() { return requested || hung_up; }
 
 void count_save_requests() {
   saves = 0;

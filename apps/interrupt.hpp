@@ -7,10 +7,12 @@ namespace troupe::apps {
 
 /// Installs the signal handlers of the program. The first Ctrl-C or SIGTERM only makes stop_requested()
 /// return true; runs then end after their current tick (simulation step). The second one ends the program
-/// immediately. SIGPIPE is ignored: if the reader of a pipe ends, writing to the pipe is an error, after
-/// which a run can still save its state.
+/// immediately. SIGHUP, which the program gets when its terminal is closed, also makes stop_requested()
+/// return true, but does not count as the first or second signal; if SIGHUP is ignored, as under nohup, it
+/// remains so. SIGPIPE is ignored: if the reader of a pipe ends, writing to the pipe is an error, after which
+/// a run can still save its state.
 void stop_on_signals();
-/// Whether Ctrl-C or SIGTERM has arrived since the start of the program.
+/// Whether Ctrl-C, SIGTERM or SIGHUP has arrived since the start of the program.
 bool stop_requested();
 /// Starts to count the signal SIGUSR1, with which users request a checkpoint (a file with the state of the
 /// run). Each call sets the count to 0. Before the first call, the signal ends the program.

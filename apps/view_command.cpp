@@ -49,7 +49,8 @@ as moving a robot, are written to the session file WORLD.session.jsonl (if it ex
 command troupe run WORLD --session WORLD.session.jsonl repeats the run with these actions, with the same bits. For a
 checkpoint, the command is troupe resume CHECKPOINT --session FILE. See docs/live.md.
 
-Exit codes: 0 ended by --for or the world's stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C or SIGTERM.
+Exit codes: 0 ended by --for or the world's stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C, SIGTERM or
+SIGHUP.
 
 Examples:
   troupe view worlds/cave-simple.json

@@ -25,7 +25,8 @@ struct ViewOptions : WorldOptions {
 void add_view_options(CLI::App& command, ViewOptions& options);
 /// `troupe view`: shows a world or a checkpoint (saved state of a run) in browsers. It ends on Ctrl-C, at the
 /// time of --for, or when a condition in the key `stop_when` of the world file holds. Returns k_stopped after
-/// Ctrl-C or SIGTERM, else k_finished. Throws InputError if the world cannot be loaded or an option is wrong.
+/// Ctrl-C, SIGTERM or SIGHUP, else k_finished. Throws InputError if the world cannot be loaded or an option
+/// is wrong.
 ExitCode view_world(const ViewOptions& options);
 
 }  // namespace troupe::apps

@@ -48,9 +48,12 @@ const StateField* field_of(const StateTable& table, std::string_view name) {
 
 std::set<std::string> value_names(const World& world) {
   std::set<std::string> names;
-  for (const StateTable& table : world.tables())
+  const auto add = [&names](const StateTable& table) {
     for (const StateField& field : table.fields())
       names.insert(fmt::format("{}.{}", engine::given_name(table.component()), field.name));
+  };
+  std::ranges::for_each(world.tables(), add);
+  std::ranges::for_each(world.unused_tables(), add);
   return names;
 }
 
@@ -113,6 +116,7 @@ Pose moved_by_joints(const World& world, Row row, const BodyType::Device& device
 }  // namespace
 
 Result<ChosenValue> find_value(const World& world, const std::string& name) {
+  const std::vector<StateTable> unused = world.unused_tables();
   for (ChosenValue& reading : readings_of(name)) {
     bool is_resting = true;
     for (const StateTable& table : world.tables()) {
@@ -122,9 +126,17 @@ Result<ChosenValue> find_value(const World& world, const std::string& name) {
       reading.text = with_unit(name, field->unit);
       is_resting = is_resting && engine::SensedRows(world, table).none_exists();
     }
-    if (reading.text.empty()) continue;
-    if (is_resting) reading.text += ": the sensor does not run";
-    return reading;
+    if (!reading.text.empty()) {
+      if (is_resting) reading.text += ": the sensor does not run";
+      return reading;
+    }
+    for (const StateTable& table : unused) {
+      const StateField* const field = field_of(table, reading.field);
+      if (!field || !has_name(table, reading.component)) continue;
+      if (reading.column >= field->columns) return no_such_column(reading, field->columns);
+      reading.text = fmt::format("{}: no robot has the value", with_unit(name, field->unit));
+      return reading;
+    }
   }
   if (const auto right = worldio::name_for_path(world, name))
     return Error{worldio::wrong_spelling("value", name, *right)};

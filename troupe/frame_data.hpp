@@ -25,7 +25,8 @@ namespace troupe {
 ///
 /// So `ranger/ir.ranges.3`, `ranger.ranges.3` and `ir.ranges.3` are names of the same value. If there is no
 /// such value, the error lists the known values. If only the column does not exist, the error states the
-/// columns of the field. If the value belongs to a sensor that runs on no robot, ChosenValue::text says so.
+/// columns of the field. If only types without bodies have the value, or if it belongs to a sensor that runs
+/// on no robot, ChosenValue::text says so.
 Result<ChosenValue> find_value(const engine::World& world, const std::string& name);
 /// Returns one number per body of Frame::mobile: the chosen value of the body. The number is NaN if the body
 /// does not have the value, or if the value is a reading of a sensor that does not run.

@@ -53,13 +53,15 @@ struct RecordedRun::Impl {
   RecordingReader reader;
   RecordedScene world;
   std::optional<engine::Record> window;
+  std::map<std::pair<std::string_view, std::string_view>, const Array*> by_name;  // by component and field
   std::array<const Array*, 4> pose{};  // x, y, z, heading; z may be null
   const Array* stalled = nullptr;
   /// Per ranger, in the order of FrameScene::rangers: the array of its readings; null if they were not
   /// recorded.
   std::vector<const Array*> readings;
-  std::vector<std::uint32_t> rows;         // per body id: its row in the recording, or k_none
-  std::vector<const Array*> shown_colors;  // per type; null if not recorded
+  std::vector<std::uint32_t> rows;                    // per body id: its row in the recording, or k_none
+  std::vector<std::vector<std::uint32_t>> type_rows;  // per type: the rows of its bodies in the recording
+  std::vector<const Array*> shown_colors;             // per type; null if not recorded
   /// Per type and part: the array of the colours that a device gives the part; null if not recorded.
   std::vector<std::vector<const Array*>> part_colors;
   /// Displacements of the joints of each type: per joint four arrays (x, y, z, heading). Empty for a type
@@ -72,20 +74,27 @@ struct RecordedRun::Impl {
   explicit Impl(const std::filesystem::path& file)
       : reader(file), world(worldio::recorded_scene(reader)), window(worldio::recorded_window(reader)) {
     if (reader.frames() == 0) refuse("the recording has no frames to draw: record the run again");
+    for (const Array& array : reader.arrays())
+      by_name.try_emplace({array.component, array.field.name}, &array);
     pose = find_pose("pose");
     rows.assign(world.bodies.size(), k_none);
-    for (std::size_t row = 0; row < reader.ids().size(); ++row)
-      rows[reader.ids()[row]] = static_cast<std::uint32_t>(row);
+    type_rows.resize(world.types.size());
+    for (std::uint32_t row = 0; row < reader.ids().size(); ++row) {
+      rows[reader.ids()[row]] = row;
+      type_rows[world.bodies[reader.ids()[row]].type].push_back(row);
+    }
     if (!pose[0] || !pose[1] || !pose[3])
       refuse(
           "the recording has no poses: record the run with pose in --record-fields (in C++ and Python: "
           "fields)");
     stalled = find("stall", "stalled");
-    for (const RecordedScene::Type& type : world.types) {
-      // If two types have the same name, recordings append "~2" to the second one. Hence type_name(), the
-      // name in /bodies/type, is used.
+    for (std::size_t t = 0; t < world.types.size(); ++t) {
+      const RecordedScene::Type& type = world.types[t];
+      // If two types have the same name, recordings append "~2" to the second one. Hence the name in
+      // /bodies/type is used.
+      const std::string name = type_rows[t].empty() ? "" : reader.types()[type_rows[t].front()];
       for (const RecordedScene::Ranger& ranger : type.rangers) {
-        const Array* ranges = find(fmt::format("sensors/{}/{}", type_name(type), ranger.name), "ranges");
+        const Array* ranges = find(fmt::format("sensors/{}/{}", name, ranger.name), "ranges");
         std::size_t beams = 0;
         for (const RecordedScene::Transducer& each : ranger.transducers) beams += each.beams;
         readings.push_back(ranges && ranges->field.columns == beams ? ranges : nullptr);
@@ -108,18 +117,9 @@ struct RecordedRun::Impl {
     throw InputError(fmt::format("{}: error: {}", reader.file().string(), message));
   }
 
-  /// Returns the name of a type as the dataset /bodies/type states it; empty if no recorded body has the
-  /// type.
-  std::string type_name(const RecordedScene::Type& type) const {
-    for (std::size_t row = 0; row < reader.ids().size(); ++row)
-      if (&world.types[world.bodies[reader.ids()[row]].type] == &type) return reader.types()[row];
-    return {};
-  }
-
   const Array* find(std::string_view component, std::string_view field) const {
-    for (const Array& array : reader.arrays())
-      if (array.component == component && array.field.name == field) return &array;
-    return nullptr;
+    const auto found = by_name.find({component, field});
+    return found == by_name.end() ? nullptr : found->second;
   }
 
   /// Returns the arrays of a pose. An array without exactly one value per body, as damaged files may have it,
@@ -189,68 +189,71 @@ struct RecordedRun::Impl {
     }
   }
 
-  /// Returns, for each row of the recording and each joint of a type, the motion in the body frame that takes
-  /// a part on this joint from its rest pose to its pose in the current frame. Empty if the joints were not
-  /// recorded.
-  std::vector<std::vector<engine::Mount>> mounts(std::size_t type) const {
-    std::vector<std::vector<engine::Mount>> mounts;
-    if (joints[type].empty()) return mounts;
-    mounts.resize(reader.ids().size());
-    for (std::size_t j = 0; j < joints[type].size(); ++j) {
-      const RecordedScene::Joint& joint = world.types[type].joints[j];
-      const Poses states(*this, joints[type][j]);
-      const engine::Mount at_rest(joint.pose_body_joint);
-      for (std::size_t row = 0; row < mounts.size(); ++row) {
-        const Pose state = states.of(row, 0);
-        const engine::Mount parent =
-            joint.parent < 0 ? engine::Mount() : mounts[row][static_cast<std::size_t>(joint.parent)];
-        const bool is_known = std::isfinite(state.x) && std::isfinite(state.heading);
-        mounts[row].push_back(
-            is_known ? compose(compose(compose(parent, at_rest), engine::Mount(state)), inverse(at_rest))
-                     : parent);
+  /// Returns, for each row of the recording and each joint of the row's type, the motion in the body frame
+  /// that takes a part on this joint from its rest pose to its pose in the current frame. Empty for types
+  /// whose joints were not recorded.
+  std::vector<std::vector<engine::Mount>> mounts() const {
+    std::map<const Array*, std::vector<double>> values;  // many types may share the arrays of a joint
+    const auto values_of = [&](const Array* array) -> const std::vector<double>& {
+      const auto [entry, is_new] = values.try_emplace(array);
+      if (is_new) entry->second = read(*array);
+      return entry->second;
+    };
+    std::vector<std::vector<engine::Mount>> mounts(reader.ids().size());
+    for (std::size_t type = 0; type < world.types.size(); ++type) {
+      for (std::size_t j = 0; j < joints[type].size(); ++j) {
+        const RecordedScene::Joint& joint = world.types[type].joints[j];
+        std::array<const std::vector<double>*, 4> q{};  // x, y, z, heading
+        for (std::size_t i = 0; i < q.size(); ++i) q[i] = &values_of(joints[type][j][i]);
+        const engine::Mount at_rest(joint.pose_body_joint);
+        for (const std::uint32_t row : type_rows[type]) {
+          const Pose state{(*q[0])[row], (*q[1])[row], (*q[2])[row], (*q[3])[row]};
+          const engine::Mount parent =
+              joint.parent < 0 ? engine::Mount() : mounts[row][static_cast<std::size_t>(joint.parent)];
+          // At rest, rounding could make the mount differ from that of the run (Links::move_to_joints()).
+          const bool is_moved = std::isfinite(state.x) && std::isfinite(state.heading) && state != Pose{};
+          mounts[row].push_back(
+              is_moved ? compose(compose(compose(parent, at_rest), engine::Mount(state)), inverse(at_rest))
+                       : parent);
+        }
       }
     }
     return mounts;
   }
 
-  /// The colours that devices give the parts of the bodies of a type in the current frame.
-  class PartColors {
-   public:
-    PartColors(const Impl& run, std::size_t type) : rows_(run.reader.ids().size()) {
-      for (const Array* array : run.part_colors[type]) {
-        values_.push_back(array ? run.read(*array) : std::vector<double>());
-        for (std::size_t r = 0; array && r < array->bodies.size(); ++r) rows_[array->bodies[r]] = r;
+  /// Returns, for each row of the recording, the colours that devices give the parts of its body in the
+  /// current frame: three numbers for each part of the type; -1: not known. Empty if no device gives a part a
+  /// colour.
+  std::vector<std::vector<double>> colors_of_parts() const {
+    std::vector<std::vector<double>> colors(reader.ids().size());
+    for (std::uint32_t type = 0; type < world.types.size(); ++type) {
+      for (std::size_t part = 0; part < part_colors[type].size(); ++part) {
+        const Array* const array = part_colors[type][part];
+        if (!array) continue;
+        const std::vector<double> shown = read(*array);
+        for (std::size_t r = 0; r < array->bodies.size(); ++r) {
+          const std::uint32_t row = array->bodies[r];
+          if (world.bodies[reader.ids()[row]].type != type) continue;
+          colors[row].resize(3 * part_colors[type].size(), -1);
+          for (std::size_t c = 0; c < 3; ++c)
+            if (std::isfinite(shown[3 * r + c])) colors[row][3 * part + c] = shown[3 * r + c];
+        }
       }
     }
-    bool empty() const {
-      return std::ranges::all_of(values_, [](const auto& values) { return values.empty(); });
-    }
-    /// The colours of all parts of the body with this row in the recording, three numbers each; -1: not
-    /// known.
-    std::vector<double> of(std::size_t row) const {
-      std::vector<double> colors;
-      for (const std::vector<double>& values : values_)
-        for (std::size_t c = 0; c < 3; ++c) {
-          const double value = values.empty() ? k_nan : values[3 * rows_[row] + c];
-          colors.push_back(std::isfinite(value) ? value : -1);  // NaN would have no place in an order
-        }
-      return colors;
-    }
-
-   private:
-    std::vector<std::vector<double>> values_;  // per part
-    std::vector<std::size_t> rows_;            // for each recorded row, its row in the arrays of its type
-  };
+    return colors;
+  }
 
   /// Returns the shapes of a body: those of its type at rest, moved by joints, and with the colours of parts.
-  /// parts: PartColors::of() the body; moved: its row of mounts(), empty at rest; own: colour of the body
+  /// parts: entry of the body in colors_of_parts(); moved: its entry in mounts(); own: colour of the body
   static engine::FrameType look_of(const RecordedScene::Type& at_rest, std::span<const double> parts,
                                    std::span<const engine::Mount> moved, const Color& own) {
     engine::FrameType look = at_rest.look;
     look.name = at_rest.name;
     for (std::size_t k = 0; k < look.shapes.size(); ++k) {
-      const std::span<const double> color = parts.subspan(3 * at_rest.shape_parts[k], 3);
-      if (color[0] >= 0) look.shapes[k].color = worldio::shown_color(color, own);
+      if (!parts.empty()) {
+        const std::span<const double> color = parts.subspan(3 * at_rest.shape_parts[k], 3);
+        if (color[0] >= 0) look.shapes[k].color = worldio::shown_color(color, own);
+      }
       if (moved.empty() || at_rest.shape_joints[k] < 0) continue;
       const engine::Mount& now = moved[static_cast<std::size_t>(at_rest.shape_joints[k])];
       Solid& solid = look.shapes[k].solid;
@@ -262,25 +265,25 @@ struct RecordedRun::Impl {
     return look;
   }
 
-  /// Replaces the type of each body whose joints were recorded, or whose parts show colours, by a new type.
-  /// Bodies of a type without recorded joints share the new type if their parts have the same colours.
+  /// Gives the bodies looks of their own (Frame::types) in the cases in which World::frame() does, and in the
+  /// same order, in which viewers draw them: bodies whose joints are not at rest, and bodies whose parts show
+  /// colours. Bodies of one type with joints at rest and the same colours share a look.
   void change_parts(Frame& shown) const {
-    for (std::uint32_t type = 0; type < world.types.size(); ++type) {
-      const auto moved = mounts(type);
-      const PartColors colors(*this, type);
-      if (moved.empty() && colors.empty()) continue;
-      std::map<std::vector<double>, std::uint32_t> looks;  // by the colours of the parts
-      for (engine::FrameBody& body : shown.mobile) {
-        if (body.type != type) continue;
-        const std::uint32_t row = rows[body.id];
-        const std::vector<double> parts = colors.of(row);
-        const auto next = static_cast<std::uint32_t>(world.types.size() + shown.types.size());
-        body.type = moved.empty() ? looks.try_emplace(parts, next).first->second : next;
-        if (body.type != next) continue;
-        shown.types.push_back(look_of(world.types[type], parts,
-                                      moved.empty() ? std::span<const engine::Mount>() : moved[row],
-                                      body.color));
+    const std::vector<std::vector<engine::Mount>> moved = mounts();
+    const std::vector<std::vector<double>> colors = colors_of_parts();
+    std::map<std::pair<std::uint32_t, std::vector<double>>, std::uint32_t> looks;  // by type and colours
+    for (engine::FrameBody& body : shown.mobile) {
+      const std::uint32_t row = rows[body.id];
+      const std::uint32_t type = body.type;
+      const auto next = static_cast<std::uint32_t>(world.types.size() + shown.types.size());
+      std::uint32_t look = next;
+      if (std::ranges::all_of(moved[row], engine::is_identity)) {
+        if (colors[row].empty()) continue;
+        look = looks.try_emplace({type, colors[row]}, next).first->second;
       }
+      body.type = look;
+      if (look == next)
+        shown.types.push_back(look_of(world.types[type], colors[row], moved[row], body.color));
     }
   }
 
@@ -309,9 +312,9 @@ struct RecordedRun::Impl {
 
   void add_scans(Frame& shown) const {
     const std::vector<std::uint32_t> places = places_in(shown);
+    const std::vector<std::vector<engine::Mount>> moved = mounts();
     std::size_t rangers = 0;  // so far
     for (std::size_t type = 0; type < world.types.size(); ++type) {
-      const auto moved = mounts(type);
       for (const RecordedScene::Ranger& ranger : world.types[type].rangers) {
         const std::size_t index = rangers++;
         if (!readings[index]) continue;
@@ -325,9 +328,10 @@ struct RecordedRun::Impl {
           // reading of a beam that begins on an edge.
           if (place == k_none || std::ranges::none_of(of_body, [](double range) { return range > 0; }))
             continue;
+          const std::vector<engine::Mount>& joints_of_body = moved[array.bodies[r]];
           Pose by_joint;
-          if (ranger.joint >= 0 && !moved.empty())
-            by_joint = moved[array.bodies[r]][static_cast<std::size_t>(ranger.joint)].pose();
+          if (ranger.joint >= 0 && static_cast<std::size_t>(ranger.joint) < joints_of_body.size())
+            by_joint = joints_of_body[static_cast<std::size_t>(ranger.joint)].pose();
           shown.scans.push_back({place, static_cast<std::uint32_t>(index), shown.ranges.size(), by_joint});
           for (const double range : of_body) shown.ranges.push_back(static_cast<float>(range));
         }

@@ -84,7 +84,7 @@ std::optional<std::string> read_file(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) return {};
   std::string text;
-  std::array<char, 1 << 16> chunk;
+  std::string chunk(1 << 16, '\0');  // not on the stack, which `ulimit -s` may limit
   while (in.read(chunk.data(), chunk.size()) || in.gcount() > 0)
     text.append(chunk.data(), static_cast<std::size_t>(in.gcount()));
   if (in.bad()) return {};

@@ -44,8 +44,8 @@ field stall.
 )";
 
 constexpr const char* k_examples = R"(
-Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C or SIGTERM; the
-files that exist then are complete.
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM or SIGHUP;
+the files that exist then are complete.
 
 Examples:
   troupe render worlds/cave-simple.json -o cave.png --camera perspective
@@ -56,7 +56,7 @@ Examples:
 
 /// Draws one picture for each time of the option --at, in order, or a single picture if --at is not given.
 /// take_at(time) returns the state at a simulated time, s; the time is not set if --at is not given. After
-/// Ctrl-C or SIGTERM the remaining pictures are not drawn.
+/// Ctrl-C, SIGTERM or SIGHUP the remaining pictures are not drawn.
 template <class TakeAt>
 void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_at) {
   const std::vector<fs::path> files = snapshot_files(options.pictures);
@@ -68,8 +68,8 @@ void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_a
   }
 }
 
-/// Steps the simulation until the simulated time `time_s`, s, or until Ctrl-C or SIGTERM arrives. Calls
-/// after_each() after each step.
+/// Steps the simulation until the simulated time `time_s`, s, or until Ctrl-C, SIGTERM or SIGHUP arrives.
+/// Calls after_each() after each step.
 void run_until(Simulation& simulation, double time_s, Progress& progress,
                const std::function<void()>& after_each) {
   while (simulation.tick() < engine::ticks_until(time_s, simulation.tick_s()) && !stop_requested()) {

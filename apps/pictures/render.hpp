@@ -23,7 +23,7 @@ struct RenderOptions : WorldOptions {
 /// Adds the options of `render`; parsing fills `options`, which must outlive `command`.
 void add_render_options(CLI::App& command, RenderOptions& options);
 /// `troupe render`: draws the requested pictures of a world, a checkpoint or a recording, and makes the
-/// requested film. Returns k_stopped after Ctrl-C or SIGTERM, else k_finished. Throws InputError or
+/// requested film. Returns k_stopped after Ctrl-C, SIGTERM or SIGHUP, else k_finished. Throws InputError or
 /// OutputError, for example if the input cannot be loaded or a picture cannot be written.
 ExitCode render_pictures(const RenderOptions& options);
 

@@ -60,8 +60,8 @@ uninterrupted run. Each checkpoint is written to a temporary file that then repl
 checkpoint exists even if the program is killed at any time. If the checkpoint file exists before the run, --force is
 required. On SIGUSR1 (kill -USR1), a run with --checkpoint saves the checkpoint after the current tick and goes on.
 
-Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM or
---wall-limit: the current tick was finished, and the summary and all files, including the checkpoint, were written.
+Exit codes: 0 finished; 1 failed; 2 bad input or usage, nothing written; 3 stopped early by Ctrl-C, SIGTERM, SIGHUP
+or --wall-limit: the current tick was finished, and the summary and all files, including the checkpoint, were written.
 )";
 
 constexpr const char* k_run_examples = R"(

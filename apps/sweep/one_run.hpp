@@ -24,8 +24,8 @@ struct MadeRun {
   SweepOutcome outcome;
   std::string series;  ///< the rows of the run in series.csv; empty if the study has no series
 };
-/// Makes one run and returns its results; std::nullopt if Ctrl-C or SIGTERM stopped the run. index: index of
-/// the run in the study. columns: names of the measures in the tables
+/// Makes one run and returns its results; std::nullopt if Ctrl-C, SIGTERM or SIGHUP stopped the run. index:
+/// index of the run in the study. columns: names of the measures in the tables
 std::optional<MadeRun> make_run(const worldio::Study& study, std::size_t index,
                                 const std::vector<std::string>& columns, const SweepOptions& options);
 

@@ -35,7 +35,7 @@ void add_sweep_options(CLI::App& command, SweepOptions& options);
 /// - Returns k_finished if all runs of this process are finished.
 /// - Returns k_failed if a run failed, if a table could not be written, or if results are missing in the
 ///   folder.
-/// - Returns k_stopped after Ctrl-C or SIGTERM.
+/// - Returns k_stopped after Ctrl-C, SIGTERM or SIGHUP.
 /// - Returns k_bad_input, after printing an error, if the output folder cannot be used.
 /// - Throws InputError for an invalid study or world, and std::runtime_error if a result cannot be written.
 ///

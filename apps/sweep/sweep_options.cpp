@@ -25,7 +25,7 @@ The process that finishes last writes the tables. Under mpirun or srun, all proc
   mpirun -n 8 troupe sweep study.json -o results
 
 Exit codes: 0 finished (with --part: this part); 1 runs failed, see the messages and the table's column `error`; 2 bad
-study or usage; 3 stopped by Ctrl-C or SIGTERM.
+study or usage; 3 stopped by Ctrl-C, SIGTERM or SIGHUP.
 
 Examples:
   troupe sweep apps/examples/study/coverage.json -o results

@@ -24,6 +24,11 @@ struct Mount {
   }
 };
 
+/// Whether a frame is the identity: its origin and its axes are those of the other frame.
+inline bool is_identity(const Mount& mount) {
+  return mount.transform.position == Vec2::Zero() && mount.z == 0 && mount.heading == 0;
+}
+
 /// Combines two frames: `a` is the frame B relative to a frame A, `b` is a frame C relative to B, and the
 /// result is C relative to A. The heading is not wrapped. If one argument is the identity, the result equals
 /// the other argument bit for bit, except that -0 may become 0.

@@ -389,6 +389,10 @@ class World {
     gather();
     return state_.tables;
   }
+  /// Returns the tables, without rows, that types without bodies would add to tables(): those of their
+  /// devices, joints, controllers and odometry. Their names and fields are valid in the world although no
+  /// body has them, for example because an option such as --robots has removed all bodies of the type.
+  std::vector<StateTable> unused_tables() const;
   /// Returns the index of the row's body in one of the tables(): the row itself if the table has entries for
   /// bodies of all types, otherwise the slot. The table must have an entry for the body. If it has none, the
   /// result is meaningless, and may be out of range; find_in() checks this.

@@ -294,6 +294,13 @@ void add_memory_tables(BodyType& type, const std::vector<BodyId>& bodies, std::v
   }
 }
 
+void add_type_tables(BodyType& type, const std::vector<BodyId>& bodies, std::vector<StateTable>& tables) {
+  add_joint_tables(type, bodies, tables);
+  add_odometry_table(type, bodies, tables);
+  add_device_tables(type, bodies, tables);
+  add_memory_tables(type, bodies, tables);
+}
+
 }  // namespace
 
 World::World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics)
@@ -497,16 +504,25 @@ void World::build_tables() {
   for (std::size_t t = 0; t < state_.types.size(); ++t) {
     if (bodies[t].empty()) continue;
     BodyType& type = state_.types[t];
-    add_joint_tables(type, bodies[t], state_.tables);
-    add_odometry_table(type, bodies[t], state_.tables);
-    add_device_tables(type, bodies[t], state_.tables);
-    add_memory_tables(type, bodies[t], state_.tables);
+    add_type_tables(type, bodies[t], state_.tables);
     for (const BodyType::Device& device : type.devices)
       effects += device.prepared.most_effects * bodies[t].size();
   }
   effects_.reserve(effects);
   state_.bind_view();
   start();
+}
+
+std::vector<StateTable> World::unused_tables() const {
+  std::vector<bool> is_used(state_.types.size(), false);
+  for (const BodySpec& body : state_.spec.bodies) is_used[body.type.index()] = true;
+  std::vector<StateTable> tables;
+  for (std::size_t t = 0; t < is_used.size(); ++t) {
+    if (is_used[t] || !state_.types[t].runs()) continue;
+    BodyType type = state_.types[t];  // a copy, because the members for indices of tables are set
+    add_type_tables(type, {}, tables);
+  }
+  return tables;
 }
 
 }  // namespace troupe::engine

@@ -93,12 +93,9 @@ Frame World::frame() const {
     const Color color = shown_color(state_.view, r, 0).value_or(body.color);
     frame.mobile.push_back(
         {body.type.value, poses()[r.index()], color, stalled(r), static_cast<std::uint32_t>(b)});
-    const auto has_moved = [](const Mount& joint) {
-      return joint.transform.position != Vec2::Zero() || joint.z != 0 || joint.heading != 0;
-    };
     const auto next = static_cast<std::uint32_t>(state_.types.size() + frame.types.size());
     std::uint32_t look = next;
-    if (type(r).joints.empty() || std::ranges::none_of(state_.mounts(r), has_moved)) {
+    if (type(r).joints.empty() || std::ranges::all_of(state_.mounts(r), is_identity)) {
       const std::vector<float> colors = colors_of_parts(state_.view, r);
       if (colors.empty()) continue;
       look = looks.try_emplace({body.type.value, colors}, next).first->second;

@@ -13,6 +13,7 @@ import difflib
 import io
 import math
 import os
+import shutil
 import sys
 import textwrap
 import warnings
@@ -286,6 +287,27 @@ def _literal(text: str) -> str:
     return text.replace("$", r"\$")
 
 
+def _write(file: str, content: bytes) -> None:
+    """Writes a file by way of a temporary file in the same folder. Raises OSError if this fails, for example because the
+    disk is full; a file that exists then keeps its content. A device or a pipe is written directly."""
+    file = os.path.realpath(file)  # a symbolic link remains
+    is_special = os.path.exists(file) and not os.path.isfile(file)
+    partial = file if is_special else f"{file}.{os.getpid()}.partial"
+    try:
+        with open(partial, "wb") as stream:
+            stream.write(content)
+        if is_special:
+            return
+        if os.path.exists(file):
+            open(file, "ab").close()  # fails if the file is write-protected
+            shutil.copymode(file, partial)
+        os.replace(partial, file)
+    except OSError:
+        if not is_special and os.path.exists(partial):
+            os.remove(partial)
+        raise
+
+
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
          title: Optional[str] = None, over: Optional[str] = None) -> str:
     """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter
@@ -296,7 +318,7 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     RuntimeWarning counts. Points of a single run have no band and no bar; if there are several lines, the legend states
     how many runs a point averages. Raises PlotError in the cases of these functions, if all means are infinite, if a
     value exceeds 1e300, if the name has another ending, if a formula in the title is invalid, and if the file cannot be
-    written; raises ImportError if matplotlib is missing."""
+    written; raises ImportError if matplotlib is missing. After an error, a file that existed is unchanged."""
     ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
     if over is None:
         measure, names, lines = series_by(folder, measure, by)
@@ -354,8 +376,10 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         axes.legend(frameon=False, title=None if most == 1 else title_of_legend)
     if title:
         axes.set_title("\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines()))
+    picture = io.BytesIO()
     try:
-        figure.savefig(file, dpi=150)
+        figure.savefig(picture, dpi=150, format=os.path.splitext(file)[1][1:])
+        _write(file, picture.getvalue())
     except OSError as error:
         into = os.path.dirname(file)
         reason = f"there is no folder {into}" if into and not os.path.exists(into) else error.strerror

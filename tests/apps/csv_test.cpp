@@ -2,6 +2,7 @@
 
 #include "apps/outputs.hpp"
 #include "tests/support/scratch.hpp"
+#include "tests/support/small_stack.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -110,6 +111,10 @@ TEST_F(GoneOnWith, KeepsTheStartAndDropsTheRest) {
   write("t.csv", before + "6,3\n12,0.");
   EXPECT_EQ(table(whole_), before + "7,0.5\n");
   EXPECT_EQ(table(CsvFile::Start()), "tick,a\n7,0.5\n");
+}
+
+TEST_F(GoneOnWith, IsReadOnASmallStack) {
+  test::on_small_stack([&] { EXPECT_EQ(CsvFile(file_, "tick,a", whole_).before(0), whole_); });
 }
 
 TEST_F(GoneOnWith, HasTheStartThatItHadWithoutABreak) {

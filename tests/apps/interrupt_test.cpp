@@ -7,20 +7,26 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <initializer_list>
 
 namespace troupe::apps {
 namespace {
 
 using Interrupt = test::ScratchTest;
 
-/// How a process ends that is sent so many signals: the number of the signal that ended it, 0 where none did.
-int end_after(int signals, int signal, const std::filesystem::path& doomed) {
+constexpr int k_not_requested = 100;  // greater than the number of any signal
+
+/// How a process ends that is sent these signals: the number of the signal that ended it; 0 if none did and a
+/// stop was requested, else k_not_requested. at_start: what SIGHUP does when the process starts
+int end_after(std::initializer_list<int> signals, const std::filesystem::path& doomed,
+              sighandler_t at_start = SIG_DFL) {
   const pid_t child = fork();
   if (child == 0) {
+    std::signal(SIGHUP, at_start);
     stop_on_signals();
     remove_when_killed(doomed);
-    for (int i = 0; i < signals; ++i) raise(signal);
-    _exit(stop_requested() ? 0 : 1);
+    for (const int signal : signals) raise(signal);
+    _exit(stop_requested() ? 0 : k_not_requested);
   }
   int status = 0;
   waitpid(child, &status, 0);
@@ -30,12 +36,23 @@ int end_after(int signals, int signal, const std::filesystem::path& doomed) {
 TEST_F(Interrupt, ASecondSignalEndsTheProgramAndRemovesWhatIsHalfWritten) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const std::filesystem::path film = write("film.mp4.partial.mp4", "half");
-    EXPECT_EQ(end_after(1, signal, film), 0);
+    EXPECT_EQ(end_after({signal}, film), 0);
     EXPECT_TRUE(std::filesystem::exists(film));
-    EXPECT_EQ(end_after(2, signal, film), signal);
+    EXPECT_EQ(end_after({signal, signal}, film), signal);
     EXPECT_FALSE(std::filesystem::exists(film));
-    EXPECT_EQ(end_after(2, signal, {}), signal);
+    EXPECT_EQ(end_after({signal, signal}, {}), signal);
   }
+}
+
+TEST_F(Interrupt, ClosedTerminalsRequestAStopHoweverManySignalsTheySend) {
+  EXPECT_EQ(end_after({}, {}), k_not_requested);
+  EXPECT_EQ(end_after({SIGHUP}, {}), 0);
+  EXPECT_EQ(end_after({SIGHUP, SIGHUP, SIGTERM, SIGHUP}, {}), 0);
+  EXPECT_EQ(end_after({SIGHUP, SIGTERM, SIGTERM}, {}), SIGTERM);
+}
+
+TEST_F(Interrupt, AHangUpThatIsIgnoredAtTheStartStaysIgnored) {
+  EXPECT_EQ(end_after({SIGHUP}, {}, SIG_IGN), k_not_requested);
 }
 
 }  // namespace

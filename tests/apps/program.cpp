@@ -72,6 +72,7 @@ int ProgramTest::start(const std::vector<std::string>& arguments, int out, int e
 
   const int process = fork();
   if (process == 0) {
+    std::signal(SIGHUP, SIG_DFL);  // the tests may run under nohup, which ignores it
     dup2(out, STDOUT_FILENO);
     dup2(err, STDERR_FILENO);
     if (limit) {

@@ -146,10 +146,12 @@ TEST_F(Resume, TellsOfThisPartOfTheRun) {
   EXPECT_THAT(text, HasSubstr("  resumed_at_tick    20\n"));
 }
 
-TEST_F(Resume, ATermSignalSavesTheState) {
+class ResumeAfterStop : public Resume, public ::testing::WithParamInterface<int> {};
+
+TEST_P(ResumeAfterStop, ASignalSavesTheState) {
   const Outcome stopped =
       troupe_until({"run", "room.world", "--for", "1e9", "--checkpoint", "c.h5", "--hash-log", "h.log"},
-                   "h.log", 40, SIGTERM);
+                   "h.log", 40, GetParam());
   EXPECT_EQ(stopped.code, 3) << stopped.err;
   EXPECT_THAT(stopped.out, HasSubstr("stopped early"));
   EXPECT_THAT(stopped.out, HasSubstr("  checkpoint         c.h5\n"));
@@ -160,6 +162,8 @@ TEST_F(Resume, ATermSignalSavesTheState) {
   EXPECT_GT(ticks("h.log").size(), before.size());
   EXPECT_EQ(ticks("h.log"), ticks("straight.log"));
 }
+
+INSTANTIATE_TEST_SUITE_P(Resume, ResumeAfterStop, ::testing::Values(SIGTERM, SIGHUP));
 
 /// On SIGUSR1 the run saves its checkpoint and goes on; the tests end it later.
 class ResumeAfterUsr1 : public Resume, public ::testing::WithParamInterface<std::string> {

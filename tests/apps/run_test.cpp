@@ -400,7 +400,7 @@ TEST_P(Signals, AreToldInTheJson) {
   EXPECT_TRUE(nlohmann::json::parse(outcome.out).at("stopped_early").get<bool>());
 }
 
-INSTANTIATE_TEST_SUITE_P(Run, Signals, ::testing::Values(SIGINT, SIGTERM));
+INSTANTIATE_TEST_SUITE_P(Run, Signals, ::testing::Values(SIGINT, SIGTERM, SIGHUP));
 
 TEST_F(Run, ProgressIsShownOnATerminalAndWipedOff) {
   // Held back, it takes 2.5 s on any machine.

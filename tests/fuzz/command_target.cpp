@@ -210,11 +210,13 @@ void run_command(std::string_view arguments) {
   static Scratch scratch;
   const auto on_interrupt = std::signal(SIGINT, SIG_DFL);
   const auto on_terminate = std::signal(SIGTERM, SIG_DFL);
+  const auto on_hangup = std::signal(SIGHUP, SIG_DFL);
   scratch.enter();
   const int code = run_program(arguments_of(arguments), limit);
   scratch.leave();
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_terminate);
+  std::signal(SIGHUP, on_hangup);
   if (code < 0 || code > 3) std::abort();
   if (scratch.has_partial()) std::abort();
   if (scratch.is_unchanged()) return;

@@ -5,6 +5,7 @@ import json
 import math
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import sys
@@ -477,6 +478,40 @@ class Plot(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", pathlib.Path(troupe.plot.__file__).read_text(), "--measure=x", "--",
                                str(self.folder)], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (2, 'troupe plot: error: unknown measure "x"; known: order\n'))
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_a_picture_that_cannot_be_written_leaves_the_old_one(self):
+        link = self.folder / "link.pdf"
+        link.symlink_to("order.pdf")
+        order = self.folder / "order.pdf"
+        order.write_text("old")
+        order.chmod(0o640)
+        before = sorted(self.folder.iterdir())
+        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))  # as on a full disk
+        try:
+            with self.assertRaises(troupe.plot.PlotError) as raised:
+                troupe.plot.draw(self.folder, out=link)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        self.assertEqual(str(raised.exception), f"{link}: error: cannot be written: File too large")
+        with self.assertRaisesRegex(troupe.plot.PlotError, "dollar signs"):
+            troupe.plot.draw(self.folder, title=r"$\nothing$", out=link)
+        self.assertEqual(order.read_text(), "old")
+        troupe.plot.draw(self.folder, out=link)
+        self.assertEqual(order.read_bytes()[:4], b"%PDF")
+        self.assertEqual(order.stat().st_mode & 0o777, 0o640)
+        self.assertTrue(link.is_symlink())
+        self.assertEqual(sorted(self.folder.iterdir()), before)
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_a_picture_is_written_into_a_pipe(self):
+        pipe = self.folder / "pipe.svg"
+        os.mkfifo(pipe)
+        with subprocess.Popen(["cat", pipe], stdout=subprocess.PIPE) as reader:
+            troupe.plot.draw(self.folder, out=pipe)
+            self.assertIn(b"<svg", reader.communicate()[0])
+        self.assertTrue(pipe.is_fifo())
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_a_point_of_one_run_has_no_deviation(self):

@@ -316,6 +316,25 @@ TEST_F(PicturesTest, TheLegendSaysThatASensorDoesNotRun) {
   }
 }
 
+TEST_F(PicturesTest, TheLegendSaysThatNoRobotHasAValue) {
+  world_ = write("idle.json", R"({"troupe": 1, "types": {
+    "cart": {"size_m": [0.4, 0.4, 0.2], "drive": {"kind": "diff"}},
+    "bot": {"extends": "cart", "sensors": [
+      {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 2}]}]}},
+    "models": [{"name": "r0", "type": "cart"}],
+    "populations": [{"name": "b", "type": "bot", "count": 0,
+                     "place": {"rule": "uniform", "region_m": [[1, 1], [2, 2]]}}]})");
+  Simulation simulation(world_);
+  simulation.step();
+  Pictures pictures(simulation, {.color_by = "eye.ranges"});
+  const std::filesystem::path file = folder_ / "colors.svg";
+  pictures.write(pictures.take(simulation), file.string());
+  EXPECT_THAT(content(file), HasSubstr("eye.ranges (m): no robot has the value"));
+  EXPECT_EQ(refusal({.color_by = "eye.ranges.1"}),
+            world_.string() + ": error: there is no column 1: \"eye.ranges\" has only the columns 0 to 0");
+  EXPECT_THAT(refusal({.color_by = "eye.rangs"}), HasSubstr("(did you mean \"eye.ranges\"?)"));
+}
+
 TEST_F(PicturesTest, WhatTheWorldHasNotIsNamed) {
   const std::string file = world_.string();
   EXPECT_EQ(refusal({.camera = "follow:missing"}), file + ": error: there is no model \"missing\" to follow");

@@ -1,6 +1,7 @@
 #include "troupe/recording.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/world/world.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/rogue_controllers.hpp"
 #include "tests/support/scratch.hpp"
@@ -297,6 +298,23 @@ TEST_F(RecordingTest, DevicesHaveTheNamesThatTheWorldGivesThem) {
   EXPECT_THAT(message_of<InputError>([&] { recorded("eyee"); }), HasSubstr("(did you mean \"eye\"?)"));
 }
 
+TEST_F(RecordingTest, NamesOfATypeWithoutBodiesSelectNothing) {
+  Simulation simulation(world_, {.robots = {{"r", 0}}});
+  const auto recorded = [&](const std::string& name) {
+    Recording(folder_ / "run.h5", simulation, {.fields = {name}, .replace = true}).close();
+    const RecordingReader recording(folder_ / "run.h5");
+    EXPECT_EQ(recording.frames(), 1u);
+    return recording.arrays().size();
+  };
+  for (const char* name : {"eye", "eye.ranges", "ranger/eye", "ranger", "ranger.ranges", "ranges", "wander",
+                           "wander/0", "wander/0.avoid_updates"})
+    EXPECT_EQ(recorded(name), 0u) << name;
+  EXPECT_THAT(message_of<InputError>([&] { recorded("eye.rangs"); }),
+              HasSubstr("unknown field \"eye.rangs\"; known: all, command, eye, pose, ranger, ranges, "));
+  EXPECT_THAT(message_of<InputError>([&] { recorded("sensors/bot/eye/ranges"); }),
+              HasSubstr("unknown field \"sensors/bot/eye/ranges\": write \"eye.ranges\" instead"));
+}
+
 TEST_F(RecordingTest, ReadingsOfSensorsThatDoNotRunAreNoNumbers) {
   write("resting.json", R"({"troupe": 1, "arena": {"size_m": [4, 4]},
     "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "sensors": [
@@ -423,6 +441,40 @@ TEST_F(RecordingTest, RowsOfTypesWithShorterFieldsEndInZeros) {
                                 : ::testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 0, 0, 0, 0, 0, 0,  //
                                                          9, 10, 11, 12, 13, 14, 15, 16));
   }
+}
+
+/// Viewers draw all bodies of one look at once, one look after the other.
+TEST_F(RecordingTest, BodiesHaveTheLooksOfTheRunInTheSameOrder) {
+  const auto world = write("looks.json", R"({"troupe": 1, "types": {
+    "open": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+             "devices": [{"kind": "gripper", "pose": {"x_m": 0.1, "y_m": 0.03, "heading_deg": 7}}]},
+    "closed": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+               "devices": [{"kind": "gripper", "paddles": "closed"}]},
+    "lifted": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+               "devices": [{"kind": "gripper", "lift": "up"}]},
+    "lit": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+            "parts": [{"name": "mast", "size_m": [0.1, 0.1, 0.1], "pose": {"z_m": 0.2},
+                       "devices": [{"kind": "led", "shows": [0, 1, 0]}]}]}},
+    "models": [{"name": "a", "type": "lit"},
+               {"name": "b", "type": "lifted", "pose": {"x_m": 1}},
+               {"name": "c", "type": "open", "pose": {"x_m": 2}},
+               {"name": "d", "type": "closed", "pose": {"x_m": 3}},
+               {"name": "e", "type": "lit", "pose": {"x_m": 4}},
+               {"name": "f", "type": "lifted", "pose": {"x_m": 5}}]})");
+  Simulation simulation(world);
+  {
+    Recording recording(folder_ / "run.h5", simulation);
+    step(simulation, recording, 3);
+  }
+  const auto looks = [](const engine::Frame& frame) {
+    std::vector<std::uint32_t> types;
+    for (const engine::FrameBody& body : frame.mobile) types.push_back(body.type);
+    return types;
+  };
+  const std::vector<std::uint32_t> of_run = looks(simulation.world().frame());
+  const auto n = static_cast<std::uint32_t>(simulation.world().types().size());
+  ASSERT_THAT(of_run, ::testing::ElementsAre(n, n + 1, ::testing::Lt(n), n + 2, n, n + 3));
+  EXPECT_EQ(looks(RecordedRun(folder_ / "run.h5").frame({})), of_run);
 }
 
 /// 8,600 arrays. HDF5 1.10 could not create the index of some of them when its cache was limited to 2 MiB.

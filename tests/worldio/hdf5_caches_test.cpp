@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,12 @@ class Hdf5Caches : public test::ScratchTest {
     EXPECT_LE(config.initial_size, config.max_size);
     return config.max_size;
   }
+  /// Size of the metadata that the cache contains.
+  static std::size_t bytes() {
+    std::size_t bytes = 0;
+    EXPECT_GE(H5Fget_mdc_size(handle(), nullptr, nullptr, &bytes, nullptr), 0);
+    return bytes;
+  }
 
   const std::filesystem::path file_ = folder_ / "a.h5";
 };
@@ -52,6 +59,28 @@ TEST_F(Hdf5Caches, OfMetadataAreBoundedInEveryWayToOpenAFile) {
     EXPECT_EQ(most_bytes(), k_most_bytes) << name;
     file.close();
   }
+}
+
+/// H5Fclose() would take a time proportional to the square of the number of datasets.
+TEST_F(Hdf5Caches, OfMetadataDoNotKeepClosedDatasets) {
+  constexpr int k_datasets = 6000;
+  Hdf5File file = Hdf5File::create(file_);
+  std::vector<Hdf5Dataset> datasets;
+  for (int i = 0; i < k_datasets; ++i)
+    datasets.push_back(
+        file.create_extendible(std::to_string(i), engine::Element::f64, {1}, {.extent = {16, 1}}));
+  file.start_swmr();
+  EXPECT_GT(most_bytes(), k_most_bytes);
+  const std::vector<double> row{7};
+  for (Hdf5Dataset& dataset : datasets) dataset.append(std::span<const double>(row));
+  file.flush();
+  datasets.clear();
+  EXPECT_GT(bytes(), k_most_bytes);
+  file.shrink_cache();
+  EXPECT_EQ(most_bytes(), k_most_bytes);
+  EXPECT_LE(bytes(), k_most_bytes);
+  file.close();
+  EXPECT_EQ(Hdf5File::open(file_).dataset("17").read<double>(), row);
 }
 
 }  // namespace

@@ -275,6 +275,9 @@ class Hdf5File : public Hdf5Group {
   /// Returns the present bytes of a file that create_in_memory() created. They begin with the user block,
   /// whose bytes are all 0.
   std::vector<std::byte> image();
+  /// Removes the metadata of closed datasets from the memory of HDF5. start_swmr() lets this memory grow with
+  /// the number of datasets. close() calls this function.
+  void shrink_cache();
   /// Writes the remaining data and closes the file. All datasets and groups of the file must have been
   /// destroyed before. Throws Hdf5Error if one of them still exists, or if writing or closing fails. Does
   /// nothing if the file is already closed, or after abandon().

@@ -76,6 +76,7 @@ void Hdf5File::start_swmr() { refuse(file_); }
 void Hdf5File::flush() { refuse(file_); }
 std::uint64_t Hdf5File::unused_bytes() const { refuse(file_); }
 std::vector<std::byte> Hdf5File::image() { refuse(file_); }
+void Hdf5File::shrink_cache() { refuse(file_); }
 void Hdf5File::close() { refuse(file_); }
 void Hdf5File::abandon() noexcept {}
 

@@ -179,15 +179,19 @@ std::vector<std::string> recordable_names(const World& world) {
   const auto add = [&names](std::string_view name) {
     if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
   };
-  for (const StateTable& table : world.tables())
-    if (table.group() == HashGroup::sensor)
-      for (const engine::StateField& field : table.fields()) add(field.name);
-    else
+  const auto add_names = [&add](std::span<const StateTable> tables) {
+    for (const StateTable& table : tables)
+      if (table.group() == HashGroup::sensor)
+        for (const engine::StateField& field : table.fields()) add(field.name);
+      else
+        add(std::string_view(table.component()).substr(0, table.component().find('/')));
+    for (const StateTable& table : tables) {
       add(std::string_view(table.component()).substr(0, table.component().find('/')));
-  for (const StateTable& table : world.tables()) {
-    add(std::string_view(table.component()).substr(0, table.component().find('/')));
-    add(engine::given_name(table.component()));
-  }
+      add(engine::given_name(table.component()));
+    }
+  };
+  add_names(world.tables());
+  add_names(world.unused_tables());
   return names;
 }
 
@@ -201,10 +205,10 @@ std::optional<std::string> name_for_path(const World& world, std::string_view na
     const std::string_view rest = name.substr(type.size() + 1);
     for (const BodyType::Device& device : world.types()[t].devices) {
       if (rest == device.name) return device.name;
-      if (device.table == 0 || !rest.starts_with(device.name)) continue;
+      if (!rest.starts_with(device.name)) continue;
       const char separator = rest[device.name.size()];
       const std::string_view field = rest.substr(device.name.size() + 1);
-      const std::span<const engine::StateField> fields = world.tables()[device.table].fields();
+      const std::vector<engine::StateField>& fields = device.prepared.percepts;
       if ((separator == '.' || separator == '/') &&
           std::ranges::find(fields, field.substr(0, field.find('.')), &engine::StateField::name) !=
               fields.end())
@@ -223,15 +227,19 @@ namespace {
 /// Throws std::invalid_argument if one of `names` selects nothing that can be recorded.
 void require_recordable(const World& world, std::span<const std::string> names) {
   const std::vector<std::string> known = recordable_names(world);
-  for (const std::string& name : names)
+  const std::vector<StateTable> unused = world.unused_tables();
+  for (const std::string& name : names) {
+    const auto is_chosen_from = [&name](const StateTable& table) {
+      return !chosen_fields(table, std::span(&name, 1)).empty();
+    };
     if (std::ranges::find(known, name) == known.end() &&
-        std::ranges::none_of(world.tables(), [&](const StateTable& table) {
-          return !chosen_fields(table, std::span(&name, 1)).empty();
-        })) {
+        std::ranges::none_of(world.tables(), is_chosen_from) &&
+        std::ranges::none_of(unused, is_chosen_from)) {
       if (const auto right = name_for_path(world, name))
         throw std::invalid_argument(wrong_spelling("field", name, *right));
       throw std::invalid_argument(unknown_name("field", name, {known.begin(), known.end()}));
     }
+  }
 }
 
 /// Sets RecordedComponent::has of a component whose tables lack bodies. recorded: rows of all bodies

@@ -77,7 +77,8 @@ std::vector<std::string> recorded_type_names(const engine::World& world);
 /// - devices ("eye").
 ///
 /// The option also accepts KIND/DEVICE ("ranger/eye") and NAME.FIELD ("eye.ranges"), where NAME is a
-/// component, kind, controller or device.
+/// component, kind, controller or device. The names include those of types without bodies
+/// (World::unused_tables()).
 std::vector<std::string> recordable_names(const engine::World& world);
 
 /// Converts the path that a device or a field of a device has in a recording to the name that the options
@@ -93,7 +94,8 @@ std::string wrong_spelling(std::string_view what, std::string_view name, std::st
 
 /// Returns the components and fields that `names` selects. Each name is one that `--record-fields` accepts
 /// (see recordable_names()). The result has first the components in /state, in the order of World::tables(),
-/// and then those in /sensors, in the order of the types.
+/// and then those in /sensors, in the order of the types. A name that only types without bodies have selects
+/// nothing.
 ///
 /// The name "pose" also selects the displacements of joints and the colours that devices show, because both
 /// are needed to draw bodies.

@@ -76,12 +76,10 @@ RecordingReader::RecordingReader(const std::filesystem::path& file)
   find_arrays(hdf5_.group("state"), "", all);
   if (hdf5_.has_group("sensors")) {
     const Hdf5Group sensors = hdf5_.group("sensors");
-    for (const std::string& type : sensors.names()) {
-      std::vector<std::uint32_t> of_type;
-      for (const std::uint32_t body : all)
-        if (types_[body] == type) of_type.push_back(body);
-      find_arrays(sensors.group(type), "sensors/" + type, of_type);
-    }
+    std::map<std::string_view, std::vector<std::uint32_t>> of_types;  // bodies by the name of their type
+    for (const std::uint32_t body : all) of_types[types_[body]].push_back(body);
+    for (const std::string& type : sensors.names())
+      find_arrays(sensors.group(type), "sensors/" + type, of_types[type]);
   }
   std::ranges::stable_sort(arrays_, {}, phase_order);
   read_frames();
