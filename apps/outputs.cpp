@@ -37,8 +37,11 @@ fs::file_status status_of(const fs::path& file, const fs::path& output) {
 /// Throws OutputError if the file cannot be written. Creates nothing.
 void check_output(const fs::path& file) {
   std::error_code ignored;
-  // A link to a file that does not exist yet may lead to a folder that does not exist or is not writable.
-  const fs::path target = fs::is_symlink(file, ignored) ? worldio::resolved_path(file) : file;
+  // A link to a file that does not exist yet may lead to a folder that does not exist or is not writable. If
+  // the file exists, the link need not be a path: /dev/stdout is a link to an open file, whose folder may
+  // have been removed, or may not exist in the container.
+  const bool leads_nowhere = fs::is_symlink(file, ignored) && !fs::exists(status_of(file, file));
+  const fs::path target = leads_nowhere ? worldio::resolved_path(file) : file;
   const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
   if (!fs::is_directory(status_of(folder, file)))
     refuse_output(file, fmt::format("there is no folder {}", folder.string()));

@@ -247,6 +247,16 @@ TEST_F(HostileUsage, LinksOfOutputsThatLeadNowhereAreRefusedBeforeTheRun) {
   }
 }
 
+// As in a container that does not contain the folder of the file into which standard output is redirected.
+TEST_F(HostileUsage, AnOutputMayBeAnOpenFileWhoseFolderDoesNotExist) {
+  ASSERT_EQ(shell("run room.world --for 0.3 --threads 1 --quiet --hash-log right.log"), 0);
+  EXPECT_EQ(
+      shell("--version >/dev/null; mkdir gone && exec 5>gone/run.log && rm -r gone && '" TROUPE_PROGRAM
+            "' run room.world --for 0.3 --threads 1 --quiet --hash-log /dev/fd/5 && cp /dev/fd/5 run.log"),
+      0);
+  EXPECT_EQ(read("run.log"), read("right.log"));
+}
+
 TEST_F(HostileUsage, AFolderMayEndInASlash) {
   EXPECT_EQ(troupe({"sweep", study("study.json"), "-o", "new/", "--quiet"}).code, 0);
   EXPECT_TRUE(fs::exists(path("new/table.csv")));
