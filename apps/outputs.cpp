@@ -217,7 +217,7 @@ worldio::Descriptor lock_output(const fs::path& file) {
   constexpr unsigned k_mode = 0666;  // permissions of a new file, before the umask
   std::error_code ignored;
   if (fs::is_other(file, ignored)) return {};
-  worldio::Descriptor lock(file, O_RDONLY | O_CREAT, k_mode);
+  worldio::Descriptor lock(file, O_WRONLY | O_CREAT, k_mode);  // NFS locks only files that are open to write
   if (lock.get() >= 0 && worldio::lock_file(lock.get()) == worldio::FileLock::held)
     refuse_output(file, "another process is writing the file: choose another file, or wait until it ends");
   return lock;
