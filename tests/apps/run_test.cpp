@@ -623,18 +623,21 @@ TEST_F(Run, AnOutputThatAnotherRunWritesStays) {
                                      {"--measures", "m.csv"},
                                      {"--events", "e.csv"},
                                      {"--profile", "p.json"}}) {
-    const std::vector<std::string> run = {"run", "room.world", "--for", "1", "--quiet", option, file};
+    std::vector<std::string> run = {"run", "room.world", "--for", "1", "--quiet", option, file};
+    if (option != "--hash-log") run.insert(run.end(), {"--hash-log", "run.log"});
     ASSERT_EQ(troupe(run).code, 0);
     const std::string whole = read(file);
+    const std::string log = read("run.log");
     const int other = open(path(file).c_str(), O_RDONLY | O_CLOEXEC);
     ASSERT_EQ(worldio::lock_file(other), worldio::FileLock::taken);
     const Outcome refused = troupe(run);
     close(other);
-    EXPECT_EQ(refused.code, 1);
+    EXPECT_EQ(refused.code, 2);
     EXPECT_EQ(refused.err,
               file +
                   ": error: cannot be written: another process is writing the file: choose another file, or "
                   "wait until it ends\n");
+    EXPECT_EQ(read("run.log"), log);
     EXPECT_EQ(read(file), whole);
     EXPECT_EQ(troupe(run).code, 0);
   }
