@@ -270,8 +270,7 @@ std::string goal_outside(const std::any& prepared, const Pose& origin, const Box
     if (!reached.contains(at))
       return fmt::format(
           "never reaches its goal {} (counted from 1): the goal is at ({:.4g}, {:.4g}) m, outside of the "
-          "bounds "
-          "of the world, ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m",
+          "bounds of the world, ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m",
           i + 1, at.x(), at.y(), bounds.min.x(), bounds.min.y(), bounds.max.x(), bounds.max.y());
   }
   return {};
