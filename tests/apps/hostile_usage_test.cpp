@@ -283,6 +283,8 @@ TEST_F(HostileUsage, TooFewThreadsAreAnErrorThatSaysSo) {
         HasSubstr("the system allows no further thread (raise the limits on threads and memory of this "
                   "process): Resource temporarily unavailable\n"));
   }
+  EXPECT_EQ(limited(k_no_thread, "view room.world --for 0.1 >/dev/null"), 1);
+  EXPECT_FALSE(fs::exists(path("room.session.jsonl")));
   EXPECT_EQ(limited(k_one_thread, "sweep study.json -o one --threads 2 --quiet"), 0) << read("err.txt");
   EXPECT_TRUE(fs::exists(path("one/table.csv")));
 }
