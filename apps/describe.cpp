@@ -381,8 +381,7 @@ void add_describe_options(CLI::App& command, DescribeOptions& options) {
     schema->excludes(command.get_option(other));
   command.footer(
       "\nA name of several keys, or of a kind and keys of its parameters, is separated by dots. A JSON "
-      "pointer, "
-      "as in errors, may\nalso be given.\n"
+      "pointer, as in errors, may\nalso be given.\n"
       "\nExamples:\n  troupe describe\n  troupe describe ranger\n  troupe describe populations\n"
       "  troupe describe populations.place\n  troupe describe ranger.transducers.samples\n"
       "  troupe describe /types/bot/sensors/0/range_m\n"

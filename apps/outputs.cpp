@@ -37,14 +37,30 @@ fs::file_status status_of(const fs::path& file, const fs::path& output) {
 /// Throws OutputError if the file cannot be written. Creates nothing.
 void check_output(const fs::path& file) {
   std::error_code ignored;
-  // A link to a file that does not exist yet may lead to a folder that does not exist or is not writable.
-  const fs::path target = fs::is_symlink(file, ignored) ? worldio::resolved_path(file) : file;
+  // A link to a file that does not exist yet may lead to a folder that does not exist or is not writable. If
+  // the file exists, the link need not be a path: /dev/stdout is a link to an open file, whose folder may
+  // have been removed, or may not exist in the container.
+  const bool leads_nowhere = fs::is_symlink(file, ignored) && !fs::exists(status_of(file, file));
+  const fs::path target = leads_nowhere ? worldio::resolved_path(file) : file;
   const fs::path folder = target.has_parent_path() ? target.parent_path() : ".";
   if (!fs::is_directory(status_of(folder, file)))
     refuse_output(file, fmt::format("there is no folder {}", folder.string()));
   if (fs::is_directory(status_of(file, file))) refuse_output(file, "it is a folder");
   const fs::path& written = fs::exists(file, ignored) ? file : folder;
   if (access(written.c_str(), W_OK) != 0) refuse_output(file, std::strerror(errno));
+}
+
+/// Opens and locks an output. flags: further flags of open(). Returns the descriptor that holds the lock; it
+/// is not open if the file is a device or a pipe, or cannot be opened. Throws OutputError if another process
+/// holds the lock.
+worldio::Descriptor locked(const fs::path& file, int flags) {
+  constexpr unsigned k_mode = 0666;  // permissions of a new file, before the umask
+  std::error_code ignored;
+  if (fs::is_other(file, ignored)) return {};
+  worldio::Descriptor lock(file, O_WRONLY | flags, k_mode);  // NFS locks only files that are open to write
+  if (lock.get() >= 0 && worldio::lock_file(lock.get()) == worldio::FileLock::held)
+    refuse_output(file, "another process is writing the file: choose another file, or wait until it ends");
+  return lock;
 }
 
 /// Whether `file` is a picture of a film that is written as one file per frame, such as frames/000012.png of
@@ -210,15 +226,9 @@ void write_output(const fs::path& file, std::initializer_list<std::string_view> 
   }
 }
 
-worldio::Descriptor lock_output(const fs::path& file) {
-  constexpr unsigned k_mode = 0666;  // permissions of a new file, before the umask
-  std::error_code ignored;
-  if (fs::is_other(file, ignored)) return {};
-  worldio::Descriptor lock(file, O_RDONLY | O_CREAT, k_mode);
-  if (lock.get() >= 0 && worldio::lock_file(lock.get()) == worldio::FileLock::held)
-    refuse_output(file, "another process is writing the file: choose another file, or wait until it ends");
-  return lock;
-}
+void check_unlocked(const fs::path& file) { static_cast<void>(locked(file, 0)); }
+
+worldio::Descriptor lock_output(const fs::path& file) { return locked(file, O_CREAT); }
 
 worldio::Descriptor open_output(std::ofstream& stream, const fs::path& file,
                                 std::optional<std::uintmax_t> kept) {
@@ -333,6 +343,7 @@ class HashLogOutput : public FileOutput<HashLogOutput> {
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
+    check_unlocked(file_);
     if (!simulation.resumed_at_tick())
       check_replaced(file_, {.name = "a hash log (--hash-log)", .mark = k_hash_log_mark});
     return opening(std::make_unique<HashLog>(file_, simulation));

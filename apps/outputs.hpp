@@ -36,6 +36,10 @@ void refuse_existing(const std::filesystem::path& file);
 /// Writes a file with worldio::write_whole(). Throws OutputError if it cannot be written.
 void write_output(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
 
+/// Throws OutputError if another process holds the lock of lock_output() on the file. A run calls it before
+/// it changes any output: after lock_output() has thrown, another output may already have been emptied.
+void check_unlocked(const std::filesystem::path& file);
+
 /// Locks an output before it is opened, so that no two processes write their lines into one file. Creates the
 /// file if it does not exist. Returns the descriptor that holds the lock; it is not open if the file is a
 /// device or a pipe, or cannot be opened. Throws OutputError if another process holds the lock.

@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -107,7 +108,12 @@ class Redirect {
     // In a session of its own, because Ctrl-C would otherwise also end a browser that xdg-open has started.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+    // This program ignores these signals. The browser and the programs that it starts must not inherit this.
+    sigset_t defaults{};
+    sigemptyset(&defaults);
+    for (const int signal : {SIGPIPE, SIGXFSZ}) sigaddset(&defaults, signal);
+    posix_spawnattr_setsigdefault(&attributes, &defaults);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGDEF);
     pid_t child = 0;
     const int error = posix_spawnp(&child, "xdg-open", nullptr, &attributes, words, environ);
     posix_spawnattr_destroy(&attributes);

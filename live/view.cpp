@@ -17,6 +17,7 @@
 #include <exception>
 #include <limits>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace troupe::live {
@@ -69,7 +70,13 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   // The session file is created after the server, so that no file is left if the address or the port is not
   // available.
   session_ = std::make_unique<SessionLog>(files_.folder(), simulation_);
-  connections_->start();
+  try {
+    connections_->start();
+  } catch (const std::runtime_error&) {  // for example, the system allows no further thread
+    std::error_code ignored;
+    fs::remove(session_->file(), ignored);
+    throw;
+  }
   // Last: if the constructor threw after this, the callbacks would refer to an object that does not exist.
   simulation_.before_step([this](Simulation&) { before_step(); });
   simulation_.before_tick([this](Simulation&) { before_tick(); });

@@ -240,7 +240,7 @@ void bind_state(SimulationClass& simulation) {
            "Returns a dict with the hash of the whole state (\"state\") and the hashes of four groups of it: "
            "\"pose\",\n\"velocity\", \"sensor\" and \"memory\" (docs/determinism.md).")
       .def(
-          "hash_log_header", [](const Holder& held) { return held->use().hash_log_header(); },
+          "hash_log_header", [](const Holder& held) { return decoded(held->use().hash_log_header()); },
           "Returns the first lines of a hash log (a file with the state hashes of every tick), `# key: "
           "value`, which state the\nversion of Troupe and the options of the run.")
       .def(

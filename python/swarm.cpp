@@ -238,19 +238,17 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            py::arg("where") = py::none(),
            "Sets the messages that the radios named `device` send in each tick from the next one on, until "
            "another command\nreplaces them. An empty name means the radio called `radio` or, if the first "
-           "robot "
-           "has no such radio, its first radio.\nmessage: a bytes, bytearray or memoryview object, which is "
-           "the "
-           "message of all robots, a list of one such\nobject per robot, or an array with one row per robot, "
-           "whose bytes are the message of the robot. command(device, mode=2)\nmakes radios silent. Raises "
-           "ValueError for a message of more bytes than the parameter `payload` of the radios allows.")
+           "robot has no such radio, its first radio.\nmessage: a bytes, bytearray or memoryview object, "
+           "which is the message of all robots, a list of one such\nobject per robot, or an array with one "
+           "row per robot, whose bytes are the message of the robot. command(device, mode=2)\nmakes radios "
+           "silent. Raises ValueError for a message of more bytes than the parameter `payload` of the radios "
+           "allows.")
       .def("heard", &heard, py::arg("dtype"), py::arg("device") = "",
            "The messages that the radios named `device` heard in the last tick, as two arrays of shape (n, "
            "most_heard): the messages\nas elements of the NumPy type `dtype`, and bools, True where there is "
            "a message of exactly the size of `dtype`. An empty\nname means the same radio as in say(). "
            "most_heard is a parameter of the radio. readings() returns the senders, ranges\nand bearings of "
-           "the "
-           "messages in the same order.")
+           "the messages in the same order.")
       .def("set_poses", &set_poses, py::arg("poses"), py::kw_only(), py::arg("where") = py::none(),
            "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If the pose of "
            "a selected robot is not\nfinite or outside the bounds of the world, or if another body carries "

@@ -12,6 +12,7 @@ import os
 import random
 import resource
 import shutil
+import signal
 import socket
 import struct
 import subprocess
@@ -103,11 +104,11 @@ class Steered(unittest.TestCase):
                           refused.stderr)
             self.assertEqual(refused.stdout.splitlines()[-1], "all")  # the last file of the folder
 
-    def test_the_browser_gets_no_socket_and_a_session_of_its_own(self):
+    def test_the_browser_gets_no_socket_no_ignored_signals_and_a_session_of_its_own(self):
         with tempfile.TemporaryDirectory() as folder:
             opener = Path(folder) / "xdg-open"
             opener.write_text(f"#!/bin/sh\nls -l /proc/$$/fd > {folder}/part\necho session $(cut -d ' ' -f 6 /proc/$$/stat) $$ >> {folder}/part\n"
-                              f"mv {folder}/part {folder}/opened\n")
+                              f"grep SigIgn /proc/$$/status >> {folder}/part\nmv {folder}/part {folder}/opened\n")
             opener.chmod(0o755)
             with View("--open", environment={"PATH": f"{folder}:{os.environ['PATH']}"}):
                 opened = Path(folder) / "opened"
@@ -116,8 +117,10 @@ class Steered(unittest.TestCase):
                     time.sleep(0.02)
                 said = opened.read_text()
         self.assertEqual([line for line in said.splitlines() if "socket:" in line and int(line.split(" -> ")[0].split()[-1]) > 2], [])
-        session, process = said.split("session")[1].split()
+        session, process = said.split("session")[1].split()[:2]
         self.assertEqual(session, process)
+        ignored = int(said.split("SigIgn:")[1], 16)
+        self.assertEqual([name for name in ("SIGPIPE", "SIGXFSZ") if ignored >> getattr(signal, name) - 1 & 1], [])
 
     def test_a_view_without_an_address_begins_no_session(self):
         with View() as view:

@@ -285,10 +285,13 @@ void Lint::check_supplies() {
                                device.prepared.percepts, {BodyId(0)}, device.prepared.percept_bytes);
       if (kind.start) kind.start(device.prepared.data, state, 0);
       if (!kind.is_spent(device.prepared.data, state, 0) || kind.energy(state, 0).capacity_j > 0) continue;
+      const std::string& type = world_.types()[t].name;
+      const std::string called = device.name.empty() ? device_text(kind.name, device.name, type)
+                                                     : fmt::format("\"{}\" of \"{}\"", device.name, type);
       diagnostics_.warning(spec_.types[t].devices[d].where,
-                           fmt::format("\"{}\" of \"{}\" can hold no energy: its capacity is 0 J, so "
-                                       "everything that it supplies is stopped for the whole run",
-                                       device.name, world_.types()[t].name));
+                           fmt::format("{} can hold no energy: its capacity is 0 J, so everything that it "
+                                       "supplies is stopped for the whole run",
+                                       called));
     }
 }
 
@@ -619,9 +622,8 @@ void Lint::check_radios() {
       if (name != channel)
         known += fmt::format("{}\"{}\"", known.empty() ? "; other channels: " : ", ", name);
     diagnostics_.warning(
-        radio.where,
-        fmt::format("radio \"{}\" of \"{}\" hears nothing: no other body has a radio on the channel \"{}\"{}",
-                    radio.name, world_.types()[t].name, channel, known));
+        radio.where, fmt::format("{} hears nothing: no other body has a radio on the channel \"{}\"{}",
+                                 device_text("radio", radio.name, world_.types()[t].name), channel, known));
   });
 }
 
@@ -638,8 +640,8 @@ void Lint::check_grippers() {
       if (device.kind->carries && held == own)
         diagnostics_.warning(
             spec_.types[t].devices[d].where,
-            fmt::format("{} \"{}\" of \"{}\" can hold nothing: no other body has \"gripper_return\"",
-                        device.kind->name, device.name, world_.types()[t].name));
+            fmt::format("{} can hold nothing: no other body has \"gripper_return\"",
+                        device_text(device.kind->name, device.name, world_.types()[t].name)));
     }
 }
 

@@ -311,7 +311,7 @@ std::span<const engine::StateField> Swarm::command_fields(std::string_view devic
 }
 
 std::vector<std::string_view> Swarm::devices_with_command(std::string_view field) const {
-  if (ids_.empty()) throw std::logic_error("a swarm without robots has no commands");
+  if (ids_.empty()) throw std::logic_error("a swarm without robots has no devices");
   std::vector<std::string_view> names;
   for (const engine::BodyType::Device& device : world_->type(row(0)).devices)
     if (index_of(device.prepared.commands, field) < device.prepared.commands.size())

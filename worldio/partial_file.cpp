@@ -42,13 +42,13 @@ bool is_called(int descriptor, const fs::path& name) {
 
 /// Returns the permissions with which a partial file is created, before the umask: no user may read it who
 /// may not read the file that it will replace.
-mode_t first_mode(std::optional<unsigned> replaced) {
-  return replaced ? (*replaced & k_new_mode) | S_IRUSR | S_IWUSR : k_new_mode;
+mode_t first_mode(const std::optional<FileRights>& replaced) {
+  return replaced ? (replaced->mode & k_new_mode) | S_IRUSR | S_IWUSR : k_new_mode;
 }
 
 /// Throws std::system_error if the system would not allow commit() to replace the existing file `file`. A run
 /// then fails before its first tick, and not at its end.
-void check_replaceable(const fs::path& file, const struct stat& replaced) {
+void check_replaceable(const fs::path& file, const FileRights& replaced) {
   struct statx mounted {};
   if (statx(AT_FDCWD, file.c_str(), 0, 0, &mounted) == 0 &&
       (mounted.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0)  // for example a single file of a container
@@ -57,7 +57,7 @@ void check_replaceable(const fs::path& file, const struct stat& replaced) {
   struct stat folder {};
   const uid_t user = geteuid();
   if (stat(file.has_parent_path() ? file.parent_path().c_str() : ".", &folder) == 0 &&
-      (folder.st_mode & S_ISVTX) != 0 && user != 0 && user != replaced.st_uid && user != folder.st_uid)
+      (folder.st_mode & S_ISVTX) != 0 && user != 0 && user != replaced.owner && user != folder.st_uid)
     throw std::system_error(EPERM, std::generic_category());
 }
 
@@ -68,18 +68,29 @@ bool is_regular(int descriptor) {
 
 }  // namespace
 
+std::optional<FileRights> rights_of(const fs::path& file) {
+  struct stat status {};
+  if (stat(file.c_str(), &status) != 0) return std::nullopt;
+  return FileRights{status.st_uid, status.st_gid, status.st_mode & ~static_cast<mode_t>(S_IFMT)};
+}
+
+void set_rights(int descriptor, const FileRights& rights) {
+  constexpr auto k_same = static_cast<uid_t>(-1);
+  [[maybe_unused]] const bool is_owned =
+      fchown(descriptor, rights.owner, rights.group) == 0 || fchown(descriptor, k_same, rights.group) == 0;
+  static_cast<void>(fchmod(descriptor, rights.mode));  // after fchown(), which may clear bits
+}
+
 PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::move(file)) {
   std::error_code ignored;
   if (fs::is_directory(file_, ignored))
     throw std::system_error(std::make_error_code(std::errc::is_a_directory));
   if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // commit() would replace it
     throw std::system_error(std::make_error_code(std::errc::not_supported));
-  if (struct stat status{}; stat(file_.c_str(), &status) == 0) {
-    mode_ = status.st_mode & ~static_cast<mode_t>(S_IFMT);
-    owner_ = status.st_uid;
-    group_ = status.st_gid;
+  replaced_ = rights_of(file_);
+  if (replaced_) {
     if (fs::is_symlink(file_, ignored)) file_ = fs::canonical(file_);
-    check_replaceable(file_, status);
+    check_replaceable(file_, *replaced_);
   }
   for (int n = 1; n <= k_most_writers; ++n) {
     const std::string number = n == 1 ? "" : fmt::format(".{}", n);
@@ -90,7 +101,7 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
     if (taken == Taken::yes) return;
     if (taken == Taken::no) continue;
     partial_ = called(fmt::format(".{}", getpid()));
-    descriptor_ = open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, first_mode(mode_));
+    descriptor_ = open(partial_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, first_mode(replaced_));
     if (descriptor_ >= 0) return;
     if (!is_of_the_name(errno)) check(-1);
   }
@@ -105,8 +116,8 @@ PartialFile::~PartialFile() {
 
 PartialFile::Taken PartialFile::take(const fs::path& partial) {
   for (;;) {
-    const int descriptor =
-        open(partial.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, first_mode(mode_));
+    const int descriptor = open(partial.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC,
+                                first_mode(replaced_));
     if (descriptor < 0) {
       if (!is_of_the_name(errno)) check(-1);
       return Taken::no;
@@ -163,12 +174,7 @@ void PartialFile::commit() {
   const int duplicate = dup(descriptor_);
   check(duplicate);
   check(close(duplicate));
-  if (mode_) {  // errors are ignored: only root can change owners, and some file systems have no permissions
-    constexpr auto k_same = static_cast<uid_t>(-1);
-    [[maybe_unused]] const bool is_owned =
-        fchown(descriptor_, owner_, group_) == 0 || fchown(descriptor_, k_same, group_) == 0;
-    static_cast<void>(fchmod(descriptor_, *mode_));
-  }
+  if (replaced_) set_rights(descriptor_, *replaced_);
   check(std::rename(partial_.c_str(), file_.c_str()));
   close(std::exchange(descriptor_, -1));
 }

@@ -8,6 +8,18 @@
 
 namespace troupe::worldio {
 
+/// The owner, the group and the permission bits of a file.
+struct FileRights {
+  unsigned owner = 0;
+  unsigned group = 0;
+  unsigned mode = 0;
+};
+/// Returns the rights of a file, or of the file to which a link points; nothing if it does not exist.
+std::optional<FileRights> rights_of(const std::filesystem::path& file);
+/// Gives an open file these rights, as far as the system allows it: only root can change the owner, other
+/// users can give a file only a group to which they belong, and some file systems have no permissions.
+void set_rights(int descriptor, const FileRights& rights);
+
 /// A file NAME that gets its name only when it is complete. Until then it has a temporary name in the same
 /// folder and is called the partial file. The temporary name is `NAME.partial`. If this name cannot be used,
 /// for example because another program is writing the same file, the next of the names `NAME.2.partial`,
@@ -65,9 +77,7 @@ class PartialFile {
 
   std::filesystem::path file_;
   std::filesystem::path partial_;
-  std::optional<unsigned> mode_;  // permission bits of the replaced file
-  unsigned owner_ = 0;            // of the replaced file
-  unsigned group_ = 0;            // of the replaced file
+  std::optional<FileRights> replaced_;  // of the file NAME, if it existed
   int descriptor_ = -1;
 };
 

@@ -230,6 +230,7 @@ class ProfileOutput : public FileOutput<ProfileOutput> {
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
+    check_unlocked(file_);
     check_replaced(file_, {.name = "a profile (--profile)", .mark = k_profile_mark});
     return [this, &simulation](Observers& observers) {
       observers.push_back(std::make_unique<Profile>(file_, simulation, limits_));

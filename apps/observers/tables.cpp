@@ -206,6 +206,7 @@ class MeasuresOutput : public FileOutput<MeasuresOutput> {
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
+    check_unlocked(file_);
     if (!simulation.resumed_at_tick())
       check_replaced(
           file_,
@@ -249,6 +250,7 @@ class EventsOutput : public FileOutput<EventsOutput> {
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
+    check_unlocked(file_);
     if (!simulation.resumed_at_tick())
       check_replaced(file_, {.name = "a table of events (--events)", .mark = k_events_mark});
     return opening(std::make_unique<EventsTable>(file_, simulation));

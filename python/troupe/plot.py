@@ -10,6 +10,7 @@ import argparse
 import bisect
 import csv
 import difflib
+import errno
 import io
 import math
 import os
@@ -17,7 +18,7 @@ import shutil
 import sys
 import textwrap
 import warnings
-from typing import Dict, List, Mapping, Optional, Sequence, Set, Tuple, Union
+from typing import Dict, List, Mapping, Optional, Sequence, Set, TextIO, Tuple, Union
 
 _File = Union[str, "os.PathLike[str]"]
 _Key = Tuple[str, ...]
@@ -392,6 +393,21 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     return file
 
 
+def _print(text: object, stream: Optional[TextIO]) -> str:
+    """Prints a line. Returns the reason if this fails, for example because the disk is full, or else an empty text."""
+    if stream is None:  # it was closed before Python began
+        return os.strerror(errno.EBADF)
+    try:
+        print(text, file=stream, flush=True)
+    except OSError as error:
+        # When Python ends, it writes the line again. This must not fail, because the exit code would then be 120.
+        nothing = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nothing, stream.fileno())
+        os.close(nothing)
+        return error.strerror or str(error)
+    return ""
+
+
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     os.environ["MPLBACKEND"] = "Agg"  # the import of matplotlib fails if the variable names an unknown backend
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -408,17 +424,20 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", RuntimeWarning)  # PYTHONWARNINGS may hide warnings, or make them errors
             file = draw(given.folder, given.measure, given.by, given.out, given.title, given.over)
-        for warning in caught:
-            print(warning.message, file=sys.stderr)
-        print(file)
     except PlotError as error:
         text = str(error)
-        print(text if not text.startswith("error:") else f"troupe plot: {text}", file=sys.stderr)
+        _print(text if not text.startswith("error:") else f"troupe plot: {text}", sys.stderr)
         return 2
     except ImportError as error:
-        print(f"troupe plot: error: {sys.executable} cannot import matplotlib: {error} (Debian, Ubuntu: apt install "
-              "python3-matplotlib; elsewhere: pip install matplotlib; the environment variable TROUPE_PYTHON selects "
-              "another python3)", file=sys.stderr)
+        _print(f"troupe plot: error: {sys.executable} cannot import matplotlib: {error} (Debian, Ubuntu: apt install "
+               "python3-matplotlib; elsewhere: pip install matplotlib; the environment variable TROUPE_PYTHON selects "
+               "another python3)", sys.stderr)
+        return 1
+    for warning in caught:
+        _print(warning.message, sys.stderr)
+    reason = _print(file, sys.stdout)
+    if reason:
+        _print(f"troupe plot: error: cannot write to standard output: {reason}", sys.stderr)
         return 1
     return 0
 

@@ -247,6 +247,16 @@ TEST_F(HostileUsage, LinksOfOutputsThatLeadNowhereAreRefusedBeforeTheRun) {
   }
 }
 
+// As in a container that does not contain the folder of the file into which standard output is redirected.
+TEST_F(HostileUsage, AnOutputMayBeAnOpenFileWhoseFolderDoesNotExist) {
+  ASSERT_EQ(shell("run room.world --for 0.3 --threads 1 --quiet --hash-log right.log"), 0);
+  EXPECT_EQ(
+      shell("--version >/dev/null; mkdir gone && exec 5>gone/run.log && rm -r gone && '" TROUPE_PROGRAM
+            "' run room.world --for 0.3 --threads 1 --quiet --hash-log /dev/fd/5 && cp /dev/fd/5 run.log"),
+      0);
+  EXPECT_EQ(read("run.log"), read("right.log"));
+}
+
 TEST_F(HostileUsage, AFolderMayEndInASlash) {
   EXPECT_EQ(troupe({"sweep", study("study.json"), "-o", "new/", "--quiet"}).code, 0);
   EXPECT_TRUE(fs::exists(path("new/table.csv")));
@@ -283,6 +293,8 @@ TEST_F(HostileUsage, TooFewThreadsAreAnErrorThatSaysSo) {
     EXPECT_EQ(exit_code, 1);
     expect_error();
   }
+  EXPECT_EQ(limited(k_no_thread, "view room.world --for 0.1 >/dev/null"), 1);
+  EXPECT_FALSE(fs::exists(path("room.session.jsonl")));
   EXPECT_EQ(limited(k_one_thread, "sweep study.json -o one --threads 2 --quiet"), 0) << read("err.txt");
   EXPECT_TRUE(fs::exists(path("one/table.csv")));
 }

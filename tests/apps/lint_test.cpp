@@ -684,6 +684,22 @@ TEST_F(LintTest, ReportsDrivesThatCannotStandStill) {
                                  "limits give a forward speed of 0.5 m/s")));
 }
 
+TEST_F(LintTest, NamesABodyThatIsItselfADeviceByItsType) {
+  EXPECT_THAT(
+      findings("own.json", R"({ "troupe": 1, "types": {
+    "mast": {"size_m": [0.2, 0.2, 1], "device": {"kind": "radio", "range_m": 5, "channel": "c"}},
+    "hand": {"device": {"kind": "gripper"}},
+    "cell": {"size_m": [0.2, 0.2, 0.2], "device": {"kind": "power_pack"}},
+    "eye": {"size_m": [0.2, 0.2, 0.2], "device": {"kind": "fiducial"}} },
+  "models": [{"name": "m", "type": "mast"}, {"name": "h", "type": "hand", "pose": {"x_m": 1}},
+             {"name": "c", "type": "cell", "pose": {"x_m": 2}}, {"name": "e", "type": "eye", "pose": {"x_m": 3}}] })"),
+      ElementsAre(
+          HasSubstr(":2: warning: radio of \"mast\" hears nothing: no other body has a radio on the channel"),
+          HasSubstr(":3: warning: gripper of \"hand\" can hold nothing: "),
+          HasSubstr(":4: warning: power_pack of \"cell\" can hold no energy: "),
+          HasSubstr(":5: warning: sensor \"eye\" sees nothing: "), "own.json: 4 findings"));
+}
+
 TEST_F(LintTest, ReportsPowerPacksThatCanHoldNoEnergy) {
   const auto world = [](const std::string& pack) {
     return R"({ "troupe": 1, "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},

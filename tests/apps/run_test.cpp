@@ -1,12 +1,14 @@
 #include "tests/apps/program.hpp"
 
 #include "apps/numbers.hpp"
+#include "apps/outputs.hpp"
 #include "partition/simd_target.hpp"
 #include "tests/support/slow_build.hpp"
 #include "worldio/file_lock.hpp"
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -621,21 +623,50 @@ TEST_F(Run, AnOutputThatAnotherRunWritesStays) {
                                      {"--measures", "m.csv"},
                                      {"--events", "e.csv"},
                                      {"--profile", "p.json"}}) {
-    const std::vector<std::string> run = {"run", "room.world", "--for", "1", "--quiet", option, file};
+    std::vector<std::string> run = {"run", "room.world", "--for", "1", "--quiet", option, file};
+    if (option != "--hash-log") run.insert(run.end(), {"--hash-log", "run.log"});
     ASSERT_EQ(troupe(run).code, 0);
     const std::string whole = read(file);
+    const std::string log = read("run.log");
     const int other = open(path(file).c_str(), O_RDONLY | O_CLOEXEC);
     ASSERT_EQ(worldio::lock_file(other), worldio::FileLock::taken);
     const Outcome refused = troupe(run);
     close(other);
-    EXPECT_EQ(refused.code, 1);
+    EXPECT_EQ(refused.code, 2);
     EXPECT_EQ(refused.err,
               file +
                   ": error: cannot be written: another process is writing the file: choose another file, or "
                   "wait until it ends\n");
+    EXPECT_EQ(read("run.log"), log);
     EXPECT_EQ(read(file), whole);
     EXPECT_EQ(troupe(run).code, 0);
   }
+}
+
+// A lock needs no right to read.
+TEST_F(Run, AnOutputThatMayOnlyBeWrittenIsLocked) {
+  write("m.csv", "time_s\n");
+  const int other = open(path("m.csv").c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_EQ(worldio::lock_file(other), worldio::FileLock::taken);
+  std::filesystem::permissions(path("m.csv"), std::filesystem::perms(0222));
+  std::filesystem::permissions(path(""), std::filesystem::perms(0755));
+  constexpr uid_t k_user = 65534;
+  constexpr int k_unlocked = 1, k_locked = 2;
+  const pid_t child = fork();
+  if (child == 0) {
+    if (geteuid() == 0 && setuid(k_user) != 0) _exit(0);  // root may read all files
+    try {
+      static_cast<void>(lock_output(path("m.csv")));
+      _exit(k_unlocked);
+    } catch (const OutputError&) {
+      _exit(k_locked);
+    }
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  close(other);
+  if (WEXITSTATUS(status) == 0) GTEST_SKIP() << "root cannot become another user here";
+  EXPECT_EQ(WEXITSTATUS(status), k_locked);
 }
 
 TEST_F(Run, TooLittleMemoryIsAnErrorThatSaysSo) {

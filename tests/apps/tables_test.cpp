@@ -344,8 +344,7 @@ TEST_F(Tables, ThatCannotGoOnAreRefusedAndLeftAsTheyAre) {
       ElementsAre(
           "m.csv: error: this table cannot be continued: when the checkpoint was saved, \"coverage\" was not "
           "computed, or with other robots, parameters or bounds: repeat the --measure options of the run "
-          "that wrote "
-          "the table, or give --measures a new file"));
+          "that wrote the table, or give --measures a new file"));
   outcome = with({"order"});
   EXPECT_EQ(outcome.code, 2);
   EXPECT_EQ(

@@ -61,6 +61,7 @@ class Loading(InAFolder):
         self.assertEqual(simulation.title, name[:-len(".json")])
         self.assertEqual(repr(simulation), f'<Simulation "{simulation.title}": 2 robots, 0 s>')
         self.assertEqual([warning[:len(name)] for warning in simulation.warnings], [name])
+        self.assertIn(f"\n# world: {name}\n", simulation.hash_log_header())
 
     # In a Turkish locale, the capital of i is not I.
     def test_names_of_colours_do_not_depend_on_the_locale(self):

@@ -105,9 +105,12 @@ class Devices(unittest.TestCase):
                 np.testing.assert_array_equal(given, there)
             self.assertTrue(swarm.heard("S5")[1].any())
         silent = troupe.Simulation({**TALKERS, "types": {"bot": {**TALKERS["types"]["bot"], "sensors": []}}}).swarm()
-        for use in (lambda: silent.say(b"hello"), lambda: silent.heard("S5")):
-            with self.assertRaisesRegex(LookupError, 'unknown device .*"radio"'):
-                use()
+        empty = troupe.Simulation(TALKERS, robots={"r": 0}).swarm("r")
+        for swarm, error, text in ((silent, LookupError, 'unknown device .*"radio"'),
+                                   (empty, RuntimeError, "a swarm without robots has no devices")):
+            for use in (lambda: swarm.say(b"hello"), lambda: swarm.heard("S5")):
+                with self.assertRaisesRegex(error, text):
+                    use()
 
     def test_what_is_wrong_changes_nothing(self):
         for error, text, call in (

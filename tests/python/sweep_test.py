@@ -459,6 +459,26 @@ class Plot(unittest.TestCase):
                 self.assertEqual(done.stdout, os.fsencode(folder / "order.png") + b"\n")
                 self.assertIn(b"table.csv: warning: 1 of 5 runs failed and are not in the plot; run 4: failed\n", done.stderr)
 
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_messages_that_cannot_be_printed_are_lost(self):
+        (self.folder / "table.csv").write_text(TABLE + "4,10,3,0,nan,nan,,,failed\n")
+        (self.folder / "series.csv").write_text(SERIES)
+        none = self.folder / "none"
+        lost = b"troupe plot: error: cannot write to standard output: "
+        for redirected, folder, code, out, err in (
+            ("2>/dev/full", self.folder, 0, os.fsencode(self.folder / "order.png") + b"\n", b""),
+            ("2>/dev/full", none, 2, b"", b""),
+            ("2>&-", none, 2, b"", b""),
+            (">/dev/full", self.folder, 1, b"", lost + b"No space left on device\n"),
+            (">&-", self.folder, 1, b"", lost + b"Bad file descriptor\n"),
+        ):
+            with self.subTest(redirected, code=code):
+                done = subprocess.run(["sh", "-c", f'exec "$@" {redirected}', "sh", sys.executable, troupe.plot.__file__, folder],
+                                      capture_output=True)
+                self.assertEqual((done.returncode, done.stdout), (code, out), done.stderr)
+                self.assertTrue(done.stderr.endswith(err), done.stderr)
+                self.assertNotIn(b"Traceback", done.stderr)
+
     def test_a_link_to_a_table_is_not_replaced(self):
         (self.folder / "link.png").symlink_to("table.csv")
         with self.assertRaisesRegex(troupe.plot.PlotError, "link.png: error: cannot be written: it is a table of the sweep"):

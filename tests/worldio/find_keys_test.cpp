@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::worldio {
@@ -118,6 +119,17 @@ TEST(FindKeys, KeysOfParametersFollowTheirKind) {
   expect_found(registry().drives);
   expect_found(registry().controllers);
   EXPECT_GT(nested, 5u);
+}
+
+TEST(FindKeys, ParametersOfAPresetHaveItsDefaults) {
+  const auto usual = [](std::string_view name) {
+    const std::vector<FoundKey> found = find_keys(registry(), name);
+    return found.size() == 1 ? found.front().row.usual : std::to_string(found.size()) + " keys";
+  };
+  EXPECT_EQ(usual("expand.speed"), "0.3 m/s");
+  EXPECT_EQ(usual("expand_pioneer.speed"), "0.2 m/s");
+  EXPECT_EQ(usual("expand_swarm.speed"), "0.3 m/s") << "the preset does not change it";
+  EXPECT_EQ(usual("expand_pioneer.clearances"), "[0, 0.1875, 0.375, 0.75, 0.75, 0.375, 0.1875] m");
 }
 
 TEST(FindKeys, KeysWithTheSameDescriptionHaveSeveralPaths) {

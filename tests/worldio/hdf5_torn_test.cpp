@@ -67,8 +67,7 @@ void put_number(std::string& file, std::size_t at, std::uint64_t value, std::siz
 /// Puts an object header, whose only message is a layout, at the start of a file. The layout refers to the
 /// header of an extensible array, which follows.
 /// numbers  element size, bits of an index, elements in the index block, least elements of a data block,
-/// least
-///          addresses of a super block, bits of the number of elements of a page
+///          least addresses of a super block, bits of the number of elements of a page
 void put_array(std::string& file, const std::array<std::uint8_t, 6>& numbers, std::uint64_t index_block) {
   constexpr std::size_t k_array = 64;
   put(file, 0, std::string_view("OHDR\x02\x00\x17", 7));          // the messages have 23 bytes

@@ -1,5 +1,5 @@
-// Threads take turns inside HDF5's library. A library that was built thread-safe would hide an error in
-// this.  The H5Dwrite of this program therefore replaces that of the library, and counts the calls.
+// Threads take turns inside HDF5's library. A library that was built thread-safe would hide an error in this.
+// The H5Dwrite of this program therefore replaces that of the library, and counts the calls.
 
 #ifdef TROUPE_HAS_HDF5
 

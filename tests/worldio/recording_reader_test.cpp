@@ -9,14 +9,18 @@
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <grp.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
+#include <exception>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -198,16 +202,23 @@ TEST_F(Reader, RepairCutsToTheFramesOfWhichItIsKnownWhoIsThere) {
   EXPECT_EQ(Hdf5File::open(file_).group("state").dataset("alive").rows(), 2u);
 }
 
-TEST_F(Reader, RepairRemovesUnusedSpace) {
-  RecordingByHand().write(file_);
-  const std::uintmax_t size = fs::file_size(file_);
-  {
+class Repaired : public Reader {
+ protected:
+  /// Writes a recording whose repair removes unused space. Returns the size of the file without this space.
+  std::uintmax_t write_with_unused_space() const {
+    RecordingByHand().write(file_);
+    const std::uintmax_t size = fs::file_size(file_);
     Hdf5File file = Hdf5File::open_to_write(file_);
     Hdf5Dataset removed = file.create_extendible("removed", Element::u64, {}, {.extent = {1 << 18}});
     removed.append(std::span<const std::uint64_t>(std::vector<std::uint64_t>(1 << 18)));  // 2 MiB
     file.write("last", std::span<const double>(std::vector<double>(100)));
     removed.resize(0);
+    return size;
   }
+};
+
+TEST_F(Repaired, HasNoUnusedSpace) {
+  const std::uintmax_t size = write_with_unused_space();
   EXPECT_GT(fs::file_size(file_), size + (2 << 20));
   constexpr uid_t k_owner = 1234;
   const bool is_owned = chown(file_.c_str(), k_owner, k_owner) == 0;  // only root can change the owner
@@ -221,6 +232,48 @@ TEST_F(Reader, RepairRemovesUnusedSpace) {
   EXPECT_THAT(RecordingReader(file_).ticks(), ElementsAre(0, 2, 4));
   EXPECT_FALSE(repair_recording(file_).needed);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+// A user who may not give a file to its owner can nevertheless keep its group, which may have rights to it.
+TEST_F(Repaired, KeepsTheGroupIfNotTheOwner) {
+  write_with_unused_space();
+  constexpr uid_t k_owner = 1234;
+  constexpr gid_t k_group = 2345;
+  constexpr uid_t k_user = 3456;
+  if (chown(file_.c_str(), k_owner, k_group) != 0) GTEST_SKIP() << "only root can change the owner";
+  fs::permissions(file_, fs::perms(0660));
+  fs::permissions(folder_, fs::perms(0777));
+  const pid_t child = fork();
+  if (child == 0) {
+    const bool is_user = setgroups(1, &k_group) == 0 && setgid(k_user) == 0 && setuid(k_user) == 0;
+    try {
+      _exit(is_user && repair_recording(file_).needed ? 0 : 1);
+    } catch (const std::exception&) {
+      _exit(2);
+    }
+  }
+  int ended = 0;
+  waitpid(child, &ended, 0);
+  ASSERT_EQ(ended, 0);
+  struct stat status {};
+  ASSERT_EQ(stat(file_.c_str(), &status), 0);
+  EXPECT_EQ(status.st_uid, k_user);
+  EXPECT_EQ(status.st_gid, k_group);
+  EXPECT_EQ(status.st_mode & 0777, 0660u);
+}
+
+TEST_F(Repaired, IsNotWrittenThroughALink) {
+  const fs::path other = write("other", "of another user");
+  for (const char* name : {"run.h5.partial.copy", "run.h5.partial.copy.packed", "run.h5.partial.packed"})
+    fs::create_symlink(other, folder_ / name);
+  write_with_unused_space();
+  EXPECT_TRUE(remove_unused_space(file_));
+  EXPECT_FALSE(fs::is_symlink(file_));
+  write_with_unused_space();
+  EXPECT_TRUE(repair_recording(file_).needed);
+  EXPECT_FALSE(fs::is_symlink(file_));
+  EXPECT_THAT(RecordingReader(file_).ticks(), ElementsAre(0, 2, 4));
+  EXPECT_EQ(content(other), "of another user");
 }
 
 }  // namespace

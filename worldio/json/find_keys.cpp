@@ -37,6 +37,8 @@ struct Key {
   const DocumentKey* key = nullptr;
   const Field* field = nullptr;  ///< the field of a table of fields, or the parameter of a kind
   std::string_view kind = {};    ///< as in Objects
+  /// The preset by whose name the key was found; null if it was found by another name.
+  const engine::Registry::Preset* preset = nullptr;
 
   const Field& name() const { return key != nullptr ? key->field : *field; }
   /// Whether the value has entries, each of which has a name or an index.
@@ -145,7 +147,8 @@ class Keys {
   /// Returns the parameters of the kind or preset `kind`, and the keys of the objects in their values. If
   /// `names` is not empty, only those to which the names refer; they may leave out the keys of outer objects.
   std::vector<Key> of_kind(std::string_view kind, std::span<const std::string_view> names = {}) const {
-    if (const engine::Registry::Preset* preset = registry_.preset(kind)) kind = preset->kind;
+    const engine::Registry::Preset* const preset = registry_.preset(kind);
+    if (preset != nullptr) kind = preset->kind;
     std::vector<Key> found;
     for (const Objects& objects : sorts_)
       if (names.empty())
@@ -153,6 +156,7 @@ class Keys {
       else
         find(objects, names, false, found);
     std::erase_if(found, [kind](const Key& key) { return key.kind != kind; });
+    for (Key& key : found) key.preset = preset;
     return found;
   }
 
@@ -175,7 +179,12 @@ class Keys {
 
  private:
   KeyRow row_of(const Key& key) const {
-    return key.key != nullptr ? key_row(*key.table, *key.key, registry_) : key_row(*key.field);
+    if (key.key != nullptr) return key_row(*key.table, *key.key, registry_);
+    Field field = *key.field;
+    if (key.preset != nullptr)
+      for (const auto& [name, value] : key.preset->params)
+        if (&registry_.controller(key.kind)->params.at(name) == key.field) field.fallback = value;
+    return key_row(field);
   }
   /// Parts can contain parts, so that only the first place of each struct is listed. Tables of fields, such
   /// as that of poses, do not contain each other.

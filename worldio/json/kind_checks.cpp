@@ -116,8 +116,7 @@ Result<> check_kinds(const engine::Registry& registry) {
     for (const auto& [name, value] : preset.params)
       if (all && kind->params.find(name) < 0)
         all = Error{fmt::format(
-            "the preset \"{}\" sets the parameter \"{}\", which its kind \"{}\" does not "
-            "have: {}",
+            "the preset \"{}\" sets the parameter \"{}\", which its kind \"{}\" does not have: {}",
             preset.name, name, preset.kind, unknown_name("parameter", name, name_list(kind->params.fields)))};
   }
   check("device", registry.devices);

@@ -60,13 +60,10 @@ bool is_even(const Hdf5File& recording, std::size_t frames) {
   });
 }
 
-/// Gives the file `to` the owner, the group and the permission bits of the file `from`, as far as the system
+/// Gives an open file the owner, the group and the permission bits of the file `from`, as far as the system
 /// allows it.
-void copy_rights(const fs::path& from, const fs::path& to) {
-  struct stat status {};
-  if (stat(from.c_str(), &status) != 0) return;
-  [[maybe_unused]] const bool is_owned = chown(to.c_str(), status.st_uid, status.st_gid) == 0;
-  static_cast<void>(chmod(to.c_str(), status.st_mode & ~static_cast<mode_t>(S_IFMT)));
+void copy_rights(const fs::path& from, const Descriptor& to) {
+  if (const std::optional<FileRights> rights = rights_of(from)) set_rights(to.get(), *rights);
 }
 
 /// Replaces a recording, which must not be a symbolic link, by a copy of its content with the same owner and
@@ -81,7 +78,7 @@ bool replace_by_content(const fs::path& file, const fs::path& packed) {
     into->copy_content(from);
     into->flush();
     into->close();
-    copy_rights(file, packed);
+    copy_rights(file, Descriptor(packed, O_WRONLY | O_NOFOLLOW));
     fs::rename(packed, file);
     return true;
   } catch (const std::runtime_error&) {  // Hdf5Error, or the error of rename()
@@ -91,8 +88,8 @@ bool replace_by_content(const fs::path& file, const fs::path& packed) {
   }
 }
 
-/// Copies a file with its owner and permission bits. Replaces an existing file `to`. Throws
-/// std::system_error. std::filesystem::copy_file() would report a full disk as an "input/output error".
+/// Copies a file with its owner and permission bits to a new file. Throws std::system_error.
+/// std::filesystem::copy_file() would report a full disk as an "input/output error".
 void copy_bytes(const fs::path& from, const fs::path& to) {
   constexpr std::size_t k_piece_bytes = std::size_t{1} << 20;
   const auto check = [](ssize_t result) {
@@ -101,13 +98,13 @@ void copy_bytes(const fs::path& from, const fs::path& to) {
   };
   const Descriptor in(from, O_RDONLY);
   check(in.get());
-  const Descriptor out(to, O_WRONLY | O_CREAT | O_TRUNC, S_IRUSR | S_IWUSR);
+  const Descriptor out(to, O_WRONLY | O_CREAT | O_EXCL, S_IRUSR | S_IWUSR);
   check(out.get());
   std::vector<char> piece(k_piece_bytes);
   while (const std::size_t bytes = check(::read(in.get(), piece.data(), piece.size())))
     for (std::size_t done = 0; done < bytes;)
       done += check(::write(out.get(), piece.data() + done, bytes - done));
-  copy_rights(from, to);
+  copy_rights(from, out);
 }
 
 /// Repairs a file in place. Returns the number of its complete frames.
@@ -167,7 +164,10 @@ bool has_much_unused_space(const Hdf5File& recording) {
 bool remove_unused_space(const fs::path& file) {
   try {
     const PartialFile turn(file);  // reserves a name for the copy, as in repair_recording()
-    return replace_by_content(turn.target(), packed_copy(turn.path()));
+    const fs::path packed = packed_copy(turn.path());
+    std::error_code ignored;
+    fs::remove(packed, ignored);
+    return replace_by_content(turn.target(), packed);
   } catch (const std::system_error&) {
     return false;
   }
@@ -201,10 +201,11 @@ Repair repair_recording(const fs::path& file) {
   try {
     // `turn` reserves a name for the copy: a second repair at the same time gets another name, and thus makes
     // another copy. The copy is a file in addition to `turn`, because both PartialFile and HDF5 lock their
-    // file. Copies that a killed repair left are removed.
+    // file. Copies that a killed repair left are removed, and so are links with their names, through which
+    // another user of the folder could make root write into any file.
     const PartialFile turn(file);
     copy = fs::path(turn.path()).concat(".copy");
-    fs::remove(packed_copy(copy), ignored);
+    for (const fs::path& left : {copy, packed_copy(copy)}) fs::remove(left, ignored);
     copy_bytes(file, copy);
     const std::uint64_t frames = repair_copy(copy);
     fs::rename(copy, turn.target());
