@@ -40,6 +40,16 @@ std::string names_and_types(std::span<const engine::StateField> fields) {
   return text;
 }
 
+/// The function of Model that commands in this mode.
+std::string_view setter_of(engine::ControlMode mode) {
+  switch (mode) {
+    case engine::ControlMode::velocity: break;
+    case engine::ControlMode::acceleration: return "accelerate()";
+    case engine::ControlMode::position: return "go_to()";
+  }
+  return "set_speed()";
+}
+
 /// The robot that Swarm::for_each() visits on this thread; null if this thread is not in for_each().
 thread_local const Model* visited_robot = nullptr;
 
@@ -131,7 +141,10 @@ void Model::refuse_in_for_each(const engine::World& world, std::string_view what
                     what, visited_robot->name()));
 }
 
-void Model::refuse_others_in_for_each() const {
+/// Throws std::logic_error during a step, where other threads may read or change the commands, and in
+/// Swarm::for_each() if it visits another robot. call: name of the calling function, for the error
+void Model::refuse_command(std::string_view call) const {
+  place_->world->require_between_steps(call);
   if (visited_robot != nullptr && visited_robot->place_->body != place_->body)
     refuse_in_for_each(*place_->world, fmt::format("a command for \"{}\"", name()));
 }
@@ -183,7 +196,7 @@ void Model::require_finite(std::string_view robot, double x, double y, double tu
 }
 
 void Model::command(engine::ControlMode mode, double x, double y, double turn) {
-  refuse_others_in_for_each();
+  refuse_command(setter_of(mode));
   require_finite(place_->name, x, y, turn);
   const auto* wheels = place_->wheels();
   if (wheels == nullptr && !place_->type().drive)
@@ -235,7 +248,7 @@ bool Model::stalled() const {
 Pose Model::estimate() const { return place_->wheels() ? pose() : place_->world->estimate(place_->row()); }
 
 void Model::set_estimate(const Pose& pose) {
-  refuse_others_in_for_each();
+  refuse_command("set_estimate()");
   place_->world->set_estimate(place_->row(), pose);
 }
 
@@ -311,7 +324,7 @@ std::span<const engine::StateField> Model::fields(std::string_view device) const
 
 std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
                         std::span<const engine::StateField> fields) {
-  refuse_others_in_for_each();
+  refuse_command("command()");
   const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
   const auto takes_these = [&](const engine::BodyType::Device& d) {
     return takes(d) && d.prepared.command_bytes == bytes && same_layout(d.prepared.commands, fields);
@@ -343,7 +356,7 @@ const engine::BodyType::Device& Model::Place::commanded(std::string_view wanted)
 }
 
 Model::Asked Model::asked(std::string_view wanted) {
-  refuse_others_in_for_each();
+  refuse_command("asked()");
   const engine::BodyType::Device& device = place_->commanded(wanted);
   refuse_absent();
   return {device.prepared.commands,

@@ -143,6 +143,7 @@ bool Simulation::has_before_tick() const { return static_cast<bool>(impl_->befor
 void Simulation::act(const engine::Act& act) {
   Model::refuse_in_for_each(*impl_->world, "act()");
   impl_->world->require_whole();
+  impl_->world->require_between_steps("act()");
   carry_out(*this, act, impl_->holds);
 }
 

@@ -228,7 +228,8 @@ struct RecordingOptions;
 
 /// A handle of one model of a simulation: a body, or a part that is mounted on a body, such as a sensor. A
 /// copy of the handle is cheap and refers to the same model. The handle is valid while the simulation lives,
-/// also after Simulation::reset(). Call its functions between two steps. speed(), stalled(), estimate() and
+/// also after Simulation::reset(). Call its functions between two steps: during a step, for example in a
+/// controller, those that change the simulation throw std::logic_error. speed(), stalled(), estimate() and
 /// set_estimate() throw std::logic_error for static geometry: a body without drive, device and controller
 /// that cannot be gripped or pushed.
 class Model {
@@ -444,7 +445,7 @@ class Model {
   };
   static void refuse_in_for_each(const engine::World& world, std::string_view what);
   static void require_finite(std::string_view robot, double x, double y, double turn);
-  void refuse_others_in_for_each() const;
+  void refuse_command(std::string_view call) const;
   void refuse_absent() const;
   void command(engine::ControlMode mode, double x, double y, double turn);
   std::shared_ptr<const Place> place_;
@@ -832,8 +833,9 @@ class Simulation {
   /// two steps. A second call replaces the callback; a null callback removes it.
   ///
   /// The callback must not change the simulation, because it is called within a step. There, step(), reset(),
-  /// set_poses(), spawn(), remove(), disable(), enable(), set(), save(), record(), on_tick(), on_phase(),
-  /// on_task() and on_loop() throw std::logic_error.
+  /// set_poses(), spawn(), remove(), disable(), enable(), set(), act(), save(), record(), on_tick(),
+  /// on_phase(), on_task() and on_loop() throw std::logic_error, and so do the functions of Model and Swarm
+  /// that command robots, and Swarm::for_each().
   void on_phase(std::function<void(std::optional<Phase>)> callback);
   /// Sets a callback for profilers. Parallel loops are divided into tasks for the worker threads. The
   /// callback is called when a task of a loop begins (`begins` is true) and when the task ends (false);

@@ -329,6 +329,7 @@ void Swarm::commands(std::span<std::byte> out, std::string_view field, std::stri
 
 void Swarm::set_commands(std::span<const std::byte> values, std::string_view field, std::string_view device,
                          std::span<const std::uint8_t> where) {
+  world_->require_between_steps("set_commands()");
   Model::refuse_in_for_each(*world_, "a command for a swarm");
   if (!where.empty()) check_size("elements of `where`", where.size(), size());
   const auto for_selected = [&](auto&& visit) {
@@ -362,6 +363,7 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
   if (!visit)
     throw std::invalid_argument("for_each(): found a null function: give a function to call for each robot");
   world_->require_whole();
+  world_->require_between_steps("for_each()");  // a worker thread of the step must not start another loop
   Model::refuse_in_for_each(*world_, "for_each()");
   if (robots_.empty()) {
     robots_.reserve(size());
@@ -384,10 +386,11 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
 }
 
 /// Commands command_of(values[i]) to each robot i that write() selects. Throws std::invalid_argument, before
-/// the first command, if a number of a command is not finite.
+/// the first command, if a number of a command is not finite. call: name of the calling function
 template <class Value, class CommandOf>
-void Swarm::command(std::span<const Value> values, std::span<const std::uint8_t> where,
+void Swarm::command(std::string_view call, std::span<const Value> values, std::span<const std::uint8_t> where,
                     CommandOf&& command_of) const {
+  world_->require_between_steps(call);
   write(values.size(), where, [&](Row, std::size_t i) {
     const engine::Command command = command_of(values[i]);
     if (!engine::is_finite(command))
@@ -398,19 +401,19 @@ void Swarm::command(std::span<const Value> values, std::span<const std::uint8_t>
 }
 
 void Swarm::set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where) {
-  command(speeds, where, [](const Model::Speed& speed) {
+  command("set_speeds()", speeds, where, [](const Model::Speed& speed) {
     return engine::Command{speed.forward, speed.left, speed.turn, engine::ControlMode::velocity};
   });
 }
 
 void Swarm::accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where) {
-  command(accelerations, where, [](const Model::Speed& rate) {
+  command("accelerate()", accelerations, where, [](const Model::Speed& rate) {
     return engine::Command{rate.forward, rate.left, rate.turn, engine::ControlMode::acceleration};
   });
 }
 
 void Swarm::go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where) {
-  command(goals, where, [](const Pose& goal) {
+  command("go_to()", goals, where, [](const Pose& goal) {
     return engine::Command{goal.x, goal.y, goal.heading, engine::ControlMode::position};
   });
 }

@@ -183,7 +183,7 @@ class Swarm {
   template <class Write>
   void write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const;
   template <class Value, class CommandOf>
-  void command(std::span<const Value> values, std::span<const std::uint8_t> where,
+  void command(std::string_view call, std::span<const Value> values, std::span<const std::uint8_t> where,
                CommandOf&& command_of) const;
   struct Ranger;
   Ranger ranger_of(Row row, std::string_view sensor) const;

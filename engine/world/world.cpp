@@ -188,6 +188,7 @@ Estimates World::estimates(const BodyType& type) const {
 
 void World::set_estimate(Row row, const Pose& pose) {
   require_whole();
+  require_between_steps("set_estimate()");
   const auto& drive = type(row).drive;
   if (!drive || !drive->odometry_table)
     throw std::logic_error(

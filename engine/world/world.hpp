@@ -140,8 +140,8 @@ class World {
   /// Throws std::logic_error while step() computes a tick: in a callback of on_phase(), and in a hook of a
   /// kind. Does not throw in the callback of before_tick(). The functions that may only be called between two
   /// steps, and would otherwise change the state of half a tick, call this first: step(), reset(), restart(),
-  /// spawn(), remove(), set(), set_poses(), set_disabled() and on_phase(). call: name of the calling
-  /// function, for the error.
+  /// spawn(), remove(), set(), set_poses(), set_disabled(), set_estimate(), set_command(), asked_of() and
+  /// on_phase(). call: name of the calling function, for the error.
   void require_between_steps(std::string_view call) const {
     if (is_in_tick_) throw_in_tick(call);
   }
@@ -429,13 +429,14 @@ class World {
   /// Overwrites the odometry estimate of a robot with a pose, m and rad, in the same frame as estimate(). The
   /// z of the pose is ignored. The heading is wrapped into [-pi, pi]. Throws std::logic_error if the robot
   /// has no odometry or is not in the world, and std::invalid_argument if a number of the pose, z included,
-  /// is not finite.
+  /// is not finite. Call this between steps.
   void set_estimate(Row row, const Pose& pose);
   /// Overwrites the command to the drive of a robot. The drive executes the new command from the next step
   /// on. Call this between steps. If a number is not finite, the next step in which the drive runs throws a
   /// StepError. Throws std::logic_error if the state is incomplete (require_whole()).
   void set_command(Row row, const Command& command) {
     require_whole();
+    require_between_steps("set_command()");
     touch();
     state_.tables[WorldState::k_command].as<Command>(row.index()) = command;
   }
@@ -628,8 +629,9 @@ class World {
   /// is_supplied() are true for it.
   bool runs(Row row, const BodyType::Device& device) const { return state_.view.runs(row, device); }
   /// The table of the commands to a device, with one table row per slot of the device's type. The device must
-  /// take commands. A program may change the commands between steps.
+  /// take commands. A program may change the commands. Call this between steps.
   StateTable& asked_of(const BodyType::Device& device) {
+    require_between_steps("asked_of()");
     touch();
     return state_.tables[*device.command_table];
   }
