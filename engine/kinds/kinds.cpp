@@ -47,6 +47,13 @@ void throw_no_command(std::size_t index) {
                          " (counted from 0), but the kind of this device takes no commands");
 }
 
+void throw_wrong_command(std::size_t index, std::size_t bytes, std::size_t command_bytes) {
+  throw std::logic_error("commands its device with the index " + std::to_string(index) +
+                         " (counted from 0) by a struct of " + std::to_string(bytes) +
+                         " bytes, but the command struct of this device has " +
+                         std::to_string(command_bytes) + " bytes");
+}
+
 void throw_wrong_field(const StateTable& table, std::size_t field, Element as) {
   const std::string reads = "reads the field with the index " + std::to_string(field) +
                             " (counted from 0) of the device \"" + table.component() + "\" as " +

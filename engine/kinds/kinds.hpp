@@ -534,6 +534,9 @@ inline constexpr std::size_t k_most_devices_read = 16;
 /// Throws std::logic_error with such a message: the controller commanded a device whose kind takes no
 /// commands.
 [[noreturn]] void throw_no_command(std::size_t index);
+/// Throws std::logic_error with such a message: the controller commanded the device with the index `index` by
+/// a struct of `bytes` bytes, but the command struct of the device has `command_bytes` bytes.
+[[noreturn]] void throw_wrong_command(std::size_t index, std::size_t bytes, std::size_t command_bytes);
 /// Throws std::logic_error with such a message: the controller read the field with the index `field` of a
 /// device as values of the type `as`, but the state of the device, `table`, has no such field, or its values
 /// have another type.
@@ -599,9 +602,9 @@ struct Percept {
 /// The outputs of one robot's controller. An output that the controller does not set keeps its last value.
 struct Actions {
   Command& command;  ///< command to the drive device (DeviceKind::drives) or, if there is none, to the drive
-  /// Command structs of the devices that the controller uses, in the order of Percept::devices; null for
-  /// devices that take no commands.
-  std::span<std::byte* const> devices;
+  /// Command structs of the devices that the controller uses, as bytes, in the order of Percept::devices;
+  /// empty for devices that take no commands.
+  std::span<const std::span<std::byte>> devices;
   /// The bits in Command::off by which switch_device() switches the devices that the controller uses, in the
   /// order of Percept::devices. A device that cannot be switched off has the value 0.
   std::span<const std::uint32_t> switches;
@@ -639,14 +642,16 @@ struct Actions {
   /// next tick on, the robot drives to that pose and stays there, until the command is replaced.
   void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
-  /// The command struct of the device with the index `chosen` in Percept::devices. Throws std::out_of_range
-  /// if there is no such index, and std::logic_error if the kind of the device takes no commands. Its command
-  /// struct must be DeviceCommand.
+  /// The command struct of the device with the index `chosen` in Percept::devices. Its type must be
+  /// DeviceCommand. Throws std::out_of_range if there is no such index, and std::logic_error if the kind of
+  /// the device takes no commands, or if its command struct has another size; the members are not checked.
   template <class DeviceCommand>
   DeviceCommand& device(std::size_t chosen) const {
     if (chosen >= devices.size()) throw_no_device(chosen, devices.size());
-    if (devices[chosen] == nullptr) throw_no_command(chosen);
-    return *reinterpret_cast<DeviceCommand*>(devices[chosen]);
+    if (devices[chosen].empty()) throw_no_command(chosen);
+    if (sizeof(DeviceCommand) != devices[chosen].size())
+      throw_wrong_command(chosen, sizeof(DeviceCommand), devices[chosen].size());
+    return *reinterpret_cast<DeviceCommand*>(devices[chosen].data());
   }
 };
 

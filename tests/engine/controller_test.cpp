@@ -1,15 +1,21 @@
 #include "engine/kinds/controller.hpp"
 
+#include "tests/support/message_of.hpp"
+
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace troupe::engine {
 namespace {
+
+using test::message_of;
 
 struct Mixed {
   float turn_left_s = 0;
@@ -152,6 +158,25 @@ TEST(Actions, SwitchOnlyDevicesThatTheControllerHasChosen) {
     EXPECT_THROW(actions.is_on(none), std::out_of_range);
   }
   EXPECT_EQ(command.off, 4u);
+}
+
+// A larger struct would reach into the commands of other robots.
+TEST(Actions, RefuseCommandStructsOfOtherSizes) {
+  Command command;
+  alignas(8) std::array<std::byte, 8> lamp{};
+  const std::array<std::span<std::byte>, 2> devices{lamp, std::span<std::byte>()};
+  const Actions actions{command, devices, {}};
+  actions.device<std::array<float, 2>>(0) = {0, 1};
+  EXPECT_NE(lamp[7], std::byte{0});
+  EXPECT_EQ(
+      message_of<std::logic_error>([&] { actions.device<std::array<float, 4>>(0) = {}; }),
+      "commands its device with the index 0 (counted from 0) by a struct of 16 bytes, but the command struct "
+      "of this device has 8 bytes");
+  EXPECT_THROW(actions.device<std::uint8_t>(0), std::logic_error);
+  EXPECT_EQ(message_of<std::logic_error>([&] { actions.device<std::array<float, 2>>(1) = {}; }),
+            "commands its device with the index 1 (counted from 0), but the kind of this device takes no "
+            "commands");
+  EXPECT_THROW(actions.device<std::uint8_t>(2), std::out_of_range);
 }
 
 // A controller that is given another device than its author expected must not read its bytes as other types.
