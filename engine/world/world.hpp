@@ -103,8 +103,10 @@ class World {
   /// Builds the world in the state S(0). The registry, from which the world takes its kinds, must outlive the
   /// world.
   ///
-  /// Throws InputError for errors that the loader of a world file cannot find, such as a controller that
-  /// needs a sensor which its robot does not have. Throws StepError if a hook `start` of a kind throws.
+  /// Throws InputError if the spec breaks a rule of check_rules(), for example because the program that made
+  /// it did not call add_ground(), and for errors that the loader of a world file cannot find, such as a
+  /// controller that needs a sensor which its robot does not have. The limits of the numbers in the spec are
+  /// not checked. Throws StepError if a hook `start` of a kind throws.
   ///
   /// Adds warnings to `diagnostics` about these bodies:
   /// - Pairs of bodies that overlap at tick 0: one warning with the number of pairs, counted up to 10,000. If

@@ -208,6 +208,24 @@ TEST(World, BoundsTheWrongWayRoundAreAnError) {
             "error: drive \"diff\": velocity_min_x, velocity_max_x: lower bound 1 exceeds upper bound -1");
 }
 
+// Programs may give the constructor a spec that no loader has made.
+TEST(World, ASpecThatBreaksARuleIsAnError) {
+  const auto error_after = [](auto&& damage) {
+    SceneBuilder scene;
+    scene.body("r0", scene.robot("robot", {box(0.4, 0.4)}));
+    damage(scene.spec);
+    return scene.error();
+  };
+  EXPECT_EQ(error_after([](WorldSpec&) {}), "");
+  EXPECT_THAT(error_after([](WorldSpec& spec) { spec.bodies[1].type = TypeId(9); }),
+              testing::HasSubstr("bodies[1].type: the world has 2 types, found index 9 (counted from 0)"));
+  EXPECT_THAT(error_after([](WorldSpec& spec) { spec.types[1].parts.clear(); }),
+              testing::HasSubstr("types[1].parts: empty"));
+  EXPECT_THAT(error_after([](WorldSpec& spec) { spec.bodies.erase(spec.bodies.begin()); }),
+              testing::HasSubstr("bodies[0]: must be the ground"));
+  EXPECT_THAT(error_after([](WorldSpec& spec) { spec = {}; }), testing::HasSubstr("bodies: empty"));
+}
+
 TEST(World, TwoSensorsOfOneNameAreToldApart) {
   SceneBuilder scene;
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
