@@ -42,6 +42,11 @@ void throw_no_device(std::size_t index, std::size_t count) {
                           " (counted from 0), but has chosen only " + std::to_string(count) + " devices");
 }
 
+void throw_no_robot(std::size_t index, std::size_t count) {
+  throw std::out_of_range("uses the robot with the index " + std::to_string(index) +
+                          " (counted from 0) of a batch of " + std::to_string(count) + " robots");
+}
+
 void throw_no_command(std::size_t index) {
   throw std::logic_error("commands its device with the index " + std::to_string(index) +
                          " (counted from 0), but the kind of this device takes no commands");

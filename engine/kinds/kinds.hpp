@@ -531,6 +531,9 @@ inline constexpr std::size_t k_most_devices_read = 16;
 /// Throws std::out_of_range with a message for the author of a controller: the controller used the device
 /// with the index `index`, but it has chosen only `count` devices (ControllerKind::Prepared::devices).
 [[noreturn]] void throw_no_device(std::size_t index, std::size_t count);
+/// Throws std::out_of_range with such a message: the controller used the robot with the index `index` of a
+/// batch of `count` robots (DecideBatch).
+[[noreturn]] void throw_no_robot(std::size_t index, std::size_t count);
 /// Throws std::logic_error with such a message: the controller commanded a device whose kind takes no
 /// commands.
 [[noreturn]] void throw_no_command(std::size_t index);
@@ -696,33 +699,46 @@ struct DecideBatch {
   const StateTable* drive_state = nullptr;
 
   std::size_t size() const { return rows.size(); }  ///< number of robots in the batch
-  std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }  ///< id of robot i
+  /// Row of robot i. Throws std::out_of_range if i is not below size(), as all functions below do. If
+  /// `sensor` is not below `devices`, the functions below throw std::out_of_range, too.
+  Row row(std::size_t i) const {
+    if (i >= rows.size()) throw_no_robot(i, rows.size());
+    return rows[i];
+  }
+  std::uint32_t body(std::size_t i) const { return ids[row(i).index()].value; }  ///< id of robot i
   /// Slot of robot i in the tables of its type.
-  std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
+  std::size_t slot(std::size_t i) const { return slots[row(i).index()]; }
   /// Command that the controller of robot i gives, for reading and writing. This is the command to the drive
   /// device that the controller commands or, if there is none, to the drive of the body.
   Command& command(std::size_t i) const {
-    if (drive_commands.first == nullptr) return commands[rows[i].index()];
+    if (drive_commands.first == nullptr) return commands[row(i).index()];
     return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
   }
   /// Estimated pose of robot i. If the controller commands a drive device, this is the estimated pose of the
   /// drive device.
   Pose estimate(std::size_t i) const {
     if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
-    return estimates.of(rows[i], slots[rows[i].index()]);
+    return estimates.of(row(i), slot(i));
   }
   /// The random numbers of robot i in this tick. Each call returns the same sequence from its beginning.
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
   /// Memory of robot i; null if the kind has none.
   std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
+  /// State table of a chosen device.
+  const StateTable& percepts_of(std::size_t sensor) const {
+    if (sensor >= devices) throw_no_device(sensor, devices);
+    return *percepts[sensor];
+  }
   /// Readings of a chosen device of robot i.
-  Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }
-  /// Ranges that a chosen ranger of robot i measured, m, one number per beam.
+  Readings readings(std::size_t sensor, std::size_t i) const { return {percepts_of(sensor), slot(i)}; }
+  /// Ranges that a chosen ranger of robot i measured, m, one number per beam. The device must be a ranger:
+  /// throws std::logic_error if the first field of its state does not consist of floats.
   std::span<const float> ranges(std::size_t sensor, std::size_t i) const {
-    return percepts[sensor]->cell<float>(slot(i), 0);
+    return readings(sensor, i).field<float>(0);
   }
   /// Command struct of a chosen device of robot i; null if its kind takes no commands.
   std::byte* device_command(std::size_t sensor, std::size_t i) const {
+    if (sensor >= devices) throw_no_device(sensor, devices);
     return device_commands[sensor].of(slot(i));
   }
 };

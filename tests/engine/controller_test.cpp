@@ -212,6 +212,31 @@ TEST(Percept, RefusesFieldsOfOtherTypes) {
                 std::to_string(sizeof(Mixed)) + " bytes");
 }
 
+// The row after those of a batch is that of a robot for which another thread decides.
+TEST(DecideBatch, RefusesRobotsAndDevicesThatItDoesNotHave) {
+  const StateTable finder("fiducial/eye", HashGroup::sensor, StateTable::Layout::rows,
+                          {{"count", Element::u32, 1, "", ""}, {"range", Element::f32, 2, "m", ""}},
+                          {BodyId(0), BodyId(1)});
+  std::vector<Command> commands(2);
+  const std::vector<Row> rows{Row(0), Row(1)};
+  const std::vector<BodyId> ids{BodyId(0), BodyId(1)};
+  const std::vector<std::uint32_t> slots{0, 1};
+  DecideBatch batch{.rows = std::span(rows).first(1), .ids = ids, .slots = slots, .commands = commands};
+  batch.percepts[0] = &finder;
+  batch.devices = 1;
+  EXPECT_EQ(&batch.command(0), &commands[0]);
+  EXPECT_EQ(batch.readings(0, 0).field<float>(1).size(), 2u);
+  EXPECT_EQ(message_of<std::out_of_range>([&] { batch.command(1) = {}; }),
+            "uses the robot with the index 1 (counted from 0) of a batch of 1 robots");
+  EXPECT_THROW(batch.body(1), std::out_of_range);
+  EXPECT_THROW(batch.memory(1), std::out_of_range);
+  EXPECT_THROW(batch.device_command(0, 1), std::out_of_range);
+  EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(batch.readings(1, 0)); }),
+            "uses its device with the index 1 (counted from 0), but has chosen only 1 devices");
+  EXPECT_THROW(batch.device_command(1, 0), std::out_of_range);
+  EXPECT_THROW(batch.ranges(0, 0), std::logic_error) << "its first field has no floats";
+}
+
 TEST(ControllerKind, NeedsNoMemory) {
   const ControllerKind kind = make_controller_kind<Forgetful>("forgetful", "");
   EXPECT_TRUE(kind.memory.empty());
