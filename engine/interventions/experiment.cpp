@@ -602,6 +602,7 @@ void World::toggle_disabled(Row row) {
 bool World::set_disabled(Row row, bool disabled) {
   require_whole();
   require_between_steps(disabled ? "disable()" : "enable()");
+  require_row(row, disabled ? "disable()" : "enable()");
   if (!state_.condition_table)
     throw std::logic_error(fmt::format(
         "programs cannot disable \"{}\": add \"mortal\": true to the world file, or set the option mortal "
@@ -728,6 +729,8 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   require_whole();
   require_unfrozen();
   require_between_steps("set()");
+  if (!has_params(state_.spec.types, setting))
+    return Error{"refers to a type, or to a drive, device or controller of a type, that does not exist"};
   Result<> done = insert_setting(setting, registry);
   if (done && replica_ != nullptr) replica_->set(setting);
   return done;

@@ -189,6 +189,7 @@ Estimates World::estimates(const BodyType& type) const {
 void World::set_estimate(Row row, const Pose& pose) {
   require_whole();
   require_between_steps("set_estimate()");
+  require_row(row, "set_estimate()");
   const auto& drive = type(row).drive;
   if (!drive || !drive->odometry_table)
     throw std::logic_error(
@@ -216,6 +217,7 @@ void World::set_poses(std::span<const Placed> placed) {
   const Box inside = state_.bounds();
   for (const Placed& place : placed) {
     const Pose& p = place.pose;
+    require_row(place.row, "set_poses()");
     if (!is_there(place.row))
       throw std::invalid_argument(fmt::format(
           "\"{}\" cannot be placed: it was removed from the world, or has not been added to it yet",
@@ -267,6 +269,7 @@ void World::begin_placing() {
 
 bool World::is_free(Row row, const Pose& pose) const {
   require_whole();
+  require_row(row, "is_free()");
   if (!is_finite(pose)) return false;
   return is_free(body(row), is_there(row) ? *state_.shapes[row.index()] : type(row).obstacle, pose);
 }
@@ -315,6 +318,13 @@ void World::throw_in_tick(std::string_view call) {
       "{} is not allowed during a step, for example in a callback of on_phase() or in a controller: call it "
       "between two steps",
       call));
+}
+
+void World::throw_no_row(Row row, std::string_view call) const {
+  throw std::out_of_range(
+      row.valid() ? fmt::format("{}: found row {}, but the world has {} rows, counted from 0", call,
+                                row.value, rows())
+                  : fmt::format("{}: found a Row that is not valid: a static body has no row", call));
 }
 
 void World::throw_frozen() {

@@ -147,6 +147,13 @@ class World {
   void require_between_steps(std::string_view call) const {
     if (is_in_tick_) throw_in_tick(call);
   }
+  /// Throws std::out_of_range if there is no such row: for a Row that is not valid(), such as that of a
+  /// static body, and for an index that is not below rows(). The functions below that change the state of one
+  /// row, or test a pose for it, call this first. Accessors of single rows, such as stalled(), do not. call:
+  /// name of the calling function, for the error.
+  void require_row(Row row, std::string_view call) const {
+    if (row.index() >= rows()) throw_no_row(row, call);
+  }
   /// Returns to S(0), the state that the constructor or the last call of restart() made, and undoes the
   /// changes of set(). Callbacks and subscriptions (subscribe()) stay. The counters are 0 again. The function
   /// allocates no memory, and may be called after a step that threw. Throws StepError if a hook `start` of a
@@ -439,6 +446,7 @@ class World {
   void set_command(Row row, const Command& command) {
     require_whole();
     require_between_steps("set_command()");
+    require_row(row, "set_command()");
     touch();
     state_.tables[WorldState::k_command].as<Command>(row.index()) = command;
   }
@@ -517,17 +525,19 @@ class World {
   /// with the same name and different numbers: "ant" is the population of "ant0", "ant1", and so on. The
   /// result is std::nullopt if there is no population with this name, or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
-  /// Number of bodies of a reserve (an index into WorldSpec::reserves) that are not yet born.
+  /// Number of bodies of a reserve (an index into WorldSpec::reserves, which must exist) that are not yet
+  /// born.
   std::size_t unborn(std::size_t reserve) const {
     return state_.spec.reserves[reserve].count - next_born_[reserve];
   }
   /// Spawns the next body of a reserve at a pose, m and rad, world frame. `reserve` is an index into
-  /// WorldSpec::reserves and must exist. Apart from its pose and the component `life`, the new body has the
+  /// WorldSpec::reserves. Apart from its pose and the component `life`, the new body has the
   /// state of a body at tick 0. If the pose is not free (is_free()), or if all bodies of the reserve have
   /// been born, no body is born, and Birth::status gives the reason.
   ///
-  /// Throws std::invalid_argument if the pose is not finite. Throws StepError if a hook `start` of a kind
-  /// throws; the state is then incomplete (require_whole()). Each birth rebuilds the spatial index of all
+  /// Throws std::out_of_range if the reserve does not exist, and std::invalid_argument if the pose is not
+  /// finite. Throws StepError if a hook `start` of a kind throws; the state is then incomplete
+  /// (require_whole()). Each birth rebuilds the spatial index of all
   /// bodies. Call this between steps.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Removes a body from the world. Bodies that it carries stay where they are. Does nothing if the body is
@@ -691,6 +701,7 @@ class World {
   [[noreturn]] static void throw_frozen();
   [[noreturn]] void throw_half_made() const;
   [[noreturn]] static void throw_in_tick(std::string_view call);
+  [[noreturn]] void throw_no_row(Row row, std::string_view call) const;
   void require_carries(std::string_view call) const;
   /// Exists while work changes the state. The constructor clears is_half_made_, and the destructor sets it if
   /// the work threw an exception. If a callback in the work caught an exception of inner work, such as a

@@ -3,6 +3,7 @@
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/ticks.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 
 #include <fmt/format.h>
@@ -10,9 +11,15 @@
 #include <gtest/gtest.h>
 
 #include <cfenv>
+#include <cstddef>
+#include <cstdint>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif
@@ -224,6 +231,44 @@ TEST(World, ASpecThatBreaksARuleIsAnError) {
   EXPECT_THAT(error_after([](WorldSpec& spec) { spec.bodies.erase(spec.bodies.begin()); }),
               testing::HasSubstr("bodies[0]: must be the ground"));
   EXPECT_THAT(error_after([](WorldSpec& spec) { spec = {}; }), testing::HasSubstr("bodies: empty"));
+}
+
+// Such a row would be a place in memory beyond the tables.
+TEST(World, FunctionsForProgramsRefuseRowsThatDoNotExist) {
+  SceneBuilder scene;
+  scene.spec.mortal = true;
+  scene.body("r0", scene.robot("robot", {box(0.4, 0.4)}));
+  const BodyId wall = scene.wall(2, -1, 2.2, 1);
+  World world = scene.world();
+  const std::uint64_t before = world.hashes().state;
+  using Call = std::function<void(Row)>;
+  const std::vector<std::pair<std::string, Call>> calls{
+      {"set_command()",
+       [&](Row row) {
+         world.set_command(row, {1, 0, 0});
+       }},
+      {"set_estimate()", [&](Row row) { world.set_estimate(row, {}); }},
+      {"set_poses()",
+       [&](Row row) {
+         const World::Placed placed{row, {1, 0, 0, 0}};
+         world.set_poses({&placed, 1});
+       }},
+      {"is_free()", [&](Row row) { static_cast<void>(world.is_free(row, {})); }},
+      {"remove()", [&](Row row) { world.remove(row); }},
+      {"disable()", [&](Row row) { world.set_disabled(row, true); }}};
+  for (const auto& [name, call] : calls) {
+    EXPECT_EQ(test::message_of<std::out_of_range>([&, &act = call] { act(world.row(wall)); }),
+              name + ": found a Row that is not valid: a static body has no row");
+    EXPECT_EQ(test::message_of<std::out_of_range>([&, &act = call] { act(Row(std::size_t{1})); }),
+              name + ": found row 1, but the world has 1 rows, counted from 0");
+  }
+  EXPECT_EQ(test::message_of<std::out_of_range>([&] { world.spawn(0, {}); }),
+            "spawn(): found reserve 0, but the world has 0 reserves, counted from 0");
+  const Result<> set = world.set({TypeId(9), SettingSpec::Of::drive, 0, {}}, test::registry());
+  ASSERT_FALSE(set);
+  EXPECT_EQ(set.error().text,
+            "refers to a type, or to a drive, device or controller of a type, that does not exist");
+  EXPECT_EQ(world.hashes().state, before);
 }
 
 TEST(World, TwoSensorsOfOneNameAreToldApart) {
