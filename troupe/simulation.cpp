@@ -153,6 +153,7 @@ void Simulation::record(const std::filesystem::path& file, const RecordingOption
   if (impl_->recording)
     throw std::logic_error(
         fmt::format("{}: this run is already being recorded; call stop_recording() first", file.string()));
+  Model::refuse_in_for_each(*impl_->world, "record()");
   impl_->world->require_whole();
   impl_->world->require_between_steps("record()");
   impl_->refuse_to_replace_inputs(file);
@@ -160,6 +161,7 @@ void Simulation::record(const std::filesystem::path& file, const RecordingOption
 }
 
 void Simulation::stop_recording() {
+  Model::refuse_in_for_each(*impl_->world, "stop_recording()");
   if (const std::unique_ptr<Recording> recording = std::move(impl_->recording)) recording->close();
 }
 
@@ -466,16 +468,19 @@ std::span<const RankWork> Simulation::rank_work() const {
 }
 
 void Simulation::on_phase(std::function<void(std::optional<Phase>)> callback) {
+  Model::refuse_in_for_each(*impl_->world, "on_phase()");
   impl_->world->on_phase(std::move(callback));
 }
 
 void Simulation::on_task(std::function<void(std::size_t, bool)> callback) {
   impl_->world->require_between_steps("on_task()");
+  Model::refuse_in_for_each(*impl_->world, "on_task()");
   impl_->world->parallel().on_task(std::move(callback));
 }
 
 void Simulation::on_loop(std::function<void(bool)> callback) {
   impl_->world->require_between_steps("on_loop()");
+  Model::refuse_in_for_each(*impl_->world, "on_loop()");
   impl_->world->parallel().on_loop(std::move(callback));
 }
 

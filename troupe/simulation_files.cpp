@@ -407,6 +407,7 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
         "of on_tick()");
   impl_->world->require_whole();
   impl_->world->require_between_steps("save()");
+  Model::refuse_in_for_each(*impl_->world, "save()");
   impl_->world->gather();  // the counts in the checkpoint are counts of all robots
   impl_->refuse_to_replace_inputs(checkpoint);
   worldio::require_hdf5_ending(checkpoint);
@@ -428,6 +429,7 @@ void Simulation::on_save(const std::string& name, std::function<std::vector<std:
   if (name == k_holds || name.starts_with(k_stop_conditions))
     throw std::invalid_argument(
         fmt::format("on_save(): checkpoints store data of Troupe under \"{}\": choose another name", name));
+  Model::refuse_in_for_each(*impl_->world, "on_save()");
   if (memory)
     impl_->on_save[name] = std::move(memory);
   else

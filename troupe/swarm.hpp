@@ -139,8 +139,9 @@ class Swarm {
   /// - change data of the caller that belong to robot i alone, such as element i of an array.
   ///
   /// The result is then the same on any number of threads. `visit` must not command other robots. It must not
-  /// call set_pose(), spawn(), remove(), step(), reset(), subscribe(), for_each() or the commands of a swarm.
-  /// Such calls throw std::logic_error. Collect such changes, and apply them after for_each().
+  /// call set_pose(), spawn(), remove(), step(), reset(), subscribe(), save(), record(), for_each(), the
+  /// commands of a swarm, or functions that set callbacks. Such calls throw std::logic_error. Collect such
+  /// changes, and apply them after for_each().
   ///
   /// If `visit` throws for a robot, it is still called for all other robots. for_each() then throws the
   /// exception of the robot with the lowest index for which `visit` threw. Throws std::invalid_argument if

@@ -388,6 +388,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
                     const Fill& fill) {
   require_unfrozen();
+  require_between_steps("restore()");
   restore_fp_environment();  // a library may have changed it: see step()
   is_half_made_ = false;
   if (replica_) replica_->replace();

@@ -487,6 +487,13 @@ TEST(ForEach, RefusesWhatChangesMoreThanItsRobot) {
       {"step()", [&](Model&) { simulation.step(); }},
       {"reset()", [&](Model&) { simulation.reset(); }},
       {"on_tick()", [&](Model&) { simulation.on_tick(nullptr); }},
+      {"on_phase()", [&](Model&) { simulation.on_phase(nullptr); }},
+      {"on_task()", [&](Model&) { simulation.on_task(nullptr); }},
+      {"on_loop()", [&](Model&) { simulation.on_loop(nullptr); }},
+      {"on_save()", [&](Model&) { simulation.on_save("mine", nullptr); }},
+      {"save()", [&](Model&) { simulation.save("run.h5"); }},
+      {"record()", [&](Model&) { simulation.record("run.h5"); }},
+      {"stop_recording()", [&](Model&) { simulation.stop_recording(); }},
       {"for_each()", [&](Model&) { all.for_each([](std::size_t, Model& robot) { robot.set_speed(1, 0); }); }},
       {"subscribe()", [&](Model&) { all.subscribe(); }}};
   for (const auto& act : acts)
