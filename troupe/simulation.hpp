@@ -101,8 +101,10 @@ struct SimulationOptions {
   /// Number of robots that spawn() can add to each population while the world runs (docs/lives.md). Loading
   /// the world adds them to the population as its reserve, with ids after those of all other bodies.
   /// Populations for which the world file declares a reserve get no further robots. A world with a reserve
-  /// has other state hashes (64-bit hashes of the whole state) than the same world without a reserve.
+  /// has other state hashes (64-bit hashes of the whole state) than the same world without a reserve. Loading
+  /// the world throws std::invalid_argument for more than k_most_spare robots.
   std::uint32_t spare = 0;
+  static constexpr std::uint32_t k_most_spare = 1'000'000;  ///< greatest value of `spare`
   /// Number of ranks among which the robots are divided, from 1 to 1,024 (docs/cluster.md). Each rank is a
   /// thread of this process that has its own copy of the world (its replica) and its own worker threads. With
   /// more than one rank, `threads` is the number of worker threads per rank; 0: the number of available

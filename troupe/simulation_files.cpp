@@ -134,6 +134,9 @@ void Simulation::Impl::start(engine::WorldSpec spec, const SimulationOptions& op
                              Diagnostics& diagnostics, std::span<const std::string> populations) {
   tile_size_m = options.tile_size_m;
   spec.mortal = spec.mortal || options.mortal;
+  if (options.spare > SimulationOptions::k_most_spare)
+    throw std::invalid_argument(fmt::format("SimulationOptions: spare is {}: give a number from 0 to {}",
+                                            options.spare, SimulationOptions::k_most_spare));
   if (options.spare > 0) {
     engine::add_spare(spec, options.spare, populations);
     changes.emplace_back(k_spare, fmt::format("{}", options.spare));

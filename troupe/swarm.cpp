@@ -43,6 +43,19 @@ struct Swarm::Ranger {
 
 Swarm::Swarm(engine::World& world, std::vector<BodyId> ids) : world_(&world), ids_(std::move(ids)) {}
 
+Swarm Swarm::of(engine::World& world, std::vector<BodyId> ids) {
+  const std::size_t bodies = world.spec().bodies.size();
+  for (const BodyId id : ids) {
+    if (id.index() >= bodies)
+      throw std::out_of_range(fmt::format(
+          "no robot with id {}: the world has {} bodies, whose ids begin at 0", id.value, bodies));
+    if (world.location(id) == engine::RowLocation::none)
+      throw std::out_of_range(
+          fmt::format("\"{}\" (id {}) is not a robot: it is static", world.spec().name(id), id.value));
+  }
+  return {world, std::move(ids)};
+}
+
 /// The present row of robot i in the state tables.
 Row Swarm::row(std::size_t i) const { return world_->row(ids_[i]); }
 

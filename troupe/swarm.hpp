@@ -172,8 +172,9 @@ class Swarm {
   void set_poses(std::span<const Pose> poses, std::span<const std::uint8_t> where = {});
 
   /// Returns the swarm of the robots of `world` that have these ids. `world` must outlive the swarm. The ids
-  /// must be in ascending order, which is not checked.
-  static Swarm of(engine::World& world, std::vector<BodyId> ids) { return {world, std::move(ids)}; }
+  /// must be in ascending order, which is not checked. Throws std::out_of_range if there is no body with an
+  /// id, or if the body is static geometry.
+  static Swarm of(engine::World& world, std::vector<BodyId> ids);
 
  private:
   friend class Simulation;

@@ -66,6 +66,12 @@ TEST(Simulation, RefusesMoreThreadsThanALoopMayHave) {
       << "the loader has threads, too";
 }
 
+// So many bodies would take all the memory there is.
+TEST(Simulation, RefusesMoreSpareRobotsThanTheProgram) {
+  EXPECT_EQ(message_of<std::invalid_argument>([] { Simulation(yard(), {.spare = 4'000'000'000}); }),
+            "SimulationOptions: spare is 4000000000: give a number from 0 to 1000000");
+}
+
 TEST(WorldBuilder, DescribesWhatAFileSays) {
   WorldBuilder world = yard(2);
   world.set("seed", 7).set("seed", 8);
