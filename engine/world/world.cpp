@@ -322,9 +322,15 @@ void World::throw_in_tick(std::string_view call) {
 
 void World::throw_no_row(Row row, std::string_view call) const {
   throw std::out_of_range(
-      row.valid() ? fmt::format("{}: found row {}, but the world has {} rows, counted from 0", call,
-                                row.value, rows())
-                  : fmt::format("{}: found a Row that is not valid: a static body has no row", call));
+      row.valid()
+          ? fmt::format("{}: found row {}, but the world has {} rows, counted from 0", call, row.value,
+                        rows())
+          : fmt::format("{}: found no row: static bodies, and bodies that do not exist, have none", call));
+}
+
+void World::throw_no_commands(const BodyType::Device& device) {
+  throw std::logic_error(
+      fmt::format("asked_of(): device \"{}\" ({}) takes no commands", device.name, device.kind->name));
 }
 
 void World::throw_frozen() {
@@ -345,6 +351,9 @@ void World::reset() {
 void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
   require_unfrozen();
   require_between_steps("restart()");
+  if (bodies.size() != state_.spec.bodies.size())
+    throw std::invalid_argument(fmt::format("restart(): found {} bodies, but the world has {}", bodies.size(),
+                                            state_.spec.bodies.size()));
   restore_fp_environment();  // a library may have changed it: see step()
   if (replica_) replica_->restart(seed, bodies);
   bool has_scene_changed = false;

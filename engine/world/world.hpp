@@ -164,8 +164,9 @@ class World {
   /// rows may differ. The changes of set() are undone. Callbacks and subscriptions (subscribe()) stay. The
   /// function may be called after a step that threw.
   ///
-  /// Throws StepError if a hook `start` of a kind throws. Throws InputError if the world uses the grid ray
-  /// engine, which traces rays through a grid of cells, and if this grid cannot represent the new static
+  /// Throws std::invalid_argument, and changes nothing, if `bodies` has another size than the bodies of the
+  /// spec. Throws StepError if a hook `start` of a kind throws. Throws InputError if the world uses the grid
+  /// ray engine, which traces rays through a grid of cells, and if this grid cannot represent the new static
   /// scene. Throws std::logic_error if a hook `bind_world` of a kind rejects the new bodies. After an
   /// InputError or a std::logic_error, the world is in the state S(0) with the old seed and the old bodies.
   ///
@@ -618,11 +619,13 @@ class World {
     gather();
     return state_.tables[sensor.table];
   }
-  /// Makes every sensor and every other device of a body run, including those that no controller uses. The
-  /// body must have a row. Call this before the first step.
+  /// Makes every sensor and every other device of a body run, including those that no controller uses. Throws
+  /// std::out_of_range if there is no such body, or if it has no row. Call this before the first step.
   void subscribe(BodyId body) {
+    const Row row = body.index() < state_.rows.size() ? this->row(body) : Row();
+    require_row(row, "subscribe()");
     touch();
-    state_.subscribed[row(body).index()] = 1;
+    state_.subscribed[row.index()] = 1;
   }
   /// Bodies for which subscribe() was called and which have a row in this World, in ascending order of ids.
   std::vector<BodyId> subscribed() const;
@@ -641,9 +644,11 @@ class World {
   /// is_supplied() are true for it.
   bool runs(Row row, const BodyType::Device& device) const { return state_.view.runs(row, device); }
   /// The table of the commands to a device, with one table row per slot of the device's type. The device must
-  /// take commands. A program may change the commands. Call this between steps.
+  /// take commands: throws std::logic_error if it does not. A program may change the commands. Call this
+  /// between steps.
   StateTable& asked_of(const BodyType::Device& device) {
     require_between_steps("asked_of()");
+    if (!device.command_table) throw_no_commands(device);
     touch();
     return state_.tables[*device.command_table];
   }
@@ -702,6 +707,7 @@ class World {
   [[noreturn]] void throw_half_made() const;
   [[noreturn]] static void throw_in_tick(std::string_view call);
   [[noreturn]] void throw_no_row(Row row, std::string_view call) const;
+  [[noreturn]] static void throw_no_commands(const BodyType::Device& device);
   void require_carries(std::string_view call) const;
   /// Exists while work changes the state. The constructor clears is_half_made_, and the destructor sets it if
   /// the work threw an exception. If a callback in the work caught an exception of inner work, such as a

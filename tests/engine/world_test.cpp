@@ -237,7 +237,9 @@ TEST(World, ASpecThatBreaksARuleIsAnError) {
 TEST(World, FunctionsForProgramsRefuseRowsThatDoNotExist) {
   SceneBuilder scene;
   scene.spec.mortal = true;
-  scene.body("r0", scene.robot("robot", {box(0.4, 0.4)}));
+  const TypeId robot = scene.robot("robot", {box(0.4, 0.4)});
+  scene[robot].devices = {test::ranger("eye", {{.range_max = 5}})};
+  scene.body("r0", robot);
   const BodyId wall = scene.wall(2, -1, 2.2, 1);
   World world = scene.world();
   const std::uint64_t before = world.hashes().state;
@@ -258,10 +260,16 @@ TEST(World, FunctionsForProgramsRefuseRowsThatDoNotExist) {
       {"disable()", [&](Row row) { world.set_disabled(row, true); }}};
   for (const auto& [name, call] : calls) {
     EXPECT_EQ(test::message_of<std::out_of_range>([&, &act = call] { act(world.row(wall)); }),
-              name + ": found a Row that is not valid: a static body has no row");
+              name + ": found no row: static bodies, and bodies that do not exist, have none");
     EXPECT_EQ(test::message_of<std::out_of_range>([&, &act = call] { act(Row(std::size_t{1})); }),
               name + ": found row 1, but the world has 1 rows, counted from 0");
   }
+  EXPECT_THROW(world.subscribe(wall), std::out_of_range);
+  EXPECT_THROW(world.subscribe(BodyId(std::size_t{9})), std::out_of_range);
+  EXPECT_EQ(test::message_of<std::logic_error>([&] { world.asked_of(world.type(Row(0)).devices[0]); }),
+            "asked_of(): device \"eye\" (ranger) takes no commands");
+  EXPECT_EQ(test::message_of<std::invalid_argument>([&] { world.restart(7, {}, test::registry()); }),
+            "restart(): found 0 bodies, but the world has 3");
   EXPECT_EQ(test::message_of<std::out_of_range>([&] { world.spawn(0, {}); }),
             "spawn(): found reserve 0, but the world has 0 reserves, counted from 0");
   const Result<> set = world.set({TypeId(9), SettingSpec::Of::drive, 0, {}}, test::registry());
