@@ -100,6 +100,9 @@ struct DeviceBatch {
   /// equal to this period, or longer if the device was switched off, broken or without power in between.
   double period_s = 0;
 
+  /// Row i of the batch. Throws std::out_of_range if i is not below the number of rows, as all functions
+  /// below do that have an argument `i`.
+  Row row(std::size_t i) const;
   BodyId body(std::size_t i) const;       ///< id of the row's body
   std::size_t slot(std::size_t i) const;  ///< index of the row in `state` and `commands`
   /// The random numbers of a row in this tick: a function of the seed of the world, `stream`, the id of the
@@ -123,7 +126,8 @@ struct DeviceBatch {
   const Command& command(std::size_t i) const;
   /// Whether a device of the row's body is in use. A device is in use if a controller uses it, if the world
   /// file makes it active (BodyType::Device::active), or if a program called World::subscribe() for the body.
-  /// Here and below, `its_device` is the index of the device in BodyType::devices.
+  /// Here and below, `its_device` is the index of the device in BodyType::devices; std::out_of_range is
+  /// thrown if there is no such device.
   bool senses(std::size_t i, std::size_t its_device) const;
   /// Whether a device of the row's body is switched on. A device is on unless a controller has switched it
   /// off.
@@ -531,8 +535,8 @@ inline constexpr std::size_t k_most_devices_read = 16;
 /// Throws std::out_of_range with a message for the author of a controller: the controller used the device
 /// with the index `index`, but it has chosen only `count` devices (ControllerKind::Prepared::devices).
 [[noreturn]] void throw_no_device(std::size_t index, std::size_t count);
-/// Throws std::out_of_range with such a message: the controller used the robot with the index `index` of a
-/// batch of `count` robots (DecideBatch).
+/// Throws std::out_of_range with such a message: the controller or device used the robot with the index
+/// `index` of a batch of `count` robots (DecideBatch, DeviceBatch).
 [[noreturn]] void throw_no_robot(std::size_t index, std::size_t count);
 /// Throws std::logic_error with such a message: the controller commanded a device whose kind takes no
 /// commands.
