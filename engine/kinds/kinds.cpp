@@ -17,6 +17,12 @@ const Kind* find(const std::vector<Kind>& kinds, std::string_view name) {
   return it == kinds.end() ? nullptr : &*it;
 }
 
+/// Throws std::out_of_range if the table is that of a default-constructed Readings.
+void refuse_no_device(const StateTable& table) {
+  if (table.component().empty())
+    throw std::out_of_range("reads a device that it has not chosen: Percept::devices has fewer devices");
+}
+
 const BodyType::Device& device_of(const DeviceBatch& batch, Row row, std::size_t its_device) {
   const std::vector<BodyType::Device>& devices = batch.view.type(row).devices;
   if (its_device >= devices.size())
@@ -68,7 +74,10 @@ void throw_wrong_command(std::size_t index, std::size_t bytes, std::size_t comma
                          std::to_string(command_bytes) + " bytes");
 }
 
+const StateTable Readings::k_no_device{};
+
 void throw_wrong_field(const StateTable& table, std::size_t field, Element as) {
+  refuse_no_device(table);
   const std::string reads = "reads the field with the index " + std::to_string(field) +
                             " (counted from 0) of the device \"" + table.component() + "\" as " +
                             std::string(element_name(as)) + ", but ";
@@ -80,6 +89,7 @@ void throw_wrong_field(const StateTable& table, std::size_t field, Element as) {
 }
 
 void throw_wrong_state(const StateTable& table, std::size_t bytes) {
+  refuse_no_device(table);
   throw std::logic_error("reads the state of the device \"" + table.component() + "\" as a struct of " +
                          std::to_string(bytes) + " bytes, but the state has " +
                          std::to_string(table.row_bytes()) + " bytes");

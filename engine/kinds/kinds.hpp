@@ -546,7 +546,8 @@ inline constexpr std::size_t k_most_devices_read = 16;
 [[noreturn]] void throw_wrong_command(std::size_t index, std::size_t bytes, std::size_t command_bytes);
 /// Throws std::logic_error with such a message: the controller read the field with the index `field` of a
 /// device as values of the type `as`, but the state of the device, `table`, has no such field, or its values
-/// have another type.
+/// have another type. Throws std::out_of_range, as throw_wrong_state() does, if `table` has no name, because
+/// there is no device (Readings()).
 [[noreturn]] void throw_wrong_field(const StateTable& table, std::size_t field, Element as);
 /// Throws std::logic_error with such a message: the controller read the state of a device, `table`, as a
 /// struct of `bytes` bytes, but the state of one body has another size.
@@ -555,7 +556,7 @@ inline constexpr std::size_t k_most_devices_read = 16;
 /// The state of one sensor or other device of one robot, as its controllers read it.
 class Readings {
  public:
-  Readings() = default;  ///< refers to no device; the functions below must not be called
+  Readings() = default;  ///< refers to no device; the functions below throw std::out_of_range
   /// Refers to the state in row `slot` of a device's state table. The table must outlive this object.
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
   /// The values of field f of the state: StateField::columns values. f is an index into the list of the
@@ -578,7 +579,9 @@ class Readings {
   }
 
  private:
-  const StateTable* table_ = nullptr;
+  // An empty table, which has no field, so that field() and as() need no comparison for it.
+  static const StateTable k_no_device;
+  const StateTable* table_ = &k_no_device;
   std::size_t slot_ = 0;
 };
 
@@ -590,7 +593,8 @@ struct Percept {
   double period_s = 0;     ///< time from one call of the controller for this robot to the next, s
   std::uint32_t body = 0;  ///< id of the robot
   /// States of the sensors and other devices that the controller uses, in the order of
-  /// ControllerKind::Prepared::devices. `devices[i]` does not check whether there is a device i.
+  /// ControllerKind::Prepared::devices. `devices[i]` does not check whether there is a device i. But if there
+  /// is none and i is below k_most_devices_read, the functions of the result throw std::out_of_range.
   std::span<const Readings> devices = {};
   /// Estimated pose of the robot, m and rad, in the frame that the Localization of its drive defines
   /// (engine/kinds/localization.hpp). If the controller commands a drive device (DeviceKind::drives):

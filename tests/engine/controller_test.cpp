@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <any>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -210,6 +212,36 @@ TEST(Percept, RefusesFieldsOfOtherTypes) {
   EXPECT_EQ(error_of([&] { return percept.devices[1].as<Reordered>().a; }),
             "reads the state of the device \"counter/c\" as a struct of 16 bytes, but the state has " +
                 std::to_string(sizeof(Mixed)) + " bytes");
+}
+
+/// Reads a second device, although it has chosen only one.
+struct ReadsTooMany {
+  static constexpr std::array k_uses{std::string_view("fiducial")};
+  void operator()(const Percept& percept, Random&, Actions& actions) const {
+    actions.command.x = percept.devices[1].field<std::uint32_t>(0)[0];
+  }
+};
+
+TEST(Percept, RefusesDevicesThatTheControllerHasNotChosen) {
+  const ControllerKind kind = make_controller_kind<ReadsTooMany>("reads_too_many", "");
+  const StateTable finder("fiducial/eye", HashGroup::sensor, StateTable::Layout::rows,
+                          {{"count", Element::u32, 1, "", ""}}, {BodyId(0)});
+  Command command;
+  const std::vector<Row> rows{Row(0)};
+  const std::vector<BodyId> ids{BodyId(0)};
+  const std::vector<std::uint32_t> slots{0};
+  DecideBatch batch{.rows = rows, .ids = ids, .slots = slots, .commands = {&command, 1}};
+  batch.percepts[0] = &finder;
+  batch.devices = 1;
+  const std::any controller = ReadsTooMany();
+  try {
+    kind.decide(controller, batch);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const DecisionError& error) {
+    EXPECT_EQ(message_of<std::out_of_range>([&] { std::rethrow_exception(error.thrown); }),
+              "reads a device that it has not chosen: Percept::devices has fewer devices");
+  }
+  EXPECT_THROW(Readings().as<Mixed>(), std::out_of_range);
 }
 
 // The row after those of a batch is that of a robot for which another thread decides.
