@@ -95,10 +95,6 @@ void throw_wrong_state(const StateTable& table, std::size_t bytes) {
                          std::to_string(table.row_bytes()) + " bytes");
 }
 
-Row DeviceBatch::row(std::size_t i) const {
-  if (i >= rows.size()) throw_no_robot(i, rows.size());
-  return rows[i];
-}
 BodyId DeviceBatch::body(std::size_t i) const { return view.body(row(i)); }
 std::size_t DeviceBatch::slot(std::size_t i) const { return view.slot(row(i)); }
 Random DeviceBatch::random(std::size_t i) const {

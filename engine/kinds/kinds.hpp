@@ -82,6 +82,10 @@ struct ModelKind {
   FieldTable params;
 };
 
+/// Throws std::out_of_range with a message for the author of a controller or device: it used the robot with
+/// the index `index` of a batch of `count` robots (DeviceBatch, DecideBatch).
+[[noreturn]] void throw_no_robot(std::size_t index, std::size_t count);
+
 /// The argument of the hooks `sense`, `act` and `joints_moved` of a device kind: rows (bodies) of one type
 /// for which the hook is called in a tick, with the data of these rows. There is at least one row. The
 /// argument `i` of the functions is an index into `rows`. The class of `view`, by which a hook reads the
@@ -102,7 +106,10 @@ struct DeviceBatch {
 
   /// Row i of the batch. Throws std::out_of_range if i is not below the number of rows, as all functions
   /// below do that have an argument `i`.
-  Row row(std::size_t i) const;
+  Row row(std::size_t i) const {
+    if (i >= rows.size()) throw_no_robot(i, rows.size());
+    return rows[i];
+  }
   BodyId body(std::size_t i) const;       ///< id of the row's body
   std::size_t slot(std::size_t i) const;  ///< index of the row in `state` and `commands`
   /// The random numbers of a row in this tick: a function of the seed of the world, `stream`, the id of the
@@ -535,9 +542,6 @@ inline constexpr std::size_t k_most_devices_read = 16;
 /// Throws std::out_of_range with a message for the author of a controller: the controller used the device
 /// with the index `index`, but it has chosen only `count` devices (ControllerKind::Prepared::devices).
 [[noreturn]] void throw_no_device(std::size_t index, std::size_t count);
-/// Throws std::out_of_range with such a message: the controller or device used the robot with the index
-/// `index` of a batch of `count` robots (DecideBatch, DeviceBatch).
-[[noreturn]] void throw_no_robot(std::size_t index, std::size_t count);
 /// Throws std::logic_error with such a message: the controller commanded a device whose kind takes no
 /// commands.
 [[noreturn]] void throw_no_command(std::size_t index);
