@@ -161,7 +161,7 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_value(app, "--spare", "N",
             "Spare robots per population, which can be added during the run (default: 0)",
             [&options](const std::string& text) {
-              constexpr std::uint32_t k_most = 1000000;
+              constexpr std::uint32_t k_most = SimulationOptions::k_most_spare;
               const auto count = number_of<std::uint32_t>(text);
               if (!count || *count > k_most)
                 refuse("--spare", text, fmt::format("a number of robots from 0 to {}", k_most));

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 
@@ -64,9 +65,14 @@ inline std::size_t payload_of(const engine::DeviceKind::Prepared& radio) {
 class RadioPort {
  public:
   /// Connects to a device of the kind `radio`. heard: the readings of the device. asked: the bytes of the
-  /// command to the device, which say(), say_bytes() and be_silent() overwrite. Both arguments, and so the
-  /// port, are valid only until the controller returns.
-  RadioPort(const engine::Readings& heard, std::byte* asked) : heard_(heard), asked_(asked) {}
+  /// command to the same device, which say(), say_bytes() and be_silent() overwrite; they throw
+  /// std::logic_error if there are too few. Both arguments, and so the port, are valid only until the
+  /// controller returns.
+  RadioPort(const engine::Readings& heard, std::span<std::byte> asked) : heard_(heard), asked_(asked) {}
+  /// Connects in the same way, for controllers of batches: asked is DecideBatch::device_command() of the
+  /// device, and its size is not checked. Null: the port can only read.
+  RadioPort(const engine::Readings& heard, std::byte* asked)
+      : heard_(heard), asked_(asked, asked == nullptr ? 0 : k_radio_said + capacity()) {}
 
   /// A message heard in this tick.
   struct Message {
@@ -118,7 +124,7 @@ class RadioPort {
   bool say_bytes(std::span<const std::uint8_t> message) const {
     be_silent();
     if (message.size() > capacity()) return false;
-    auto* out = reinterpret_cast<std::uint8_t*>(asked_);
+    auto* out = reinterpret_cast<std::uint8_t*>(asked_.data());
     out[k_radio_mode] = static_cast<std::uint8_t>(RadioMode::says);
     out[k_radio_bytes] = static_cast<std::uint8_t>(message.size());
     std::ranges::copy(message, out + k_radio_said);
@@ -138,13 +144,18 @@ class RadioPort {
   /// Makes the radio send nothing from the next tick on, until the command changes. The radio still hears
   /// messages.
   void be_silent() const {
-    std::memset(asked_, 0, k_radio_said + capacity());
+    const std::size_t bytes = k_radio_said + capacity();
+    if (asked_.size() < bytes)
+      throw std::logic_error("commands a radio, whose command has " + std::to_string(bytes) +
+                             " bytes, through a command of " + std::to_string(asked_.size()) +
+                             " bytes: give RadioPort the readings and the command of the same radio");
+    std::memset(asked_.data(), 0, bytes);
     asked_[k_radio_mode] = static_cast<std::byte>(RadioMode::silent);
   }
 
  private:
   engine::Readings heard_;
-  std::byte* asked_;
+  std::span<std::byte> asked_;
 };
 
 /// Returns the implementation of the sensor `radio`. In each tick (time step), a radio hears the messages

@@ -1,6 +1,7 @@
 #include "troupe/batch_env.hpp"
 
 #include "base/hash.hpp"
+#include "base/raised.hpp"
 #include "base/random.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/ticks.hpp"
@@ -154,6 +155,7 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
 /// for all others; for_copies() then rethrows the exception of the first of these copies.
 template <class Work>
 void BatchEnv::Impl::for_copies(Work&& work) {
+  const Raised running(is_running);
   constexpr std::size_t k_most = 32;           // copies per task
   constexpr std::size_t k_tasks_a_thread = 8;  // enough that all threads end at about the same time
   const std::size_t n = copies.size();
@@ -167,6 +169,16 @@ void BatchEnv::Impl::for_copies(Work&& work) {
       }
     if (error) std::rethrow_exception(error);
   });
+}
+
+/// Throws std::logic_error in callbacks of the simulations of the copies, which for_copies() runs: a worker
+/// thread must not start another loop. call: name of the calling function, for the error
+void BatchEnv::Impl::refuse_in_callbacks(std::string_view call) const {
+  if (is_running)
+    throw std::logic_error(fmt::format(
+        "{} of a batch is not allowed in a callback of one of its simulations: call it outside the "
+        "callback",
+        call));
 }
 
 void BatchEnv::Impl::begin(std::size_t c) {
@@ -328,6 +340,7 @@ std::span<const std::uint64_t> BatchEnv::seeds() const { return impl_->seeds; }
 
 void BatchEnv::reset(std::span<const std::uint8_t> which,
                      std::span<const std::optional<std::uint64_t>> seeds) {
+  impl_->refuse_in_callbacks("reset()");
   if (!which.empty() && which.size() != copies())
     Impl::refuse(
         fmt::format("reset(): `which` has {} elements: give {}, one per copy", which.size(), copies()));
@@ -353,6 +366,7 @@ void BatchEnv::reset(std::span<const std::uint8_t> which,
 }
 
 void BatchEnv::step(std::span<const std::uint8_t> begins) {
+  impl_->refuse_in_callbacks("step()");
   if (!impl_->was_reset) throw std::logic_error("step(): call reset() before the first step");
   if (!begins.empty() && begins.size() != copies())
     Impl::refuse(

@@ -192,7 +192,8 @@ struct BatchSpec {
 /// arrays    Arrays are row-major. The spans that array(), actions() and the other functions return stay
 ///           valid. step() and reset() change their contents. Before the first reset(), all arrays of teams
 ///           contain 0.
-/// threads   Call all functions from one thread.
+/// threads   Call all functions from one thread. In callbacks of the simulations of the copies, step() and
+///           reset() throw std::logic_error.
 class BatchEnv {
  public:
   /// Loads a world file and makes the copies. Ignores options.threads. Throws

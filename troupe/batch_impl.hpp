@@ -123,6 +123,7 @@ struct BatchEnv::Impl {
   std::vector<std::uint8_t> over;
   std::vector<std::uint64_t> seeds;
   bool was_reset = false;
+  bool is_running = false;  // for_copies() is running
 
   Impl(const Simulation& world, const BatchSpec& wanted);
   /// Throws std::invalid_argument with the text `text`.
@@ -150,6 +151,7 @@ struct BatchEnv::Impl {
 
   // troupe/batch_env.cpp: the copies and their steps
   void add_copy(const Simulation& world, std::size_t c);
+  void refuse_in_callbacks(std::string_view call) const;
   template <class Work>
   void for_copies(Work&& work);
   void begin(std::size_t c);

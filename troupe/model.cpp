@@ -40,6 +40,16 @@ std::string names_and_types(std::span<const engine::StateField> fields) {
   return text;
 }
 
+/// The function of Model that commands in this mode.
+std::string_view setter_of(engine::ControlMode mode) {
+  switch (mode) {
+    case engine::ControlMode::velocity: break;
+    case engine::ControlMode::acceleration: return "accelerate()";
+    case engine::ControlMode::position: return "go_to()";
+  }
+  return "set_speed()";
+}
+
 /// The robot that Swarm::for_each() visits on this thread; null if this thread is not in for_each().
 thread_local const Model* visited_robot = nullptr;
 
@@ -132,8 +142,8 @@ void Model::require_may_change(const engine::World& world, std::string_view what
                     what, visited_robot->name()));
 }
 
-void Model::require_may_command() const {
-  place_->world->require_between_steps("a command for a robot");
+void Model::require_may_command(std::string_view call) const {
+  place_->world->require_between_steps(call);
   if (visited_robot != nullptr && visited_robot->place_->body != place_->body)
     require_may_change(*place_->world, fmt::format("a command for \"{}\"", name()));
 }
@@ -185,7 +195,7 @@ void Model::require_finite(std::string_view robot, double x, double y, double tu
 }
 
 void Model::command(engine::ControlMode mode, double x, double y, double turn) {
-  require_may_command();
+  require_may_command(setter_of(mode));
   require_finite(place_->name, x, y, turn);
   const auto* wheels = place_->wheels();
   if (wheels == nullptr && !place_->type().drive)
@@ -237,7 +247,7 @@ bool Model::stalled() const {
 Pose Model::estimate() const { return place_->wheels() ? pose() : place_->world->estimate(place_->row()); }
 
 void Model::set_estimate(const Pose& pose) {
-  require_may_command();
+  require_may_command("set_estimate()");
   place_->world->set_estimate(place_->row(), pose);
 }
 
@@ -313,7 +323,7 @@ std::span<const engine::StateField> Model::fields(std::string_view device) const
 
 std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
                         std::span<const engine::StateField> fields) {
-  require_may_command();
+  require_may_command("command()");
   const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
   const auto takes_these = [&](const engine::BodyType::Device& d) {
     return takes(d) && d.prepared.command_bytes == bytes && same_layout(d.prepared.commands, fields);
@@ -345,7 +355,7 @@ const engine::BodyType::Device& Model::Place::commanded(std::string_view wanted)
 }
 
 Model::Asked Model::asked(std::string_view wanted) {
-  require_may_command();
+  require_may_command("asked()");
   const engine::BodyType::Device& device = place_->commanded(wanted);
   refuse_absent();
   return {device.prepared.commands,

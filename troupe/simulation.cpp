@@ -152,13 +152,14 @@ void Simulation::record(const std::filesystem::path& file, const RecordingOption
   if (impl_->recording)
     throw std::logic_error(
         fmt::format("{}: this run is already being recorded; call stop_recording() first", file.string()));
+  Model::require_may_change(*impl_->world, "record()");
   impl_->world->require_whole();
-  impl_->world->require_between_steps("record()");
   impl_->refuse_to_replace_inputs(file);
   impl_->recording = std::make_unique<Recording>(file, *this, options);
 }
 
 void Simulation::stop_recording() {
+  Model::require_may_change(*impl_->world, "stop_recording()");
   if (const std::unique_ptr<Recording> recording = std::move(impl_->recording)) recording->close();
 }
 
@@ -465,16 +466,17 @@ std::span<const RankWork> Simulation::rank_work() const {
 }
 
 void Simulation::on_phase(std::function<void(std::optional<Phase>)> callback) {
+  Model::require_may_change(*impl_->world, "on_phase()");
   impl_->world->on_phase(std::move(callback));
 }
 
 void Simulation::on_task(std::function<void(std::size_t, bool)> callback) {
-  impl_->world->require_between_steps("on_task()");
+  Model::require_may_change(*impl_->world, "on_task()");
   impl_->world->parallel().on_task(std::move(callback));
 }
 
 void Simulation::on_loop(std::function<void(bool)> callback) {
-  impl_->world->require_between_steps("on_loop()");
+  Model::require_may_change(*impl_->world, "on_loop()");
   impl_->world->parallel().on_loop(std::move(callback));
 }
 

@@ -101,8 +101,10 @@ struct SimulationOptions {
   /// Number of robots that spawn() can add to each population while the world runs (docs/lives.md). Loading
   /// the world adds them to the population as its reserve, with ids after those of all other bodies.
   /// Populations for which the world file declares a reserve get no further robots. A world with a reserve
-  /// has other state hashes (64-bit hashes of the whole state) than the same world without a reserve.
+  /// has other state hashes (64-bit hashes of the whole state) than the same world without a reserve. Loading
+  /// the world throws std::invalid_argument for more than k_most_spare robots.
   std::uint32_t spare = 0;
+  static constexpr std::uint32_t k_most_spare = 1'000'000;  ///< greatest value of `spare`
   /// Number of ranks among which the robots are divided, from 1 to 1,024 (docs/cluster.md). Each rank is a
   /// thread of this process that has its own copy of the world (its replica) and its own worker threads. With
   /// more than one rank, `threads` is the number of worker threads per rank; 0: the number of available
@@ -228,7 +230,8 @@ struct RecordingOptions;
 
 /// A handle of one model of a simulation: a body, or a part that is mounted on a body, such as a sensor. A
 /// copy of the handle is cheap and refers to the same model. The handle is valid while the simulation lives,
-/// also after Simulation::reset(). Call its functions between two steps. speed(), stalled(), estimate() and
+/// also after Simulation::reset(). Call its functions between two steps: during a step, for example in a
+/// controller, those that change the simulation throw std::logic_error. speed(), stalled(), estimate() and
 /// set_estimate() throw std::logic_error for static geometry: a body without drive, device and controller
 /// that cannot be gripped or pushed.
 class Model {
@@ -447,7 +450,7 @@ class Model {
   static void require_may_change(const engine::World& world, std::string_view what);
   static void require_finite(std::string_view robot, double x, double y, double turn);
   /// As require_may_change(), but allows a function that Swarm::for_each() calls to command its own robot.
-  void require_may_command() const;
+  void require_may_command(std::string_view call) const;
   void refuse_absent() const;
   void command(engine::ControlMode mode, double x, double y, double turn);
   std::shared_ptr<const Place> place_;

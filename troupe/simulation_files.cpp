@@ -134,6 +134,9 @@ void Simulation::Impl::start(engine::WorldSpec spec, const SimulationOptions& op
                              Diagnostics& diagnostics, std::span<const std::string> populations) {
   tile_size_m = options.tile_size_m;
   spec.mortal = spec.mortal || options.mortal;
+  if (options.spare > SimulationOptions::k_most_spare)
+    throw std::invalid_argument(fmt::format("SimulationOptions: spare is {}: give a number from 0 to {}",
+                                            options.spare, SimulationOptions::k_most_spare));
   if (options.spare > 0) {
     engine::add_spare(spec, options.spare, populations);
     changes.emplace_back(k_spare, fmt::format("{}", options.spare));
@@ -406,7 +409,7 @@ void Simulation::save(const std::filesystem::path& checkpoint) const {
         "checkpoint would repeat the interventions of this tick: call it between two steps, or in a callback "
         "of on_tick()");
   impl_->world->require_whole();
-  impl_->world->require_between_steps("save()");
+  Model::require_may_change(*impl_->world, "save()");
   impl_->world->gather();  // the counts in the checkpoint are counts of all robots
   impl_->refuse_to_replace_inputs(checkpoint);
   worldio::require_hdf5_ending(checkpoint);
@@ -428,6 +431,7 @@ void Simulation::on_save(const std::string& name, std::function<std::vector<std:
   if (name == k_holds || name.starts_with(k_stop_conditions))
     throw std::invalid_argument(
         fmt::format("on_save(): checkpoints store data of Troupe under \"{}\": choose another name", name));
+  Model::require_may_change(*impl_->world, "on_save()");
   if (memory)
     impl_->on_save[name] = std::move(memory);
   else

@@ -43,6 +43,19 @@ struct Swarm::Ranger {
 
 Swarm::Swarm(engine::World& world, std::vector<BodyId> ids) : world_(&world), ids_(std::move(ids)) {}
 
+Swarm Swarm::of(engine::World& world, std::vector<BodyId> ids) {
+  const std::size_t bodies = world.spec().bodies.size();
+  for (const BodyId id : ids) {
+    if (id.index() >= bodies)
+      throw std::out_of_range(fmt::format(
+          "no robot with id {}: the world has {} bodies, whose ids begin at 0", id.value, bodies));
+    if (world.location(id) == engine::RowLocation::none)
+      throw std::out_of_range(
+          fmt::format("\"{}\" (id {}) is not a robot: it is static", world.spec().name(id), id.value));
+  }
+  return {world, std::move(ids)};
+}
+
 /// The present row of robot i in the state tables.
 Row Swarm::row(std::size_t i) const { return world_->row(ids_[i]); }
 
@@ -329,6 +342,7 @@ void Swarm::commands(std::span<std::byte> out, std::string_view field, std::stri
 
 void Swarm::set_commands(std::span<const std::byte> values, std::string_view field, std::string_view device,
                          std::span<const std::uint8_t> where) {
+  world_->require_between_steps("set_commands()");
   Model::require_may_change(*world_, "a command for a swarm");
   if (!where.empty()) check_size("elements of `where`", where.size(), size());
   const auto for_selected = [&](auto&& visit) {
@@ -384,10 +398,11 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
 }
 
 /// Commands command_of(values[i]) to each robot i that write() selects. Throws std::invalid_argument, before
-/// the first command, if a number of a command is not finite.
+/// the first command, if a number of a command is not finite. call: name of the calling function
 template <class Value, class CommandOf>
-void Swarm::command(std::span<const Value> values, std::span<const std::uint8_t> where,
+void Swarm::command(std::string_view call, std::span<const Value> values, std::span<const std::uint8_t> where,
                     CommandOf&& command_of) const {
+  world_->require_between_steps(call);
   write(values.size(), where, [&](Row, std::size_t i) {
     const engine::Command command = command_of(values[i]);
     if (!engine::is_finite(command))
@@ -398,19 +413,19 @@ void Swarm::command(std::span<const Value> values, std::span<const std::uint8_t>
 }
 
 void Swarm::set_speeds(std::span<const Model::Speed> speeds, std::span<const std::uint8_t> where) {
-  command(speeds, where, [](const Model::Speed& speed) {
+  command("set_speeds()", speeds, where, [](const Model::Speed& speed) {
     return engine::Command{speed.forward, speed.left, speed.turn, engine::ControlMode::velocity};
   });
 }
 
 void Swarm::accelerate(std::span<const Model::Speed> accelerations, std::span<const std::uint8_t> where) {
-  command(accelerations, where, [](const Model::Speed& rate) {
+  command("accelerate()", accelerations, where, [](const Model::Speed& rate) {
     return engine::Command{rate.forward, rate.left, rate.turn, engine::ControlMode::acceleration};
   });
 }
 
 void Swarm::go_to(std::span<const Pose> goals, std::span<const std::uint8_t> where) {
-  command(goals, where, [](const Pose& goal) {
+  command("go_to()", goals, where, [](const Pose& goal) {
     return engine::Command{goal.x, goal.y, goal.heading, engine::ControlMode::position};
   });
 }

@@ -139,8 +139,9 @@ class Swarm {
   /// - change data of the caller that belong to robot i alone, such as element i of an array.
   ///
   /// The result is then the same on any number of threads. `visit` must not command other robots. It must not
-  /// call set_pose(), spawn(), remove(), step(), reset(), subscribe(), for_each() or the commands of a swarm.
-  /// Such calls throw std::logic_error. Collect such changes, and apply them after for_each().
+  /// call set_pose(), spawn(), remove(), step(), reset(), subscribe(), save(), record(), for_each(), the
+  /// commands of a swarm, or functions that set callbacks. Such calls throw std::logic_error. Collect such
+  /// changes, and apply them after for_each().
   ///
   /// If `visit` throws for a robot, it is still called for all other robots. for_each() then throws the
   /// exception of the robot with the lowest index for which `visit` threw. Throws std::invalid_argument if
@@ -171,8 +172,9 @@ class Swarm {
   void set_poses(std::span<const Pose> poses, std::span<const std::uint8_t> where = {});
 
   /// Returns the swarm of the robots of `world` that have these ids. `world` must outlive the swarm. The ids
-  /// must be in ascending order, which is not checked.
-  static Swarm of(engine::World& world, std::vector<BodyId> ids) { return {world, std::move(ids)}; }
+  /// must be in ascending order, which is not checked. Throws std::out_of_range if there is no body with an
+  /// id, or if the body is static geometry.
+  static Swarm of(engine::World& world, std::vector<BodyId> ids);
 
  private:
   friend class Simulation;
@@ -183,7 +185,7 @@ class Swarm {
   template <class Write>
   void write(std::size_t given, std::span<const std::uint8_t> where, Write&& one) const;
   template <class Value, class CommandOf>
-  void command(std::span<const Value> values, std::span<const std::uint8_t> where,
+  void command(std::string_view call, std::span<const Value> values, std::span<const std::uint8_t> where,
                CommandOf&& command_of) const;
   struct Ranger;
   Ranger ranger_of(Row row, std::string_view sensor) const;

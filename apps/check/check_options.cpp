@@ -38,9 +38,9 @@ It is slow, and only possible for worlds with "ranging": "exact".
 
 --controllers computes every decision of the first variant twice more, from the same readings and memory: once in
 another order, on another thread and in memory filled with junk, and once with a newly constructed controller. The
-option finds controllers that call rand(), keep a static variable, read the clock or leave a member uninitialised, and
-prints the field that differs. The command waits 1.1 s after the first decision, to detect clocks that count seconds.
-docs/determinism.md describes what --controllers cannot detect.
+option finds controllers that call rand(), keep a static variable, read the clock, leave a member uninitialised or
+change a command or the memory of another robot, and prints the field that differs. The command waits 1.1 s after the
+first decision, to detect clocks that count seconds. docs/determinism.md describes what --controllers cannot detect.
 
 The run ends as in troupe run: at --for S, else at the quit_time of the world.
 

@@ -403,6 +403,7 @@ void World::toggle_disabled(Row row) {
 bool World::set_disabled(Row row, bool disabled) {
   require_whole();
   require_between_steps(disabled ? "disable()" : "enable()");
+  require_row(row, disabled ? "disable()" : "enable()");
   if (!state_.condition_table)
     throw std::logic_error(fmt::format(
         "programs cannot disable \"{}\": add \"mortal\": true to the world file, or set the option mortal "

@@ -300,6 +300,8 @@ Result<> World::set(const SettingSpec& setting, const Registry& registry) {
   require_whole();
   require_unfrozen();
   require_between_steps("set()");
+  if (!has_params(state_.spec.types, setting))
+    return Error{"refers to a type, or to a drive, device or controller of a type, that does not exist"};
   Result<> done = insert_setting(setting, registry);
   if (done && replica_ != nullptr) replica_->set(setting);
   return done;

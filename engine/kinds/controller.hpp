@@ -128,7 +128,7 @@ Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInf
 template <class Memory, class C>
 void decide_one_by_one(const C& controller, const DecideBatch& batch) {
   std::array<Readings, k_most_devices_read> readings;
-  std::array<std::byte*, k_most_devices_read> devices;
+  std::array<std::span<std::byte>, k_most_devices_read> devices;
   Percept percept{.tick = batch.tick,
                   .time_s = batch.time_s,
                   .tick_s = batch.tick_s,
@@ -140,7 +140,7 @@ void decide_one_by_one(const C& controller, const DecideBatch& batch) {
       percept.body = batch.body(i);
       for (std::size_t s = 0; s < batch.devices; ++s) {
         readings[s] = batch.readings(s, i);
-        devices[s] = batch.device_command(s, i);
+        devices[s] = {batch.device_command(s, i), batch.device_commands[s].row_bytes};
       }
       percept.estimate = batch.estimate(i);
       Random random = batch.random(i);

@@ -17,6 +17,21 @@ const Kind* find(const std::vector<Kind>& kinds, std::string_view name) {
   return it == kinds.end() ? nullptr : &*it;
 }
 
+/// Throws std::out_of_range if the table is that of a default-constructed Readings.
+void refuse_no_device(const StateTable& table) {
+  if (table.component().empty())
+    throw std::out_of_range("reads a device that it has not chosen: Percept::devices has fewer devices");
+}
+
+const BodyType::Device& device_of(const DeviceBatch& batch, Row row, std::size_t its_device) {
+  const std::vector<BodyType::Device>& devices = batch.view.type(row).devices;
+  if (its_device >= devices.size())
+    throw std::out_of_range("uses the device with the index " + std::to_string(its_device) +
+                            " (counted from 0) of its body, which has only " +
+                            std::to_string(devices.size()) + " devices");
+  return devices[its_device];
+}
+
 }  // namespace
 
 std::vector<StateField> command_fields() {
@@ -42,12 +57,27 @@ void throw_no_device(std::size_t index, std::size_t count) {
                           " (counted from 0), but has chosen only " + std::to_string(count) + " devices");
 }
 
+void throw_no_robot(std::size_t index, std::size_t count) {
+  throw std::out_of_range("uses the robot with the index " + std::to_string(index) +
+                          " (counted from 0) of a batch of " + std::to_string(count) + " robots");
+}
+
 void throw_no_command(std::size_t index) {
   throw std::logic_error("commands its device with the index " + std::to_string(index) +
                          " (counted from 0), but the kind of this device takes no commands");
 }
 
+void throw_wrong_command(std::size_t index, std::size_t bytes, std::size_t command_bytes) {
+  throw std::logic_error("commands its device with the index " + std::to_string(index) +
+                         " (counted from 0) by a struct of " + std::to_string(bytes) +
+                         " bytes, but the command struct of this device has " +
+                         std::to_string(command_bytes) + " bytes");
+}
+
+const StateTable Readings::k_no_device{};
+
 void throw_wrong_field(const StateTable& table, std::size_t field, Element as) {
+  refuse_no_device(table);
   const std::string reads = "reads the field with the index " + std::to_string(field) +
                             " (counted from 0) of the device \"" + table.component() + "\" as " +
                             std::string(element_name(as)) + ", but ";
@@ -59,13 +89,14 @@ void throw_wrong_field(const StateTable& table, std::size_t field, Element as) {
 }
 
 void throw_wrong_state(const StateTable& table, std::size_t bytes) {
+  refuse_no_device(table);
   throw std::logic_error("reads the state of the device \"" + table.component() + "\" as a struct of " +
                          std::to_string(bytes) + " bytes, but the state has " +
                          std::to_string(table.row_bytes()) + " bytes");
 }
 
-BodyId DeviceBatch::body(std::size_t i) const { return view.body(rows[i]); }
-std::size_t DeviceBatch::slot(std::size_t i) const { return view.slot(rows[i]); }
+BodyId DeviceBatch::body(std::size_t i) const { return view.body(row(i)); }
+std::size_t DeviceBatch::slot(std::size_t i) const { return view.slot(row(i)); }
 Random DeviceBatch::random(std::size_t i) const {
   return {view.spec().seed, stream, body(i).value, static_cast<std::uint32_t>(view.tick())};
 }
@@ -74,21 +105,21 @@ Random DeviceBatch::random(std::size_t i, std::string_view name) const {
   return {view.spec().seed, own, body(i).value, static_cast<std::uint32_t>(view.tick())};
 }
 Mount DeviceBatch::mount(std::size_t i) const {
-  return view.mount(rows[i], view.type(rows[i]).devices[device].joint);
+  return view.mount(row(i), view.type(row(i)).devices[device].joint);
 }
-const Velocity& DeviceBatch::velocity(std::size_t i) const { return view.velocity(rows[i]); }
-const Command& DeviceBatch::command(std::size_t i) const { return view.command(rows[i]); }
+const Velocity& DeviceBatch::velocity(std::size_t i) const { return view.velocity(row(i)); }
+const Command& DeviceBatch::command(std::size_t i) const { return view.command(row(i)); }
 bool DeviceBatch::senses(std::size_t i, std::size_t its_device) const {
-  return view.senses(rows[i], view.type(rows[i]).devices[its_device]);
+  return view.senses(row(i), device_of(*this, row(i), its_device));
 }
 bool DeviceBatch::is_on(std::size_t i, std::size_t its_device) const {
-  return view.is_on(rows[i], view.type(rows[i]).devices[its_device]);
+  return view.is_on(row(i), device_of(*this, row(i), its_device));
 }
 bool DeviceBatch::runs(std::size_t i, std::size_t its_device) const {
-  return view.runs(rows[i], view.type(rows[i]).devices[its_device]);
+  return view.runs(row(i), device_of(*this, row(i), its_device));
 }
 const StateTable& DeviceBatch::percepts(std::size_t its_device) const {
-  return view.percepts(view.type(rows.front()).devices[its_device]);
+  return view.percepts(device_of(*this, row(0), its_device));
 }
 
 Eigen::Vector3d DeviceView::at(double x, double y, double z) const {

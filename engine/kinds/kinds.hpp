@@ -82,6 +82,10 @@ struct ModelKind {
   FieldTable params;
 };
 
+/// Throws std::out_of_range with a message for the author of a controller or device: it used the robot with
+/// the index `index` of a batch of `count` robots (DeviceBatch, DecideBatch).
+[[noreturn]] void throw_no_robot(std::size_t index, std::size_t count);
+
 /// The argument of the hooks `sense`, `act` and `joints_moved` of a device kind: rows (bodies) of one type
 /// for which the hook is called in a tick, with the data of these rows. There is at least one row. The
 /// argument `i` of the functions is an index into `rows`. The class of `view`, by which a hook reads the
@@ -100,6 +104,12 @@ struct DeviceBatch {
   /// equal to this period, or longer if the device was switched off, broken or without power in between.
   double period_s = 0;
 
+  /// Row i of the batch. Throws std::out_of_range if i is not below the number of rows, as all functions
+  /// below do that have an argument `i`.
+  Row row(std::size_t i) const {
+    if (i >= rows.size()) throw_no_robot(i, rows.size());
+    return rows[i];
+  }
   BodyId body(std::size_t i) const;       ///< id of the row's body
   std::size_t slot(std::size_t i) const;  ///< index of the row in `state` and `commands`
   /// The random numbers of a row in this tick: a function of the seed of the world, `stream`, the id of the
@@ -123,7 +133,8 @@ struct DeviceBatch {
   const Command& command(std::size_t i) const;
   /// Whether a device of the row's body is in use. A device is in use if a controller uses it, if the world
   /// file makes it active (BodyType::Device::active), or if a program called World::subscribe() for the body.
-  /// Here and below, `its_device` is the index of the device in BodyType::devices.
+  /// Here and below, `its_device` is the index of the device in BodyType::devices; std::out_of_range is
+  /// thrown if there is no such device.
   bool senses(std::size_t i, std::size_t its_device) const;
   /// Whether a device of the row's body is switched on. A device is on unless a controller has switched it
   /// off.
@@ -534,9 +545,13 @@ inline constexpr std::size_t k_most_devices_read = 16;
 /// Throws std::logic_error with such a message: the controller commanded a device whose kind takes no
 /// commands.
 [[noreturn]] void throw_no_command(std::size_t index);
+/// Throws std::logic_error with such a message: the controller commanded the device with the index `index` by
+/// a struct of `bytes` bytes, but the command struct of the device has `command_bytes` bytes.
+[[noreturn]] void throw_wrong_command(std::size_t index, std::size_t bytes, std::size_t command_bytes);
 /// Throws std::logic_error with such a message: the controller read the field with the index `field` of a
 /// device as values of the type `as`, but the state of the device, `table`, has no such field, or its values
-/// have another type.
+/// have another type. Throws std::out_of_range, as throw_wrong_state() does, if `table` has no name, because
+/// there is no device (Readings()).
 [[noreturn]] void throw_wrong_field(const StateTable& table, std::size_t field, Element as);
 /// Throws std::logic_error with such a message: the controller read the state of a device, `table`, as a
 /// struct of `bytes` bytes, but the state of one body has another size.
@@ -545,7 +560,7 @@ inline constexpr std::size_t k_most_devices_read = 16;
 /// The state of one sensor or other device of one robot, as its controllers read it.
 class Readings {
  public:
-  Readings() = default;  ///< refers to no device; the functions below must not be called
+  Readings() = default;  ///< refers to no device; the functions below throw std::out_of_range
   /// Refers to the state in row `slot` of a device's state table. The table must outlive this object.
   Readings(const StateTable& table, std::size_t slot) : table_(&table), slot_(slot) {}
   /// The values of field f of the state: StateField::columns values. f is an index into the list of the
@@ -568,7 +583,9 @@ class Readings {
   }
 
  private:
-  const StateTable* table_ = nullptr;
+  // An empty table, which has no field, so that field() and as() need no comparison for it.
+  static const StateTable k_no_device;
+  const StateTable* table_ = &k_no_device;
   std::size_t slot_ = 0;
 };
 
@@ -580,7 +597,8 @@ struct Percept {
   double period_s = 0;     ///< time from one call of the controller for this robot to the next, s
   std::uint32_t body = 0;  ///< id of the robot
   /// States of the sensors and other devices that the controller uses, in the order of
-  /// ControllerKind::Prepared::devices. `devices[i]` does not check whether there is a device i.
+  /// ControllerKind::Prepared::devices. `devices[i]` does not check whether there is a device i. But if there
+  /// is none and i is below k_most_devices_read, the functions of the result throw std::out_of_range.
   std::span<const Readings> devices = {};
   /// Estimated pose of the robot, m and rad, in the frame that the Localization of its drive defines
   /// (engine/kinds/localization.hpp). If the controller commands a drive device (DeviceKind::drives):
@@ -599,9 +617,9 @@ struct Percept {
 /// The outputs of one robot's controller. An output that the controller does not set keeps its last value.
 struct Actions {
   Command& command;  ///< command to the drive device (DeviceKind::drives) or, if there is none, to the drive
-  /// Command structs of the devices that the controller uses, in the order of Percept::devices; null for
-  /// devices that take no commands.
-  std::span<std::byte* const> devices;
+  /// Command structs of the devices that the controller uses, as bytes, in the order of Percept::devices;
+  /// empty for devices that take no commands.
+  std::span<const std::span<std::byte>> devices;
   /// The bits in Command::off by which switch_device() switches the devices that the controller uses, in the
   /// order of Percept::devices. A device that cannot be switched off has the value 0.
   std::span<const std::uint32_t> switches;
@@ -639,14 +657,16 @@ struct Actions {
   /// next tick on, the robot drives to that pose and stays there, until the command is replaced.
   void go_to(double x, double y, double heading) { command = {x, y, heading, ControlMode::position}; }
 
-  /// The command struct of the device with the index `chosen` in Percept::devices. Throws std::out_of_range
-  /// if there is no such index, and std::logic_error if the kind of the device takes no commands. Its command
-  /// struct must be DeviceCommand.
+  /// The command struct of the device with the index `chosen` in Percept::devices. Its type must be
+  /// DeviceCommand. Throws std::out_of_range if there is no such index, and std::logic_error if the kind of
+  /// the device takes no commands, or if its command struct has another size; the members are not checked.
   template <class DeviceCommand>
   DeviceCommand& device(std::size_t chosen) const {
     if (chosen >= devices.size()) throw_no_device(chosen, devices.size());
-    if (devices[chosen] == nullptr) throw_no_command(chosen);
-    return *reinterpret_cast<DeviceCommand*>(devices[chosen]);
+    if (devices[chosen].empty()) throw_no_command(chosen);
+    if (sizeof(DeviceCommand) != devices[chosen].size())
+      throw_wrong_command(chosen, sizeof(DeviceCommand), devices[chosen].size());
+    return *reinterpret_cast<DeviceCommand*>(devices[chosen].data());
   }
 };
 
@@ -691,33 +711,46 @@ struct DecideBatch {
   const StateTable* drive_state = nullptr;
 
   std::size_t size() const { return rows.size(); }  ///< number of robots in the batch
-  std::uint32_t body(std::size_t i) const { return ids[rows[i].index()].value; }  ///< id of robot i
+  /// Row of robot i. Throws std::out_of_range if i is not below size(), as all functions below do. If
+  /// `sensor` is not below `devices`, the functions below throw std::out_of_range, too.
+  Row row(std::size_t i) const {
+    if (i >= rows.size()) throw_no_robot(i, rows.size());
+    return rows[i];
+  }
+  std::uint32_t body(std::size_t i) const { return ids[row(i).index()].value; }  ///< id of robot i
   /// Slot of robot i in the tables of its type.
-  std::size_t slot(std::size_t i) const { return slots[rows[i].index()]; }
+  std::size_t slot(std::size_t i) const { return slots[row(i).index()]; }
   /// Command that the controller of robot i gives, for reading and writing. This is the command to the drive
   /// device that the controller commands or, if there is none, to the drive of the body.
   Command& command(std::size_t i) const {
-    if (drive_commands.first == nullptr) return commands[rows[i].index()];
+    if (drive_commands.first == nullptr) return commands[row(i).index()];
     return *reinterpret_cast<Command*>(drive_commands.of(slot(i)));
   }
   /// Estimated pose of robot i. If the controller commands a drive device, this is the estimated pose of the
   /// drive device.
   Pose estimate(std::size_t i) const {
     if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
-    return estimates.of(rows[i], slots[rows[i].index()]);
+    return estimates.of(row(i), slot(i));
   }
   /// The random numbers of robot i in this tick. Each call returns the same sequence from its beginning.
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
   /// Memory of robot i; null if the kind has none.
   std::byte* memory(std::size_t i) const { return memories.of(slot(i)); }
+  /// State table of a chosen device.
+  const StateTable& percepts_of(std::size_t sensor) const {
+    if (sensor >= devices) throw_no_device(sensor, devices);
+    return *percepts[sensor];
+  }
   /// Readings of a chosen device of robot i.
-  Readings readings(std::size_t sensor, std::size_t i) const { return {*percepts[sensor], slot(i)}; }
-  /// Ranges that a chosen ranger of robot i measured, m, one number per beam.
+  Readings readings(std::size_t sensor, std::size_t i) const { return {percepts_of(sensor), slot(i)}; }
+  /// Ranges that a chosen ranger of robot i measured, m, one number per beam. The device must be a ranger:
+  /// throws std::logic_error if the first field of its state does not consist of floats.
   std::span<const float> ranges(std::size_t sensor, std::size_t i) const {
-    return percepts[sensor]->cell<float>(slot(i), 0);
+    return readings(sensor, i).field<float>(0);
   }
   /// Command struct of a chosen device of robot i; null if its kind takes no commands.
   std::byte* device_command(std::size_t sensor, std::size_t i) const {
+    if (sensor >= devices) throw_no_device(sensor, devices);
     return device_commands[sensor].of(slot(i));
   }
 };

@@ -646,7 +646,7 @@ namespace {
 /// Index of joint n of the device of a batch in the list of joints of the type. Throws StepError if the kind
 /// of the device declares no joint n, because the kind may come from a plug-in.
 std::size_t joint_index(const DeviceBatch& batch, std::size_t i, std::size_t n) {
-  const BodyType::Device& device = batch.view.type(batch.rows[i]).devices[batch.device];
+  const BodyType::Device& device = batch.view.type(batch.row(i)).devices[batch.device];
   if (n >= device.kind->joints.size())
     throw StepError(fmt::format(
         "tick {}: device \"{}\" ({}) of \"{}\" uses its joint with the index {} (counted from 0), but "
@@ -659,7 +659,7 @@ std::size_t joint_index(const DeviceBatch& batch, std::size_t i, std::size_t n) 
 }  // namespace
 
 const Pose& DeviceBatch::joint(std::size_t i, std::size_t n) const {
-  const BodyType::Joint& moved = view.type(rows[i]).joints[joint_index(*this, i, n)];
+  const BodyType::Joint& moved = view.type(row(i)).joints[joint_index(*this, i, n)];
   return view.columns_.tables[moved.table].as<Pose>(slot(i));
 }
 void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const {
@@ -668,13 +668,13 @@ void DeviceBatch::move_joint(std::size_t i, std::size_t n, const Pose& to) const
         fmt::format("tick {}: a device of \"{}\" moves joint {} (counted from 0) to x {}, y {}, z {} (m), "
                     "heading {} (rad): DeviceBatch::move_joint() needs finite numbers",
                     view.tick(), view.spec().name(body(i)), n, to.x, to.y, to.z, to.heading));
-  links.ask(rows[i], joint_index(*this, i, n), to);
+  links.ask(row(i), joint_index(*this, i, n), to);
 }
 bool DeviceBatch::asked_joint(std::size_t i, std::size_t n) const {
-  return links.goal(rows[i], joint_index(*this, i, n)) != Links::Goal::none;
+  return links.goal(row(i), joint_index(*this, i, n)) != Links::Goal::none;
 }
 bool DeviceBatch::moved_joint(std::size_t i, std::size_t n) const {
-  return links.goal(rows[i], joint_index(*this, i, n)) == Links::Goal::moved;
+  return links.goal(row(i), joint_index(*this, i, n)) == Links::Goal::moved;
 }
 
 }  // namespace troupe::engine

@@ -17,8 +17,8 @@ namespace {
 // Bytes with which storage is filled before a controller writes to the storage. start_twice() uses both.
 constexpr std::byte k_junk{0xa5};
 constexpr std::byte k_other_junk{0x5a};
-// Rows per batch of the repetitions. The number is no divisor of the number of rows per batch in a step, so
-// that the batches consist of other robots than in the step.
+// Rows per batch of the second repetition, and per call of spoil_stack() in both. The number is no divisor of
+// the number of rows per batch in a step, so that the batches consist of other robots than in the step.
 constexpr std::size_t k_rows_per_batch = 61;
 
 /// Overwrites with junk the part of the stack in which the next call places its local variables.
@@ -72,12 +72,20 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 }  // namespace
 
 std::string finding_text(const World& world, const ControllerFinding& finding) {
+  if (finding.repeat == ControllerFinding::Repeat::other)
+    return fmt::format(
+        "controller \"{}\": {} of \"{}\" (id {}) is changed from {} to {} by the decision of "
+        "another robot; {} change{}",
+        finding.controller, finding.field, world.spec().name(finding.body), finding.body.value,
+        value_text(finding.first), value_text(finding.second), finding.decisions,
+        finding.decisions == 1 ? "" : "s");
   const auto when = [&] {
     switch (finding.repeat) {
       case ControllerFinding::Repeat::start:
         return "when its memory is initialised in storage that held other bytes";
       case ControllerFinding::Repeat::again: return "when the decision is repeated";
-      case ControllerFinding::Repeat::afresh: break;
+      case ControllerFinding::Repeat::afresh:
+      case ControllerFinding::Repeat::other: break;
     }
     return "when a newly constructed controller decides";
   };
@@ -178,13 +186,15 @@ ControllerCheck::Watched ControllerCheck::watch(const BodyType& type,
   Watched watched;
   if (controller.table) {
     const StateTable& memories = world_.tables()[*controller.table];
-    watched.written.push_back({"memory", controller.kind->memory, memories.row_bytes(), std::nullopt});
+    watched.written.push_back(
+        {"memory", controller.kind->memory, memories.row_bytes(), std::nullopt, *controller.table});
   }
   for (std::size_t s = 0; s < controller.devices.size(); ++s) {
     const BodyType::Device& sensor = type.devices[controller.devices[s]];
     if (!sensor.command_table) continue;
     const StateTable& commands = world_.tables()[*sensor.command_table];
-    watched.written.push_back({commands.component(), sensor.prepared.commands, commands.row_bytes(), s});
+    watched.written.push_back(
+        {commands.component(), sensor.prepared.commands, commands.row_bytes(), s, *sensor.command_table});
   }
   watched.taken.written_before.resize(watched.written.size());
   watched.taken.written_after.resize(watched.written.size());
@@ -248,6 +258,7 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   restore_fp_environment();  // the calling thread may have another floating-point mode
   follow_settings(world_.tick());
   commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
+  kept_commands_ = commands_;
   estimates_.assign(world_.rows(), k_nowhere);
   std::vector<Finding> findings;
   for (std::size_t t = 0; t < watched_.size(); ++t) {
@@ -257,8 +268,10 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
       decisions_ += watched.taken.rows.size();
       const BodyType::Controller& same = world_.types()[t].controllers[c];
       for (const auto how : {Finding::Repeat::again, Finding::Repeat::afresh}) {
-        repeat(how == Finding::Repeat::again ? same : fresh_types_[t].controllers[c], watched);
-        compare(watched, {.controller = controller_name(same, c), .repeat = how}, findings);
+        const Finding about{.controller = controller_name(same, c), .repeat = how};
+        repeat(world_.types()[t], how == Finding::Repeat::again ? same : fresh_types_[t].controllers[c],
+               watched, about, findings);
+        compare(watched, about, findings);
       }
       watched = watch(world_.types()[t], same);
     }
@@ -266,13 +279,33 @@ std::vector<ControllerFinding> ControllerCheck::repeat() {
   return findings;
 }
 
-/// Repeats the stored decisions of `watched` with a controller, from the stored inputs. Writes the outputs to
-/// commands_ and written_.
-void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& watched) {
+/// Calls visit(name, fields, output, kept, bytes) for each output of the repeated decisions of a row: its
+/// command in commands_ and, if its body has the type of the decisions, its rows in written_. `kept` is the
+/// same row in kept_commands_ or kept_written_.
+template <class Visit>
+void ControllerCheck::for_outputs(const BodyType& type, const Watched& watched, Row row, Visit&& visit) {
+  visit(std::string_view("command"), command_fields_, reinterpret_cast<std::byte*>(&commands_[row.index()]),
+        reinterpret_cast<std::byte*>(&kept_commands_[row.index()]), sizeof(Command));
+  if (&world_.type(row) != &type) return;
+  for (std::size_t w = 0; w < written_.size(); ++w) {
+    const Written& written = watched.written[w];
+    const std::size_t first = world_.slot(row) * written.row_bytes;
+    visit(written.what, written.fields, written_[w].data() + first, kept_written_[w].data() + first,
+          written.row_bytes);
+  }
+}
+
+/// Repeats the stored decisions of `watched`, which are of robots of `type`, with a controller, from the
+/// stored inputs. Writes the outputs to commands_ and written_. Undoes changes of these by decisions of other
+/// robots, and reports them if `about` is about the first repetition.
+void ControllerCheck::repeat(const BodyType& type, const BodyType::Controller& controller, Watched& watched,
+                             const Finding& about, std::vector<Finding>& findings) {
   const Decisions& taken = watched.taken;
   DecideBatch batch = taken.given;
   std::size_t slots = 0;
   for (const Row row : taken.rows) slots = std::max<std::size_t>(slots, batch.slots[row.index()] + 1);
+  for (const Written& written : watched.written)
+    slots = std::max(slots, world_.tables()[written.table].rows());
   static const Localization k_as_noted;
   batch.commands = commands_;
   batch.drive_commands = {};
@@ -307,12 +340,45 @@ void ControllerCheck::repeat(const BodyType::Controller& controller, Watched& wa
   std::vector<Row> backwards = taken.rows;
   if (!is_collective) std::ranges::sort(backwards, std::ranges::greater{});
   const std::span<const Row> rows = backwards;
-  const std::size_t most = is_collective ? rows.size() : k_rows_per_batch;
+  const bool is_first = about.repeat == Finding::Repeat::again;
+  const std::size_t most = is_collective ? rows.size() : is_first ? 1 : k_rows_per_batch;
+  kept_written_ = written_;
+  const auto undo_changes_by_others = [&](Row row) {
+    const auto undo = [&](std::string_view what, const std::vector<StateField>& fields, std::byte* output,
+                          const std::byte* kept, std::size_t bytes) {
+      if (std::memcmp(output, kept, bytes) == 0) return;
+      Finding finding{.controller = about.controller, .repeat = Finding::Repeat::other};
+      finding.body = world_.body(row);
+      const auto report = [&](const StateField& field, std::size_t column, const StateValue& a,
+                              const StateValue& b) {
+        finding.field = fmt::format("{} {}", what, field_text(field, column));
+        finding.first = a;
+        finding.second = b;
+        add(finding, findings);
+      };
+      if (is_first) compare_rows(fields, kept, output, report);
+      std::memcpy(output, kept, bytes);
+    };
+    for_outputs(type, watched, row, undo);
+  };
+  const auto keep = [&](Row row) {
+    for_outputs(type, watched, row,
+                [](std::string_view, const std::vector<StateField>&, const std::byte* output, std::byte* kept,
+                   std::size_t bytes) { std::memcpy(kept, output, bytes); });
+  };
+  std::ranges::for_each(rows, keep);
   for (std::size_t first = 0; first < rows.size(); first += most) {
     batch.rows = rows.subspan(first, std::min(most, rows.size() - first));
-    spoil_stack();
+    std::ranges::for_each(batch.rows, undo_changes_by_others);
+    if (first % k_rows_per_batch == 0) spoil_stack();
     call_kind(world_, batch.rows, controller, [&] { controller.kind->decide(controller.data, batch); });
+    std::ranges::for_each(batch.rows, keep);
   }
+  // Tests first whether there are changes at all: in a world with many types, a loop over all rows for each
+  // type would take long.
+  const std::size_t bytes = commands_.size() * sizeof(Command);
+  if (std::memcmp(commands_.data(), kept_commands_.data(), bytes) == 0 && written_ == kept_written_) return;
+  for (std::size_t r = 0; r < world_.rows(); ++r) undo_changes_by_others(Row(r));
 }
 
 void ControllerCheck::compare(const Watched& watched, const Finding& about,

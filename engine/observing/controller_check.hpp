@@ -14,16 +14,18 @@
 namespace troupe::engine {
 
 /// A difference that ControllerCheck has found: from identical inputs, two calls of a controller computed
-/// different values in a memory or a command. Values are compared bit by bit. The memory of a robot and a
-/// command to a robot are structs. A member of such a struct is called a *field*. A field has one or more
-/// values, which are called its *columns*.
+/// different values in a memory or a command, or the decision of a robot changed a memory or a command of
+/// another robot. Values are compared bit by bit. The memory of a robot and a command to a robot are structs.
+/// A member of such a struct is called a *field*. A field has one or more values, which are called its
+/// *columns*.
 struct ControllerFinding {
-  /// The call whose result differed from that of the first call. If the results of both `again` and `afresh`
-  /// differ in a field, there is only one finding, about `again`.
+  /// The call whose result differed from that of the first call. If several of `other`, `again` and `afresh`
+  /// find a difference in a field, there is only one finding, about the first of them in this order.
   enum class Repeat : std::uint8_t {
     start,   ///< a second call of ControllerKind::start, on memory with other initial bytes
     again,   ///< a second decision of the same controller
     afresh,  ///< a decision of a newly made controller with the same parameters
+    other,   ///< a second decision of another robot, which must not change the value
   };
   /// Name of the controller: the name of its kind (ControllerKind::name) and its index among the controllers
   /// of the body type, such as "wander/0". Controllers of different body types can have the same name. Their
@@ -38,10 +40,12 @@ struct ControllerFinding {
   /// The body with the lowest id among the bodies whose value differs. For Repeat::start, the body with the
   /// lowest id among the bodies with this controller, because `start` is not called for a particular body.
   BodyId body;
-  StateValue first;   ///< result of the decision in the step; for Repeat::start, of the first call
+  /// Result of the decision in the step. For Repeat::start, result of the first call; for Repeat::other, the
+  /// value before the decision of the other robot.
+  StateValue first;
   StateValue second;  ///< result of the call that `repeat` names
-  /// Number of decisions for which this value differs, in one call of ControllerCheck::repeat(). Not used for
-  /// Repeat::start.
+  /// Number of decisions for which this value differs, in one call of ControllerCheck::repeat(). For
+  /// Repeat::other, number of times that a value was changed. Not used for Repeat::start.
   std::size_t decisions = 1;
 };
 /// Returns the message for a finding about a controller of `world`. Example: `controller "wander/0": memory
@@ -62,10 +66,10 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 ///     other.join();                                           // before the next step
 ///
 /// order    The repetitions run on the thread that calls repeat(), with the robots in reverse order. A batch
-///          is the robots that one call of `decide` handles. The repetitions form other batches than the
-///          step, unless one batch holds all robots. A collective controller (ControllerKind::is_collective)
-///          decides for all its robots in one call. Its batch is repeated with the robots in the order of the
-///          step.
+///          is the robots that one call of `decide` handles. The batches of the first repetition have one
+///          robot each. The second repetition forms other batches than the step, unless one batch holds all
+///          robots. A collective controller (ControllerKind::is_collective) decides for all its robots in one
+///          call. Its batch is repeated with the robots in the order of the step.
 /// storage  The inputs are copied during the step, because the robot may be dead when its decision is
 ///          repeated. The repetitions use copies at other addresses than the step. The storage for the copies
 ///          of memories and of commands to devices is filled with junk, and then only the fields are copied,
@@ -75,7 +79,9 @@ std::string finding_text(const World& world, const ControllerFinding& finding);
 /// catches  Dependence on rand(), statics, thread locals, clocks that advance between two decisions, members
 ///          that change or were left unset, addresses, padding, and (unless the controller is collective) the
 ///          other robots of the batch. Thread locals are found only if repeat() runs on a thread that has not
-///          run the controller, as `other` in the example.
+///          run the controller, as `other` in the example. Also changes of memories and commands of robots
+///          that are not in the batch: in a step, they would take place before or after the decisions of
+///          these robots, depending on the threads.
 /// misses   Dependence on things that are constant within one process: environment variables, files, the
 ///          processor.
 /// cost     While a check exists, each decision costs copies of the robot's readings, memory and commands,
@@ -133,6 +139,7 @@ class ControllerCheck {
     std::vector<StateField> fields;
     std::size_t row_bytes = 0;
     std::optional<std::size_t> device;  ///< index in BodyType::Controller::devices; not set: the memory
+    std::size_t table = 0;              ///< index in World::tables()
     DecideBatch::Rows& rows(DecideBatch& batch) const {
       return device ? batch.device_commands[*device] : batch.memories;
     }
@@ -149,7 +156,10 @@ class ControllerCheck {
   void follow_settings(std::uint64_t tick);
   Watched watch(const BodyType& type, const BodyType::Controller& controller) const;
   void record(const BodyType& type, const BodyType::Controller& controller, const DecideBatch& batch);
-  void repeat(const BodyType::Controller& controller, Watched& watched);
+  void repeat(const BodyType& type, const BodyType::Controller& controller, Watched& watched,
+              const Finding& about, std::vector<Finding>& findings);
+  template <class Visit>
+  void for_outputs(const BodyType& type, const Watched& watched, Row row, Visit&& visit);
   void compare(const Watched& watched, const Finding& about, std::vector<Finding>& findings) const;
 
   World& world_;
@@ -170,6 +180,9 @@ class ControllerCheck {
   std::vector<Command> commands_;
   std::vector<Pose> estimates_;
   std::vector<std::vector<std::byte>> written_;
+  // What the outputs must be, unless a decision changes an output of another robot.
+  std::vector<Command> kept_commands_;
+  std::vector<std::vector<std::byte>> kept_written_;
   // Copies that the repetitions read in place of tables that have changed since.
   std::vector<StateTable> percepts_;
 };

@@ -102,7 +102,7 @@ void ReplicatedRows::put_all(MessageWriter& message) {
 void ReplicatedRows::adopt_all(MessageReader message, bool is_in_tick) {
   const auto tick = message.get<std::uint64_t>();
   for (const BodyId body : message.get_all<BodyId>()) {
-    message.require(body.index() < world_.spec().bodies.size());
+    message.require(body.index() < world_.spec().bodies.size() && world_.location(body) == RowLocation::here);
     world_.subscribe(body);
   }
   world_.adopt(

@@ -1,5 +1,6 @@
 #include "engine/spec/populations.hpp"
 
+#include "base/limits.hpp"
 #include "base/number_text.hpp"
 #include "base/random.hpp"
 #include "partition/parallel.hpp"
@@ -7,7 +8,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <stdexcept>
+#include <string_view>
 
 namespace troupe::engine {
 namespace {
@@ -18,6 +21,10 @@ constexpr double k_max_cells = 100000000;
 // Limit on the cells of one free_floor rule.
 constexpr double k_max_floor_cells = 25000000;
 constexpr double k_scene_cell_m = 0.5;
+constexpr double k_most_place_m =
+    10 * k_world_reach_m;  // limit on lengths and coordinates, as in a WorldSpec
+// Smallest distance of a poisson_disc rule, as in world files: the cells of Spaced are as wide.
+constexpr double k_least_distance_m = 1e-3;
 
 template <class IsFixed>
 partition::StaticScene scene_of(const WorldSpec& spec, IsFixed is_fixed) {
@@ -105,6 +112,7 @@ class Placer {
   }
 
   void check_total();
+  void check_numbers(const PopulationSpec& population);
   void check_rules();
   void check_floor(const PopulationSpec& population, double& cells_so_far);
   const partition::ObstacleShape* find_shape(const PopulationSpec& population);
@@ -131,7 +139,45 @@ void Placer::check_total() {
                                  options_.most_bodies));
 }
 
+/// Checks the type of a population and the limits of the numbers of its rule. The readers of world files
+/// check them too, but a program may fill a PopulationSpec with any values.
+void Placer::check_numbers(const PopulationSpec& population) {
+  if (population.type.index() >= spec_.types.size())
+    error(population,
+          fmt::format("the world has {} types, but this population has the type {} (counted from 0)",
+                      spec_.types.size(), population.type.value));
+  const auto check = [&](std::string_view member, double least, std::initializer_list<double> values) {
+    for (const double value : values)
+      if (!(least <= value && value <= k_most_place_m))
+        error(population, fmt::format("{} must be from {} to {}, found {}", member, plain_number(least),
+                                      plain_number(k_most_place_m), exact_number(value)));
+  };
+  const auto check_place = [&](std::string_view member, std::initializer_list<double> values) {
+    check(member, -k_most_place_m, values);
+  };
+  const auto check_box = [&](std::string_view member, const Box& box) {
+    if (!box.empty()) check_place(member, {box.min.x(), box.min.y(), box.max.x(), box.max.y()});
+  };
+  const PlacementRule& rule = population.rule;
+  check_box("region", rule.region);
+  check_box("spill", rule.spill);
+  for (const Vec2& corner : rule.polygon) check_place("polygon", {corner.x(), corner.y()});
+  check("pitch_m", 0, {rule.pitch_m});
+  if (rule.pitch_m == 0) error(population, "pitch_m must not be 0");
+  check("jitter_m", 0, {rule.jitter_m});
+  check_place("mean", {rule.mean.x(), rule.mean.y()});
+  check("deviation", 0, {rule.deviation.x(), rule.deviation.y()});
+  check("distance_m", k_least_distance_m, {rule.distance_m});
+  if (rule.from) check_place("from", {rule.from->x(), rule.from->y()});
+  check("cell_m", 0, {rule.cell_m});
+  if (rule.heading) check_place("heading", {*rule.heading});
+  check_place("z", {rule.z});
+}
+
 void Placer::check_rules() {
+  const std::size_t before = errors();
+  for (const PopulationSpec& population : populations_) check_numbers(population);
+  if (errors() > before) return;
   double cells_so_far = 0;
   double floor_cells_so_far = 0;
   for (const PopulationSpec& population : populations_) {
@@ -254,6 +300,12 @@ void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupan
 
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options) {
+  bool is_right = true;
+  check_rules(spec, [&](Where where, const std::string& text) {
+    diagnostics.error(where, text);
+    is_right = false;
+  });
+  if (!is_right) return;
   std::optional<Occupancy> occupancy;
   try {
     occupancy.emplace(spec);

@@ -75,6 +75,8 @@ struct PlaceOptions {
 ///
 /// Reports these errors to `diagnostics`:
 /// - The world has too many bodies (PlaceOptions::most_bodies).
+/// - The type of a population does not exist, or a number of its rule is not finite, too large, or not
+///   positive where it must be.
 /// - The region of a rule is empty.
 /// - A rule has too many grid points (grid_cells()) or tests too many positions (floor_cells()), alone or
 ///   together with the rules of the same kind before it.
@@ -85,8 +87,8 @@ struct PlaceOptions {
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Occupancy& occupancy,
            const PlaceOptions& options, Diagnostics& diagnostics);
 /// Calls the function above with Occupancy(spec): the obstacles are all bodies of the spec that are in the
-/// world at tick 0. If Occupancy(spec) throws std::length_error, reports the text of the exception as an
-/// error without a file position.
+/// world at tick 0. First reports the errors that check_rules() finds in the spec. If Occupancy(spec) throws
+/// std::length_error, reports the text of the exception as an error without a file position.
 void place(std::span<const PopulationSpec> populations, WorldSpec& spec, Diagnostics& diagnostics,
            const PlaceOptions& options = {});
 

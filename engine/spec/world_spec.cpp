@@ -66,6 +66,18 @@ class TypeRules {
   const Report& report_;
 };
 
+/// Groups, scripts and converted files leave out body 0, so a robot or a wall must not be in its place.
+void check_ground(const WorldSpec& spec, const Report& report) {
+  const TypeSpec& type = spec.type(BodyId(0));
+  const bool has_shape =
+      std::ranges::any_of(type.parts, [](const PartSpec& part) { return !part.solids.empty(); });
+  if (!type.drive && type.devices.empty() && type.controllers.empty() && !has_shape) return;
+  report(spec.bodies.front().where,
+         fmt::format("bodies[0]: must be the ground, which has no shape and does nothing: call add_ground() "
+                     "before the first body is added; found \"{}\" of type \"{}\"",
+                     spec.name(BodyId(0)), type.name));
+}
+
 void check_bodies(const WorldSpec& spec, const Report& report) {
   if (spec.bodies.empty()) report({}, "bodies: empty; body 0 of every world is the ground");
   const std::size_t words = spec.names.words().size();
@@ -84,6 +96,7 @@ void check_bodies(const WorldSpec& spec, const Report& report) {
                   "bodies[{}].name: the list of name words has {} entries, found index {} (counted from 0)",
                   b, words, bad->name.word));
   }
+  if (!spec.bodies.empty()) check_ground(spec, report);
   for (std::size_t a = 0; a < spec.aliases.size(); ++a) {
     if (spec.aliases[a].name.word >= words)
       return report(

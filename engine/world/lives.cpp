@@ -304,6 +304,10 @@ void World::resolve_lives(std::span<const Effect> effects) {
 Birth World::spawn(std::size_t reserve, const Pose& pose) {
   require_whole();
   require_between_steps("spawn()");
+  if (reserve >= state_.spec.reserves.size())
+    throw std::out_of_range(
+        fmt::format("spawn(): found reserve {}, but the world has {} reserves, counted from 0", reserve,
+                    state_.spec.reserves.size()));
   restore_fp_environment();  // a library may have changed it: see World::step()
   if (!is_finite(pose))
     throw std::invalid_argument(
@@ -320,6 +324,7 @@ Birth World::spawn(std::size_t reserve, const Pose& pose) {
 void World::remove(Row row) {
   require_whole();
   require_between_steps("remove()");
+  require_row(row, "remove()");
   restore_fp_environment();  // a library may have changed it: see World::step()
   if (!state_.life_table)
     throw std::logic_error(

@@ -188,6 +188,8 @@ Estimates World::estimates(const BodyType& type) const {
 
 void World::set_estimate(Row row, const Pose& pose) {
   require_whole();
+  require_between_steps("set_estimate()");
+  require_row(row, "set_estimate()");
   const auto& drive = type(row).drive;
   if (!drive || !drive->odometry_table)
     throw std::logic_error(
@@ -215,6 +217,7 @@ void World::set_poses(std::span<const Placed> placed) {
   const Box inside = state_.bounds();
   for (const Placed& place : placed) {
     const Pose& p = place.pose;
+    require_row(place.row, "set_poses()");
     if (!is_there(place.row))
       throw std::invalid_argument(fmt::format(
           "\"{}\" cannot be placed: it was removed from the world, or has not been added to it yet",
@@ -266,6 +269,7 @@ void World::begin_placing() {
 
 bool World::is_free(Row row, const Pose& pose) const {
   require_whole();
+  require_row(row, "is_free()");
   if (!is_finite(pose)) return false;
   return is_free(body(row), is_there(row) ? *state_.shapes[row.index()] : type(row).obstacle, pose);
 }
@@ -316,6 +320,19 @@ void World::throw_in_tick(std::string_view call) {
       call));
 }
 
+void World::throw_no_row(Row row, std::string_view call) const {
+  throw std::out_of_range(
+      row.valid()
+          ? fmt::format("{}: found row {}, but the world has {} rows, counted from 0", call, row.value,
+                        rows())
+          : fmt::format("{}: found no row: static bodies, and bodies that do not exist, have none", call));
+}
+
+void World::throw_no_commands(const BodyType::Device& device) {
+  throw std::logic_error(
+      fmt::format("asked_of(): device \"{}\" ({}) takes no commands", device.name, device.kind->name));
+}
+
 void World::throw_frozen() {
   throw std::logic_error(
       "a measure must not change the world, for example with step(), reset() or set_poses(): measures only "
@@ -334,6 +351,9 @@ void World::reset() {
 void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
   require_unfrozen();
   require_between_steps("restart()");
+  if (bodies.size() != state_.spec.bodies.size())
+    throw std::invalid_argument(fmt::format("restart(): found {} bodies, but the world has {}", bodies.size(),
+                                            state_.spec.bodies.size()));
   restore_fp_environment();  // a library may have changed it: see step()
   if (replica_) replica_->restart(seed, bodies);
   bool has_scene_changed = false;

@@ -103,8 +103,10 @@ class World {
   /// Builds the world in the state S(0). The registry, from which the world takes its kinds, must outlive the
   /// world.
   ///
-  /// Throws InputError for errors that the loader of a world file cannot find, such as a controller that
-  /// needs a sensor which its robot does not have. Throws StepError if a hook `start` of a kind throws.
+  /// Throws InputError if the spec breaks a rule of check_rules(), for example because the program that made
+  /// it did not call add_ground(), and for errors that the loader of a world file cannot find, such as a
+  /// controller that needs a sensor which its robot does not have. The limits of the numbers in the spec are
+  /// not checked. Throws StepError if a hook `start` of a kind throws.
   ///
   /// Adds warnings to `diagnostics` about these bodies:
   /// - Pairs of bodies that overlap at tick 0: one warning with the number of pairs, counted up to 10,000. If
@@ -140,10 +142,17 @@ class World {
   /// Throws std::logic_error while step() computes a tick: in a callback of on_phase(), and in a hook of a
   /// kind. Does not throw in the callback of before_tick(). The functions that may only be called between two
   /// steps, and would otherwise change the state of half a tick, call this first: step(), reset(), restart(),
-  /// restore(), spawn(), remove(), set(), set_poses(), set_disabled() and on_phase(). call: name of the
-  /// calling function, for the error.
+  /// restore(), spawn(), remove(), set(), set_poses(), set_disabled(), set_estimate(), set_command(),
+  /// asked_of() and on_phase(). call: name of the calling function, for the error.
   void require_between_steps(std::string_view call) const {
     if (is_in_tick_) throw_in_tick(call);
+  }
+  /// Throws std::out_of_range if there is no such row: for a Row that is not valid(), such as that of a
+  /// static body, and for an index that is not below rows(). The functions below that change the state of one
+  /// row, or test a pose for it, call this first. Accessors of single rows, such as stalled(), do not. call:
+  /// name of the calling function, for the error.
+  void require_row(Row row, std::string_view call) const {
+    if (row.index() >= rows()) throw_no_row(row, call);
   }
   /// Returns to S(0), the state that the constructor or the last call of restart() made, and undoes the
   /// changes of set(). Callbacks and subscriptions (subscribe()) stay. The counters are 0 again. The function
@@ -155,8 +164,9 @@ class World {
   /// rows may differ. The changes of set() are undone. Callbacks and subscriptions (subscribe()) stay. The
   /// function may be called after a step that threw.
   ///
-  /// Throws StepError if a hook `start` of a kind throws. Throws InputError if the world uses the grid ray
-  /// engine, which traces rays through a grid of cells, and if this grid cannot represent the new static
+  /// Throws std::invalid_argument, and changes nothing, if `bodies` has another size than the bodies of the
+  /// spec. Throws StepError if a hook `start` of a kind throws. Throws InputError if the world uses the grid
+  /// ray engine, which traces rays through a grid of cells, and if this grid cannot represent the new static
   /// scene. Throws std::logic_error if a hook `bind_world` of a kind rejects the new bodies. After an
   /// InputError or a std::logic_error, the world is in the state S(0) with the old seed and the old bodies.
   ///
@@ -433,13 +443,15 @@ class World {
   /// Overwrites the odometry estimate of a robot with a pose, m and rad, in the same frame as estimate(). The
   /// z of the pose is ignored. The heading is wrapped into [-pi, pi]. Throws std::logic_error if the robot
   /// has no odometry or is not in the world, and std::invalid_argument if a number of the pose, z included,
-  /// is not finite.
+  /// is not finite. Call this between steps.
   void set_estimate(Row row, const Pose& pose);
   /// Overwrites the command to the drive of a robot. The drive executes the new command from the next step
   /// on. Call this between steps. If a number is not finite, the next step in which the drive runs throws a
   /// StepError. Throws std::logic_error if the state is incomplete (require_whole()).
   void set_command(Row row, const Command& command) {
     require_whole();
+    require_between_steps("set_command()");
+    require_row(row, "set_command()");
     touch();
     state_.tables[WorldState::k_command].as<Command>(row.index()) = command;
   }
@@ -518,17 +530,19 @@ class World {
   /// with the same name and different numbers: "ant" is the population of "ant0", "ant1", and so on. The
   /// result is std::nullopt if there is no population with this name, or if it has no reserve.
   std::optional<std::size_t> reserve(std::string_view population) const;
-  /// Number of bodies of a reserve (an index into WorldSpec::reserves) that are not yet born.
+  /// Number of bodies of a reserve (an index into WorldSpec::reserves, which must exist) that are not yet
+  /// born.
   std::size_t unborn(std::size_t reserve) const {
     return state_.spec.reserves[reserve].count - next_born_[reserve];
   }
   /// Spawns the next body of a reserve at a pose, m and rad, world frame. `reserve` is an index into
-  /// WorldSpec::reserves and must exist. Apart from its pose and the component `life`, the new body has the
+  /// WorldSpec::reserves. Apart from its pose and the component `life`, the new body has the
   /// state of a body at tick 0. If the pose is not free (is_free()), or if all bodies of the reserve have
   /// been born, no body is born, and Birth::status gives the reason.
   ///
-  /// Throws std::invalid_argument if the pose is not finite. Throws StepError if a hook `start` of a kind
-  /// throws; the state is then incomplete (require_whole()). Each birth rebuilds the spatial index of all
+  /// Throws std::out_of_range if the reserve does not exist, and std::invalid_argument if the pose is not
+  /// finite. Throws StepError if a hook `start` of a kind throws; the state is then incomplete
+  /// (require_whole()). Each birth rebuilds the spatial index of all
   /// bodies. Call this between steps.
   Birth spawn(std::size_t reserve, const Pose& pose);
   /// Removes a body from the world. Bodies that it carries stay where they are. Does nothing if the body is
@@ -609,11 +623,13 @@ class World {
     gather();
     return state_.tables[sensor.table];
   }
-  /// Makes every sensor and every other device of a body run, including those that no controller uses. The
-  /// body must have a row. Call this before the first step.
+  /// Makes every sensor and every other device of a body run, including those that no controller uses. Throws
+  /// std::out_of_range if there is no such body, or if it has no row. Call this before the first step.
   void subscribe(BodyId body) {
+    const Row row = body.index() < state_.rows.size() ? this->row(body) : Row();
+    require_row(row, "subscribe()");
     touch();
-    state_.subscribed[row(body).index()] = 1;
+    state_.subscribed[row.index()] = 1;
   }
   /// Bodies for which subscribe() was called and which have a row in this World, in ascending order of ids.
   std::vector<BodyId> subscribed() const;
@@ -632,8 +648,11 @@ class World {
   /// is_supplied() are true for it.
   bool runs(Row row, const BodyType::Device& device) const { return state_.view.runs(row, device); }
   /// The table of the commands to a device, with one table row per slot of the device's type. The device must
-  /// take commands. A program may change the commands between steps.
+  /// take commands: throws std::logic_error if it does not. A program may change the commands. Call this
+  /// between steps.
   StateTable& asked_of(const BodyType::Device& device) {
+    require_between_steps("asked_of()");
+    if (!device.command_table) throw_no_commands(device);
     touch();
     return state_.tables[*device.command_table];
   }
@@ -691,6 +710,8 @@ class World {
   [[noreturn]] static void throw_frozen();
   [[noreturn]] void throw_half_made() const;
   [[noreturn]] static void throw_in_tick(std::string_view call);
+  [[noreturn]] void throw_no_row(Row row, std::string_view call) const;
+  [[noreturn]] static void throw_no_commands(const BodyType::Device& device);
   void require_carries(std::string_view call) const;
   /// Exists while work changes the state. The constructor clears is_half_made_, and the destructor sets it if
   /// the work threw an exception. If a callback in the work caught an exception of inner work, such as a

@@ -306,6 +306,8 @@ void add_type_tables(BodyType& type, const std::vector<BodyId>& bodies, std::vec
 World::World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics)
     : parallel_(options.threads), links_(state_, parallel_), movement_(state_, parallel_) {
   state_.spec = std::move(spec);
+  check_rules(state_.spec, [&](Where where, const std::string& text) { diagnostics.error(where, text); });
+  diagnostics.throw_if_errors();
   double beams = 0;
   for (const TypeSpec& type : state_.spec.types) {
     state_.types.push_back(make_body_type(type, state_.spec, registry, diagnostics));

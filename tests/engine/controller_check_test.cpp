@@ -288,6 +288,21 @@ TEST(ControllerCheck, CatchesAControllerThatLooksAtItsBatch) {
               ElementsAre(is_finding("looks_at_its_batch/0", "memory before", Repeat::again)));
 }
 
+// With several threads, another robot would decide before or after such a change.
+TEST(ControllerCheck, CatchesChangesOfOtherRobots) {
+  Swarm swarm({"changes_another"}, 1);
+  ControllerCheck check(swarm.world, registry());
+  swarm.world.step();
+  const std::vector<ControllerFinding> findings = on_another_thread(check);
+  ASSERT_THAT(findings, ElementsAre(is_finding("changes_another/0", "command turn", Repeat::other),
+                                    is_finding("changes_another/0", "memory told", Repeat::other)));
+  EXPECT_GT(findings[0].decisions, k_robots / 2) << "robots of the same batch, too";
+  EXPECT_THAT(finding_text(swarm.world, findings[0]),
+              MatchesRegex("controller \"changes_another/0\": command turn of \"r[0-9]+\" .id [0-9]+. is "
+                           "changed from 0x0+ .0. to 0x3fe0+ .0.5. by the decision of another robot; [0-9]+ "
+                           "changes"));
+}
+
 TEST(ControllerCheck, CatchesAFieldThatStartLeavesUnset) {
   Swarm swarm({"honest", "starts_half"});
   const ControllerCheck check(swarm.world, registry());

@@ -1,15 +1,23 @@
 #include "engine/kinds/controller.hpp"
 
+#include "tests/support/message_of.hpp"
+
 #include <gtest/gtest.h>
 
+#include <any>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace troupe::engine {
 namespace {
+
+using test::message_of;
 
 struct Mixed {
   float turn_left_s = 0;
@@ -154,6 +162,25 @@ TEST(Actions, SwitchOnlyDevicesThatTheControllerHasChosen) {
   EXPECT_EQ(command.off, 4u);
 }
 
+// A larger struct would reach into the commands of other robots.
+TEST(Actions, RefuseCommandStructsOfOtherSizes) {
+  Command command;
+  alignas(8) std::array<std::byte, 8> lamp{};
+  const std::array<std::span<std::byte>, 2> devices{lamp, std::span<std::byte>()};
+  const Actions actions{command, devices, {}};
+  actions.device<std::array<float, 2>>(0) = {0, 1};
+  EXPECT_NE(lamp[7], std::byte{0});
+  EXPECT_EQ(
+      message_of<std::logic_error>([&] { actions.device<std::array<float, 4>>(0) = {}; }),
+      "commands its device with the index 0 (counted from 0) by a struct of 16 bytes, but the command struct "
+      "of this device has 8 bytes");
+  EXPECT_THROW(actions.device<std::uint8_t>(0), std::logic_error);
+  EXPECT_EQ(message_of<std::logic_error>([&] { actions.device<std::array<float, 2>>(1) = {}; }),
+            "commands its device with the index 1 (counted from 0), but the kind of this device takes no "
+            "commands");
+  EXPECT_THROW(actions.device<std::uint8_t>(2), std::out_of_range);
+}
+
 // A controller that is given another device than its author expected must not read its bytes as other types.
 TEST(Percept, RefusesFieldsOfOtherTypes) {
   const StateTable finder("fiducial/eye", HashGroup::sensor, StateTable::Layout::rows,
@@ -185,6 +212,61 @@ TEST(Percept, RefusesFieldsOfOtherTypes) {
   EXPECT_EQ(error_of([&] { return percept.devices[1].as<Reordered>().a; }),
             "reads the state of the device \"counter/c\" as a struct of 16 bytes, but the state has " +
                 std::to_string(sizeof(Mixed)) + " bytes");
+}
+
+/// Reads a second device, although it has chosen only one.
+struct ReadsTooMany {
+  static constexpr std::array k_uses{std::string_view("fiducial")};
+  void operator()(const Percept& percept, Random&, Actions& actions) const {
+    actions.command.x = percept.devices[1].field<std::uint32_t>(0)[0];
+  }
+};
+
+TEST(Percept, RefusesDevicesThatTheControllerHasNotChosen) {
+  const ControllerKind kind = make_controller_kind<ReadsTooMany>("reads_too_many", "");
+  const StateTable finder("fiducial/eye", HashGroup::sensor, StateTable::Layout::rows,
+                          {{"count", Element::u32, 1, "", ""}}, {BodyId(0)});
+  Command command;
+  const std::vector<Row> rows{Row(0)};
+  const std::vector<BodyId> ids{BodyId(0)};
+  const std::vector<std::uint32_t> slots{0};
+  DecideBatch batch{.rows = rows, .ids = ids, .slots = slots, .commands = {&command, 1}};
+  batch.percepts[0] = &finder;
+  batch.devices = 1;
+  const std::any controller = ReadsTooMany();
+  try {
+    kind.decide(controller, batch);
+    ADD_FAILURE() << "nothing was thrown";
+  } catch (const DecisionError& error) {
+    EXPECT_EQ(message_of<std::out_of_range>([&] { std::rethrow_exception(error.thrown); }),
+              "reads a device that it has not chosen: Percept::devices has fewer devices");
+  }
+  EXPECT_THROW(Readings().as<Mixed>(), std::out_of_range);
+}
+
+// The row after those of a batch is that of a robot for which another thread decides.
+TEST(DecideBatch, RefusesRobotsAndDevicesThatItDoesNotHave) {
+  const StateTable finder("fiducial/eye", HashGroup::sensor, StateTable::Layout::rows,
+                          {{"count", Element::u32, 1, "", ""}, {"range", Element::f32, 2, "m", ""}},
+                          {BodyId(0), BodyId(1)});
+  std::vector<Command> commands(2);
+  const std::vector<Row> rows{Row(0), Row(1)};
+  const std::vector<BodyId> ids{BodyId(0), BodyId(1)};
+  const std::vector<std::uint32_t> slots{0, 1};
+  DecideBatch batch{.rows = std::span(rows).first(1), .ids = ids, .slots = slots, .commands = commands};
+  batch.percepts[0] = &finder;
+  batch.devices = 1;
+  EXPECT_EQ(&batch.command(0), &commands[0]);
+  EXPECT_EQ(batch.readings(0, 0).field<float>(1).size(), 2u);
+  EXPECT_EQ(message_of<std::out_of_range>([&] { batch.command(1) = {}; }),
+            "uses the robot with the index 1 (counted from 0) of a batch of 1 robots");
+  EXPECT_THROW(batch.body(1), std::out_of_range);
+  EXPECT_THROW(batch.memory(1), std::out_of_range);
+  EXPECT_THROW(batch.device_command(0, 1), std::out_of_range);
+  EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(batch.readings(1, 0)); }),
+            "uses its device with the index 1 (counted from 0), but has chosen only 1 devices");
+  EXPECT_THROW(batch.device_command(1, 0), std::out_of_range);
+  EXPECT_THROW(batch.ranges(0, 0), std::logic_error) << "its first field has no floats";
 }
 
 TEST(ControllerKind, NeedsNoMemory) {

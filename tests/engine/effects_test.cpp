@@ -204,6 +204,23 @@ TEST(Joints, ThatTheKindDoesNotDeclareEndTheStep) {
   EXPECT_THAT(error_of({Emitter::kind()}), HasSubstr("uses its joint with the index 2"));
 }
 
+// The row after those of a batch is that of a body for which another thread calls the hook.
+TEST(DeviceBatch, RefusesRowsAndDevicesThatItDoesNotHave) {
+  const std::string threw =
+      "tick 1: device \"emitter\" (emitter) of \"0\", the first of a batch of 3 robots, threw: ";
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { static_cast<void>(batch.slot(i + 1)); };
+  EXPECT_EQ(error_of({Emitter::kind()}),
+            threw + "uses the robot with the index 3 (counted from 0) of a batch of 3 robots");
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t) { batch.emit(77, 0, 0, BodyId(1)); };
+  EXPECT_THAT(error_of({Emitter::kind()}), HasSubstr("uses the robot with the index 77"));
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t) { batch.move_joint(3, 0, Pose{}); };
+  EXPECT_THAT(error_of({Emitter::kind()}), HasSubstr("uses the robot with the index 3"));
+  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { static_cast<void>(batch.runs(i, 1)); };
+  EXPECT_EQ(
+      error_of({Emitter::kind()}),
+      threw + "uses the device with the index 1 (counted from 0) of its body, which has only 1 devices");
+}
+
 // Such a change in the middle of a tick would bypass conflict resolution and the rules for ranks.
 TEST(Effects, MayNotChangeTheWorldAsAProgramDoes) {
   Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.emit(i, 0, 0, BodyId(1)); };

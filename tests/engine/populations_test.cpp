@@ -8,7 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 
 namespace troupe::engine {
@@ -127,6 +129,42 @@ TEST(Populations, ReservesFollowWithNothingButAHeight) {
   more.rule.z = 2;
   place(std::span(&more, 1), again, diagnostics);
   EXPECT_EQ(again.bodies[8].pose_world_body.x, 2);
+}
+
+// Numbers like these would become indices of cells.
+TEST(Populations, OfAProgramHaveLimits) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto error_after = [](auto&& damage) {
+    PopulationSpec wrong = row_of("a", 2);
+    damage(wrong, wrong.rule);
+    return errors_of({wrong});
+  };
+  using P = PopulationSpec;
+  using R = PlacementRule;
+  EXPECT_THAT(
+      error_after([](P& p, R&) { p.type = TypeId(9); }),
+      ElementsAre("room.txt:8: error: populations[0].rule: the world has 3 types, but this population "
+                  "has the type 9 (counted from 0)"));
+  EXPECT_THAT(error_after([&](P&, R& rule) { rule.pitch_m = nan; }),
+              ElementsAre(HasSubstr("populations[0].rule: pitch_m must be from 0 to 1000000, found nan")));
+  EXPECT_THAT(error_after([&](P&, R& rule) { rule.pitch_m = 0; }),
+              ElementsAre(HasSubstr("pitch_m must not be 0")));
+  EXPECT_THAT(error_after([&](P&, R& rule) { rule.pitch_m = -1; }), ElementsAre(HasSubstr("found -1")));
+  EXPECT_THAT(error_after([&](P&, R& rule) { rule.region.max.x() = 1e300; }),
+              ElementsAre(HasSubstr("region must be from -1000000 to 1000000, found 1e+300")));
+  EXPECT_THAT(error_after([&](P&, R& rule) { rule.region.min.y() = nan; }),
+              ElementsAre(HasSubstr("region must be from -1000000 to 1000000, found nan")));
+  EXPECT_THAT(error_after([&](P&, R& rule) {
+                rule.kind = PlacementRule::Kind::poisson_disc;
+                rule.distance_m = 0;
+              }),
+              ElementsAre(HasSubstr("distance_m must be from 0.001 to 1000000, found 0")));
+  EXPECT_THAT(error_after([&](P&, R& rule) { rule.z = -HUGE_VAL; }),
+              ElementsAre(HasSubstr("z must be from -1000000 to 1000000, found -inf")));
+  WorldSpec groundless = room();
+  groundless.bodies.erase(groundless.bodies.begin());
+  EXPECT_THAT(errors_of({row_of("a", 2)}, groundless),
+              ElementsAre(HasSubstr("bodies[0]: must be the ground")));
 }
 
 TEST(Populations, ARegionOutsideTheWorldIsTheCause) {

@@ -3,6 +3,7 @@
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/ticks.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 
 #include <fmt/format.h>
@@ -10,9 +11,15 @@
 #include <gtest/gtest.h>
 
 #include <cfenv>
+#include <cstddef>
+#include <cstdint>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 #if defined(__SSE2__)
 #include <xmmintrin.h>
 #endif
@@ -206,6 +213,70 @@ TEST(World, BoundsTheWrongWayRoundAreAnError) {
   EXPECT_THROW(World(scene.spec, test::registry(), {.threads = 1}, diagnostics), InputError);
   EXPECT_EQ(diagnostics.text(diagnostics.findings()[0]),
             "error: drive \"diff\": velocity_min_x, velocity_max_x: lower bound 1 exceeds upper bound -1");
+}
+
+// Programs may give the constructor a spec that no loader has made.
+TEST(World, ASpecThatBreaksARuleIsAnError) {
+  const auto error_after = [](auto&& damage) {
+    SceneBuilder scene;
+    scene.body("r0", scene.robot("robot", {box(0.4, 0.4)}));
+    damage(scene.spec);
+    return scene.error();
+  };
+  EXPECT_EQ(error_after([](WorldSpec&) {}), "");
+  EXPECT_THAT(error_after([](WorldSpec& spec) { spec.bodies[1].type = TypeId(9); }),
+              testing::HasSubstr("bodies[1].type: the world has 2 types, found index 9 (counted from 0)"));
+  EXPECT_THAT(error_after([](WorldSpec& spec) { spec.types[1].parts.clear(); }),
+              testing::HasSubstr("types[1].parts: empty"));
+  EXPECT_THAT(error_after([](WorldSpec& spec) { spec.bodies.erase(spec.bodies.begin()); }),
+              testing::HasSubstr("bodies[0]: must be the ground"));
+  EXPECT_THAT(error_after([](WorldSpec& spec) { spec = {}; }), testing::HasSubstr("bodies: empty"));
+}
+
+// Such a row would be a place in memory beyond the tables.
+TEST(World, FunctionsForProgramsRefuseRowsThatDoNotExist) {
+  SceneBuilder scene;
+  scene.spec.mortal = true;
+  const TypeId robot = scene.robot("robot", {box(0.4, 0.4)});
+  scene[robot].devices = {test::ranger("eye", {{.range_max = 5}})};
+  scene.body("r0", robot);
+  const BodyId wall = scene.wall(2, -1, 2.2, 1);
+  World world = scene.world();
+  const std::uint64_t before = world.hashes().state;
+  using Call = std::function<void(Row)>;
+  const std::vector<std::pair<std::string, Call>> calls{
+      {"set_command()",
+       [&](Row row) {
+         world.set_command(row, {1, 0, 0});
+       }},
+      {"set_estimate()", [&](Row row) { world.set_estimate(row, {}); }},
+      {"set_poses()",
+       [&](Row row) {
+         const World::Placed placed{row, {1, 0, 0, 0}};
+         world.set_poses({&placed, 1});
+       }},
+      {"is_free()", [&](Row row) { static_cast<void>(world.is_free(row, {})); }},
+      {"remove()", [&](Row row) { world.remove(row); }},
+      {"disable()", [&](Row row) { world.set_disabled(row, true); }}};
+  for (const auto& [name, call] : calls) {
+    EXPECT_EQ(test::message_of<std::out_of_range>([&, &act = call] { act(world.row(wall)); }),
+              name + ": found no row: static bodies, and bodies that do not exist, have none");
+    EXPECT_EQ(test::message_of<std::out_of_range>([&, &act = call] { act(Row(std::size_t{1})); }),
+              name + ": found row 1, but the world has 1 rows, counted from 0");
+  }
+  EXPECT_THROW(world.subscribe(wall), std::out_of_range);
+  EXPECT_THROW(world.subscribe(BodyId(std::size_t{9})), std::out_of_range);
+  EXPECT_EQ(test::message_of<std::logic_error>([&] { world.asked_of(world.type(Row(0)).devices[0]); }),
+            "asked_of(): device \"eye\" (ranger) takes no commands");
+  EXPECT_EQ(test::message_of<std::invalid_argument>([&] { world.restart(7, {}, test::registry()); }),
+            "restart(): found 0 bodies, but the world has 3");
+  EXPECT_EQ(test::message_of<std::out_of_range>([&] { world.spawn(0, {}); }),
+            "spawn(): found reserve 0, but the world has 0 reserves, counted from 0");
+  const Result<> set = world.set({TypeId(9), SettingSpec::Of::drive, 0, {}}, test::registry());
+  ASSERT_FALSE(set);
+  EXPECT_EQ(set.error().text,
+            "refers to a type, or to a drive, device or controller of a type, that does not exist");
+  EXPECT_EQ(world.hashes().state, before);
 }
 
 TEST(World, TwoSensorsOfOneNameAreToldApart) {

@@ -3,6 +3,7 @@
 #include "base/random.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -10,8 +11,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -260,6 +264,24 @@ TEST(Radio, MessagesAreNumbersOneBehindAnother) {
   EXPECT_EQ(number(world, small, k_radio_lost), 1u);
   world.step();
   EXPECT_THAT(heard(world, listener), IsEmpty()) << "a message that is too long is not sent";
+}
+
+// The bytes of a shorter command end before the message does: the rest would be those of other robots.
+TEST(RadioPort, RefusesTheCommandOfAnotherDevice) {
+  RadioScene scene;
+  const BodyId body = scene.post({0, 0, 0, 0}, {{"payload", 4}});
+  const World world = scene.world();
+  std::array<std::byte, 6> bytes{};
+  const RadioPort right(readings(world, body), bytes);
+  EXPECT_TRUE(right.say(1.5f));
+  EXPECT_FALSE(right.say(1.5));
+  EXPECT_EQ(bytes[0], std::byte{static_cast<std::uint8_t>(RadioMode::silent)});
+  const RadioPort of_another(readings(world, body), std::span(bytes).first(5));
+  const RadioPort of_a_sensor(readings(world, body), std::span<std::byte>());
+  EXPECT_EQ(test::message_of<std::logic_error>([&] { of_another.say(std::uint8_t{7}); }),
+            "commands a radio, whose command has 6 bytes, through a command of 5 bytes: give RadioPort the "
+            "readings and the command of the same radio");
+  EXPECT_THROW(of_a_sensor.be_silent(), std::logic_error);
 }
 
 TEST(Radio, AsManyMessagesAreDroppedAsItSays) {

@@ -17,8 +17,8 @@
 
 /// Controllers for tests of `troupe check --controllers`. The command checks a rule: from the same inputs
 /// (percepts, memory, commands and random numbers), a controller must always compute the same memory and
-/// commands. Honest and Believer keep this rule. Each of the other controllers breaks it, in the way that its
-/// name says.
+/// commands, and only those of its robot. Honest and Believer keep this rule. Each of the other controllers
+/// breaks it, in the way that its name says.
 namespace troupe::test {
 
 struct Parameterless {
@@ -175,6 +175,22 @@ struct LooksAtItsBatch : Parameterless {
   }
 };
 
+/// Changes the command and the memory of another robot: the next one in the state tables. For a world in
+/// which all robots have one type.
+struct ChangesAnother : Parameterless {
+  struct Memory {
+    std::uint32_t told = 0;
+    TROUPE_FIELDS(told)
+  };
+  void operator()(const engine::DecideBatch& batch) const {
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      batch.commands[(batch.rows[i].index() + 1) % batch.commands.size()].turn = 0.5;
+      const std::size_t next = (batch.slot(i) + 1) % batch.slots.size();
+      reinterpret_cast<Memory*>(batch.memories.of(next))->told = 1;
+    }
+  }
+};
+
 /// Returns a controller kind that breaks the rule: its function `start`, which must initialise the memory of
 /// a robot, leaves the field `unset` uninitialised.
 inline engine::ControllerKind starts_half() {
@@ -208,6 +224,7 @@ inline std::vector<engine::ControllerKind> rogue_controllers() {
           make_controller_kind<LooksAtAnAddress>("looks_at_an_address", ""),
           make_controller_kind<LooksAtPadding>("looks_at_padding", ""),
           make_controller_kind<LooksAtItsBatch>("looks_at_its_batch", ""),
+          make_controller_kind<ChangesAnother>("changes_another", ""),
           starts_half()};
 }
 

@@ -276,6 +276,24 @@ TEST(BatchEnv, ACopyThatFailedMustBeReset) {
   EXPECT_EQ(batch.simulation(1).tick(), 2u);
 }
 
+// A worker thread that steps the copies must not start another loop over them.
+TEST(BatchEnv, CallbacksMayNotStepTheBatch) {
+  const Simulation world = learning_room();
+  for (const unsigned threads : {1u, 2u}) {
+    BatchEnv batch(world, spec_of(2, threads));
+    batch.reset();
+    for (const std::string call : {"step()", "reset()"}) {
+      batch.simulation(1).on_tick([&](Simulation&) { call == "step()" ? batch.step() : batch.reset(); });
+      EXPECT_THAT([&] { batch.step(); },
+                  ThrowsMessage<std::logic_error>(call + " of a batch is not allowed in a callback of one of "
+                                                         "its simulations: call it outside the callback"));
+      batch.simulation(1).on_tick(nullptr);
+      batch.reset();
+      EXPECT_EQ(batch.simulation(1).tick(), 1u);
+    }
+  }
+}
+
 TEST(BatchEnv, DoesNotDependOnTheRowsOfRobots) {
   const Simulation world = learning_room();
   BatchEnv plain(world, spec_of(2));

@@ -1,5 +1,6 @@
 // Functions with which programs build, inspect and drive worlds, in addition to simulation_test.cpp.
 #include "engine/kinds/controller.hpp"
+#include "engine/world/world.hpp"
 #include "models/devices/gripper.hpp"
 #include "models/devices/led.hpp"
 #include "tests/support/message_of.hpp"
@@ -63,6 +64,12 @@ TEST(Simulation, RefusesMoreThreadsThanALoopMayHave) {
   placed.population("s", "bot", 3, {{"rule", "grid"}, {"region_m", {{-9, -9}, {0, 0}}}, {"pitch_m", 1}});
   EXPECT_EQ(message_of<std::invalid_argument>([&] { Simulation(placed, {.threads = 100'000}); }), k_text)
       << "the loader has threads, too";
+}
+
+// So many bodies would take all the memory there is.
+TEST(Simulation, RefusesMoreSpareRobotsThanTheProgram) {
+  EXPECT_EQ(message_of<std::invalid_argument>([] { Simulation(yard(), {.spare = 4'000'000'000}); }),
+            "SimulationOptions: spare is 4000000000: give a number from 0 to 1000000");
 }
 
 TEST(WorldBuilder, DescribesWhatAFileSays) {
@@ -324,29 +331,54 @@ TEST(BeforeTick, MayNotStepNorReplaceItself) {
   EXPECT_EQ(simulation.tick(), 1u);
 }
 
-/// A controller of a program that steps its simulation.
-struct Impatient {
-  static inline Simulation* simulation = nullptr;
+/// A controller of a program that uses its simulation.
+struct Meddler {
+  static inline std::function<void()> acts;
   void operator()(const engine::Percept&, Random&, engine::Actions&) const {
-    if (simulation) simulation->step();
+    if (acts) acts();
   }
 };
 
-TEST(Controllers, MayNotStepTheirSimulation) {
+// Commands for other robots would come before or after the decisions of these robots, depending on threads.
+TEST(Controllers, MayNotStepOrCommandTheirSimulation) {
   engine::Registry registry = make_registry();
-  registry.controllers.push_back(engine::make_controller_kind<Impatient>("impatient", "steps"));
+  registry.controllers.push_back(engine::make_controller_kind<Meddler>("meddler", "uses its simulation"));
   WorldBuilder world = yard(3);
-  world.type("bot").controller("impatient");
+  world.type("bot").controller("meddler").device("lamp", "led");
   for (const unsigned threads : {1u, 2u}) {
     Simulation simulation(world, {.threads = threads}, registry);
-    Impatient::simulation = &simulation;
-    EXPECT_THAT(message_of<StepError>([&] { simulation.step(); }),
-                AllOf(HasSubstr("tick 1: controller \"impatient\" of \"r"),
-                      HasSubstr("threw: step() is not allowed during a step")));
-    Impatient::simulation = nullptr;
-    simulation.reset();
+    Model other = simulation.find("r2");
+    Swarm all = simulation.swarm();
+    const std::vector<Model::Speed> speeds(all.size());
+    const std::vector<std::uint8_t> shows(all.size());
+    const std::vector<std::pair<std::string, std::function<void()>>> refused{
+        {"step()", [&] { simulation.step(); }},
+        {"act()", [&] { simulation.act({.kind = engine::Act::Kind::hold, .whom = "r2"}); }},
+        {"set_speed()", [&] { other.set_speed(0.1, 0); }},
+        {"accelerate()", [&] { other.accelerate(0.1, 0); }},
+        {"go_to()", [&] { other.go_to({.x = 1}); }},
+        {"set_estimate()", [&] { other.set_estimate({}); }},
+        {"command()", [&] { other.command<models::LedCommand>("lamp").show(1, 0, 0); }},
+        {"asked()", [&] { other.asked("lamp"); }},
+        {"set_speeds()", [&] { all.set_speeds(speeds); }},
+        {"set_commands()", [&] { all.set_commands(std::as_bytes(std::span(shows)), "shows", "lamp"); }},
+        {"for_each()", [&] { all.for_each([](std::size_t, Model&) {}); }},
+        {"set_command()", [&] {
+           simulation.world().set_command(Row(0), {0.1, 0, 0});
+         }}};
     simulation.step();
-    EXPECT_EQ(simulation.tick(), 1u);
+    const std::uint64_t state = simulation.state_hash();
+    for (const auto& [what, acts] : refused) {
+      simulation.reset();
+      Meddler::acts = acts;
+      EXPECT_THAT(message_of<StepError>([&] { simulation.step(); }),
+                  AllOf(HasSubstr("tick 1: controller \"meddler\" of \"r"),
+                        HasSubstr("threw: " + what + " is not allowed during a step")));
+      Meddler::acts = nullptr;
+      simulation.reset();
+      simulation.step();
+      EXPECT_EQ(simulation.state_hash(), state) << what;
+    }
   }
 }
 
@@ -461,6 +493,13 @@ TEST(ForEach, RefusesWhatChangesMoreThanItsRobot) {
       {"step()", [&](Model&) { simulation.step(); }},
       {"reset()", [&](Model&) { simulation.reset(); }},
       {"on_tick()", [&](Model&) { simulation.on_tick(nullptr); }},
+      {"on_phase()", [&](Model&) { simulation.on_phase(nullptr); }},
+      {"on_task()", [&](Model&) { simulation.on_task(nullptr); }},
+      {"on_loop()", [&](Model&) { simulation.on_loop(nullptr); }},
+      {"on_save()", [&](Model&) { simulation.on_save("mine", nullptr); }},
+      {"save()", [&](Model&) { simulation.save("run.h5"); }},
+      {"record()", [&](Model&) { simulation.record("run.h5"); }},
+      {"stop_recording()", [&](Model&) { simulation.stop_recording(); }},
       {"for_each()", [&](Model&) { all.for_each([](std::size_t, Model& robot) { robot.set_speed(1, 0); }); }},
       {"subscribe()", [&](Model&) { all.subscribe(); }}};
   for (const auto& act : acts)
@@ -674,10 +713,9 @@ TEST_F(LibraryFilesTest, CallbacksOfPhasesMayNotChangeTheSimulation) {
       {"act()", [](Simulation& s) { s.act({}); }},
       {"subscribe()", [](Simulation& s) { s.subscribe("r0"); }},
       {"for_each()", [](Simulation& s) { s.swarm("bot").for_each([](std::size_t, Model&) {}); }},
-      {"a command for a swarm",
-       [](Simulation& s) { s.swarm("bot").set_speeds(std::vector<Model::Speed>(3)); }},
-      {"a command for a robot", [](Simulation& s) { s.find("r0").set_speed(1, 0); }},
-      {"a command for a robot", [](Simulation& s) { s.find("r0").set_estimate({}); }},
+      {"set_speeds()", [](Simulation& s) { s.swarm("bot").set_speeds(std::vector<Model::Speed>(3)); }},
+      {"set_speed()", [](Simulation& s) { s.find("r0").set_speed(1, 0); }},
+      {"set_estimate()", [](Simulation& s) { s.find("r0").set_estimate({}); }},
       {"on_phase()", [](Simulation& s) { s.on_phase(nullptr); }},
       {"on_task()", [](Simulation& s) { s.on_task(nullptr); }},
       {"on_loop()", [](Simulation& s) { s.on_loop(nullptr); }},

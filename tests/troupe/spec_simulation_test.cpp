@@ -174,6 +174,14 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
       "error: bodies[3].name: the list of name words has 4 entries, found index 77 (counted from 0)");
   expect([](Spec& s) { s.bodies.clear(); }, "error: bodies: empty; body 0 of every world is the ground");
   expect(
+      [](Spec& s) { s.bodies.erase(s.bodies.begin()); },
+      "error: bodies[0]: must be the ground, which has no shape and does nothing: call add_ground() before "
+      "the first body is added; found \"wall\" of type \"wall\"");
+  expect(
+      [](Spec& s) { s.bodies[0].type = TypeId(2); },
+      "error: bodies[0]: must be the ground, which has no shape and does nothing: call add_ground() before "
+      "the first body is added; found \"_ground_model\" of type \"bot\"");
+  expect(
       [](Spec& s) {
         s.empty_populations = {{"r", TypeId(7)}};
       },

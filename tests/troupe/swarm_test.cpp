@@ -20,6 +20,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace troupe {
 namespace {
@@ -272,6 +273,22 @@ class Outside {
   std::vector<float> ranges_;
   std::vector<SinCos> directions_;
 };
+
+// Without a body, or without a row in the state tables, a robot would be a place in memory beyond them.
+TEST(Swarms, OfIdsThatAreNoRobotsAreErrors) {
+  Simulation simulation = yard();
+  engine::World& world = simulation.world();
+  const BodyId wall = simulation.find("east").id();
+  const BodyId bot = simulation.find("b0").id();
+  EXPECT_EQ(Swarm::of(world, {bot}).names(), std::vector<std::string>{"b0"});
+  EXPECT_EQ(message_of<std::out_of_range>([&] {
+              Swarm::of(world, {bot, BodyId(std::size_t{77})});
+            }),
+            "no robot with id 77: the world has 9 bodies, whose ids begin at 0");
+  EXPECT_THROW(Swarm::of(world, {BodyId()}), std::out_of_range);
+  EXPECT_EQ(message_of<std::out_of_range>([&] { Swarm::of(world, {wall}); }),
+            "\"east\" (id 1) is not a robot: it is static");
+}
 
 TEST(Swarms, DrivenFromOutsideMakeTheBitsOfControllers) {
   SimulationOptions options;
