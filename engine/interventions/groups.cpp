@@ -25,6 +25,14 @@ Groups::Bodies Groups::find(const GroupSpec& group, Where where, Diagnostics& di
   return found.bodies;
 }
 
+std::optional<std::size_t> Groups::reserve(std::string_view population) {
+  const std::vector<ReserveSpec>& reserves = world_.spec().reserves;
+  if (reserves_.empty())
+    for (std::size_t i = 0; i < reserves.size(); ++i) reserves_.emplace(reserves[i].population, i);
+  const auto found = reserves_.find(population);
+  return found == reserves_.end() ? std::nullopt : std::optional(found->second);
+}
+
 /// Whether a body, which may be static, belongs to a group.
 bool Groups::is_in(const GroupSpec& group, BodyId body) const {
   const WorldSpec& spec = world_.spec();

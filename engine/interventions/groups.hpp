@@ -4,10 +4,13 @@
 #include "base/ids.hpp"
 #include "engine/spec/experiment_spec.hpp"
 
+#include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -31,6 +34,8 @@ class Groups {
   /// in the world file. There is one exception: no error is reported if the group names a population, or a
   /// type of the world whose bodies would not be static, and the world has no body of it.
   Bodies find(const GroupSpec& group, Where where, Diagnostics& diagnostics);
+  /// Returns World::reserve(population). Takes much less time for many calls in a world of many reserves.
+  std::optional<std::size_t> reserve(std::string_view population);
 
  private:
   bool is_in(const GroupSpec& group, BodyId body) const;
@@ -49,6 +54,7 @@ class Groups {
     std::string error;  // text_of_unknown() if there must be bodies and there are none; else empty
   };
   std::map<std::pair<GroupSpec::By, std::string>, Found> found_;  // by the members `by` and `name`
+  std::unordered_map<std::string_view, std::size_t> reserves_;    // by population; built on first use
 };
 
 }  // namespace troupe::engine

@@ -347,6 +347,25 @@ TEST(Experiment, OthersAreAddedWhereTheyAreFree) {
   EXPECT_EQ(world->robots(), 52u);
 }
 
+// Comparing each name with those of all reserves would take minutes.
+TEST(Experiment, ThereMayBeManyReserves) {
+  constexpr std::size_t k_reserves = 200000;
+  Squad row(1);
+  for (std::size_t i = 0; i < k_reserves; ++i) {
+    const std::string name = fmt::format("one_of_very_many{:06}x", i);
+    row.scene.spec.reserves.push_back({name, BodyId(row.scene.spec.bodies.size()), 1});
+    row.scene.body(name + "0", row.type);
+    InterventionSpec add = at(1000, Action::add, population(name));
+    add.pose = Pose{9, 9, 0, 0};
+    row.scene.spec.experiment.at.push_back(std::move(add));
+  }
+  row.scene.spec.experiment.at.back().time_s = 0;
+  const auto world = row.world();
+  step(*world, 1);
+  EXPECT_EQ(world->unborn(k_reserves - 1), 0u);
+  EXPECT_EQ(world->robots(), 2u);
+}
+
 TEST(Experiment, WhoIsAddedAtARandomPlaceHasTheHeightOfItsReserve) {
   Squad row(1);
   row.scene.spec.reserves.push_back({"fly", BodyId(row.scene.spec.bodies.size()), 3});
