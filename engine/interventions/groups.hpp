@@ -41,7 +41,9 @@ class Groups {
   bool is_in(const GroupSpec& group, BodyId body) const;
   std::vector<BodyId> bodies_of(const GroupSpec& group);
   bool may_be_empty(const GroupSpec& group) const;
-  std::string text_of_unknown(const GroupSpec& group) const;
+  bool is_static(const GroupSpec& group) const;
+  const std::vector<std::string>& known_names(GroupSpec::By by);
+  std::string text_of_unknown(const GroupSpec& group);
 
   /// Bodies that are not static, in the order of ids: by the names of their types (GroupSpec::By::type), or
   /// by the words of their names (GroupSpec::By::population).
@@ -55,6 +57,7 @@ class Groups {
   };
   std::map<std::pair<GroupSpec::By, std::string>, Found> found_;  // by the members `by` and `name`
   std::unordered_map<std::string_view, std::size_t> reserves_;    // by population; built on first use
+  std::map<GroupSpec::By, std::vector<std::string>> known_;       // built on first use
 };
 
 }  // namespace troupe::engine

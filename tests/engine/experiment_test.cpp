@@ -366,6 +366,15 @@ TEST(Experiment, ThereMayBeManyReserves) {
   EXPECT_EQ(world->robots(), 2u);
 }
 
+// Collecting the names of all robots for each error would take most of a minute.
+TEST(Experiment, ManyModelsMayBeUnknown) {
+  Squad row(90000);
+  row.scene[row.type].devices.clear();
+  for (int i = 0; i < 900; ++i)
+    row.scene.spec.experiment.at.push_back(at(1, Action::remove, model(fmt::format("unknown{}", i))));
+  EXPECT_THAT(row.errors(), HasSubstr("unknown model \"unknown0\"; known: r0, r1, r10, "));
+}
+
 TEST(Experiment, WhoIsAddedAtARandomPlaceHasTheHeightOfItsReserve) {
   Squad row(1);
   row.scene.spec.reserves.push_back({"fly", BodyId(row.scene.spec.bodies.size()), 3});
