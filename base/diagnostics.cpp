@@ -71,12 +71,11 @@ const std::size_t* longest_beginning(const std::map<std::string, std::size_t, st
 }  // namespace
 
 std::uint32_t SourceFiles::add(std::string_view name) {
-  const auto found = std::find(names_.begin(), names_.end(), name);
-  if (found == names_.end()) {
-    names_.emplace_back(name);
-    return static_cast<std::uint32_t>(names_.size() - 1);
-  }
-  return static_cast<std::uint32_t>(found - names_.begin());
+  if (const auto found = numbers_.find(name); found != numbers_.end()) return found->second;
+  const auto number = static_cast<std::uint32_t>(names_.size());
+  names_.emplace_back(name);
+  numbers_.emplace(name, number);
+  return number;
 }
 
 Diagnostics::Diagnostics(bool thorough) : thorough_(thorough), files_(std::make_shared<SourceFiles>()) {}

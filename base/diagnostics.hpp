@@ -28,6 +28,7 @@ class SourceFiles {
 
  private:
   std::vector<std::string> names_;
+  std::map<std::string, std::uint32_t, std::less<>> numbers_;
 };
 
 /// A place in an input file.

@@ -734,9 +734,10 @@ void Lint::check_window() {
 /// Warns of interventions that add several bodies at one pose, and of interventions and faults that are later
 /// than the end of a run. Those exactly at the end are not reported.
 void Lint::check_interventions() {
+  engine::Groups groups(world_);
   for (const engine::InterventionSpec& intervention : spec_.experiment.at) {
     if (intervention.action != engine::InterventionSpec::Action::add || !intervention.pose) continue;
-    const engine::ReserveSpec& reserve = spec_.reserves.at(*world_.reserve(intervention.whom.name));
+    const engine::ReserveSpec& reserve = spec_.reserves.at(*groups.reserve(intervention.whom.name));
     const auto count = std::min<std::int64_t>(intervention.whom.count.value_or(reserve.count), reserve.count);
     if (count > 1 && !world_.type(reserve.first).obstacle.empty())
       diagnostics_.warning(

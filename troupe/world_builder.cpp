@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <span>
 #include <stdexcept>
@@ -210,8 +209,8 @@ WorldBuilder& WorldBuilder::set(std::string_view key, const Setting& value) {
 }
 
 WorldBuilder::Type& WorldBuilder::type(std::string_view name) {
-  for (Type& type : types_)
-    if (type.name_ == name) return type;
+  if (const auto found = numbers_.find(name); found != numbers_.end()) return types_[found->second];
+  numbers_.emplace(name, types_.size());
   return types_.emplace_back(Type::Key(), name);
 }
 
@@ -240,7 +239,7 @@ WorldBuilder& WorldBuilder::wall(const Vec2& from, const Vec2& to, double thickn
         "wall(): the thickness and the height must be finite, found {} m and {} m", thickness, height));
   std::string name;
   do name = fmt::format("wall{}", ++walls_);
-  while (std::ranges::find(types_, name, &Type::name_) != types_.end());
+  while (numbers_.contains(name));
   type(name).size(length, thickness, height).color("gray40");
   const Vec2 middle = (from + to) / 2;
   return add(name, name, {middle.x(), middle.y(), 0, atan2(along.y(), along.x())});

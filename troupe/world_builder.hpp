@@ -7,7 +7,9 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -203,7 +205,8 @@ class WorldBuilder {
   worldio::JsonNode unplaced() const;
   std::filesystem::path name_;
   Settings values_;
-  std::deque<Type> types_;  // deque: references from type() stay valid
+  std::deque<Type> types_;                                   // deque: references from type() stay valid
+  std::map<std::string, std::size_t, std::less<>> numbers_;  // by name of the type: index into types_
   std::vector<Setting> floorplans_, models_, populations_;
   std::size_t walls_ = 0;
 };

@@ -138,7 +138,7 @@ void World::build_intervention(Experiment::Intervention& intervention, const Reg
     return;
   }
   if (spec.action == Action::add) {
-    if (const auto reserve = this->reserve(spec.whom.name)) {
+    if (const auto reserve = groups.reserve(spec.whom.name)) {
       intervention.reserve = *reserve;
     } else {
       std::vector<std::string_view> known;

@@ -25,6 +25,14 @@ Groups::Bodies Groups::find(const GroupSpec& group, Where where, Diagnostics& di
   return found.bodies;
 }
 
+std::optional<std::size_t> Groups::reserve(std::string_view population) {
+  const std::vector<ReserveSpec>& reserves = world_.spec().reserves;
+  if (reserves_.empty())
+    for (std::size_t i = 0; i < reserves.size(); ++i) reserves_.emplace(reserves[i].population, i);
+  const auto found = reserves_.find(population);
+  return found == reserves_.end() ? std::nullopt : std::optional(found->second);
+}
+
 /// Whether a body, which may be static, belongs to a group.
 bool Groups::is_in(const GroupSpec& group, BodyId body) const {
   const WorldSpec& spec = world_.spec();
@@ -79,30 +87,50 @@ bool Groups::may_be_empty(const GroupSpec& group) const {
          std::ranges::count(world_.spec().empty_populations, group.name, &EmptyPopulation::name) > 0;
 }
 
-std::string Groups::text_of_unknown(const GroupSpec& group) const {
+/// Whether a group in which all bodies are static has any bodies.
+bool Groups::is_static(const GroupSpec& group) const {
+  std::size_t first = 1;  // body 0 is the ground
+  if (group.by == By::model) {
+    const BodyId body = world_.find(group.name);
+    return body.valid() && body.index() >= first;
+  }
+  const std::size_t bodies = world_.spec().bodies.size();
+  while (first < bodies && !is_in(group, BodyId(first))) ++first;
+  return first < bodies;
+}
+
+/// The names of the populations, types or models that have bodies that are not static, and of the populations
+/// that may be empty.
+const std::vector<std::string>& Groups::known_names(By by) {
+  const auto [place, is_new] = known_.try_emplace(by);
+  if (!is_new) return place->second;
   const WorldSpec& spec = world_.spec();
+  std::set<std::string, std::less<>> known;
+  if (by == By::population)
+    for (const EmptyPopulation& population : spec.empty_populations) known.insert(population.name);
+  for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
+    if (world_.location(BodyId(b)) == RowLocation::none) continue;
+    const std::string name = spec.name(BodyId(b));
+    if (by == By::type) known.insert(world_.type(BodyId(b)).name);
+    if (by == By::model) known.insert(name);
+    const std::string_view population = without_number(name);  // empty if the name is a number
+    if (by == By::population && !population.empty() && population.size() < name.size())
+      known.emplace(population);
+  }
+  place->second.assign(known.begin(), known.end());
+  return place->second;
+}
+
+std::string Groups::text_of_unknown(const GroupSpec& group) {
   constexpr std::array<std::string_view, 3> k_what{"population", "type", "model"};
   const std::string_view what = k_what[static_cast<std::size_t>(group.by)];
-  std::size_t first = 1;
-  while (first < spec.bodies.size() && !is_in(group, BodyId(first))) ++first;
-  if (first < spec.bodies.size())
+  if (is_static(group))
     return fmt::format(
         "{}: interventions and faults can only act on bodies that can move, sense, decide, be gripped or be "
         "pushed",
         group.by == By::model ? fmt::format("\"{}\" is a static body", group.name)
                               : fmt::format("the bodies of the {} \"{}\" are static", what, group.name));
-  std::set<std::string, std::less<>> known;
-  if (group.by == By::population)
-    for (const EmptyPopulation& population : spec.empty_populations) known.insert(population.name);
-  for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
-    if (world_.location(BodyId(b)) == RowLocation::none) continue;
-    const std::string name = spec.name(BodyId(b));
-    if (group.by == By::type) known.insert(world_.type(BodyId(b)).name);
-    if (group.by == By::model) known.insert(name);
-    const std::string_view population = without_number(name);  // empty if the name is a number
-    if (group.by == By::population && !population.empty() && population.size() < name.size())
-      known.emplace(population);
-  }
+  const std::vector<std::string>& known = known_names(group.by);
   return unknown_name(what, group.name, std::vector<std::string_view>(known.begin(), known.end()));
 }
 

@@ -4,10 +4,13 @@
 #include "base/ids.hpp"
 #include "engine/spec/experiment_spec.hpp"
 
+#include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -31,12 +34,16 @@ class Groups {
   /// in the world file. There is one exception: no error is reported if the group names a population, or a
   /// type of the world whose bodies would not be static, and the world has no body of it.
   Bodies find(const GroupSpec& group, Where where, Diagnostics& diagnostics);
+  /// Returns World::reserve(population). Takes much less time for many calls in a world of many reserves.
+  std::optional<std::size_t> reserve(std::string_view population);
 
  private:
   bool is_in(const GroupSpec& group, BodyId body) const;
   std::vector<BodyId> bodies_of(const GroupSpec& group);
   bool may_be_empty(const GroupSpec& group) const;
-  std::string text_of_unknown(const GroupSpec& group) const;
+  bool is_static(const GroupSpec& group) const;
+  const std::vector<std::string>& known_names(GroupSpec::By by);
+  std::string text_of_unknown(const GroupSpec& group);
 
   /// Bodies that are not static, in the order of ids: by the names of their types (GroupSpec::By::type), or
   /// by the words of their names (GroupSpec::By::population).
@@ -49,6 +56,8 @@ class Groups {
     std::string error;  // text_of_unknown() if there must be bodies and there are none; else empty
   };
   std::map<std::pair<GroupSpec::By, std::string>, Found> found_;  // by the members `by` and `name`
+  std::unordered_map<std::string_view, std::size_t> reserves_;    // by population; built on first use
+  std::map<GroupSpec::By, std::vector<std::string>> known_;       // built on first use
 };
 
 }  // namespace troupe::engine

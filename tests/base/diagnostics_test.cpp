@@ -35,6 +35,16 @@ TEST(SourceFiles, TheSameNameGivesTheSameNumber) {
   EXPECT_EQ(files.name(robots), "robots.inc");
 }
 
+// Comparing each name with all others would take minutes.
+TEST(SourceFiles, ManyNamesAreFoundFast) {
+  constexpr std::uint32_t k_names = 400000;
+  SourceFiles files;
+  for (std::uint32_t i = 0; i < k_names; ++i)
+    ASSERT_EQ(files.add(fmt::format("the/same/long/folder/{:06}.json", i)), i);
+  EXPECT_EQ(files.add("the/same/long/folder/399999.json"), k_names - 1);
+  EXPECT_EQ(files.size(), k_names);
+}
+
 TEST(Diagnostics, NothingFoundThrowsNothing) {
   Diagnostics diagnostics;
   diagnostics.warning({}, "odd");

@@ -347,6 +347,34 @@ TEST(Experiment, OthersAreAddedWhereTheyAreFree) {
   EXPECT_EQ(world->robots(), 52u);
 }
 
+// Comparing each name with those of all reserves would take minutes.
+TEST(Experiment, ThereMayBeManyReserves) {
+  constexpr std::size_t k_reserves = 200000;
+  Squad row(1);
+  for (std::size_t i = 0; i < k_reserves; ++i) {
+    const std::string name = fmt::format("one_of_very_many{:06}x", i);
+    row.scene.spec.reserves.push_back({name, BodyId(row.scene.spec.bodies.size()), 1});
+    row.scene.body(name + "0", row.type);
+    InterventionSpec add = at(1000, Action::add, population(name));
+    add.pose = Pose{9, 9, 0, 0};
+    row.scene.spec.experiment.at.push_back(std::move(add));
+  }
+  row.scene.spec.experiment.at.back().time_s = 0;
+  const auto world = row.world();
+  step(*world, 1);
+  EXPECT_EQ(world->unborn(k_reserves - 1), 0u);
+  EXPECT_EQ(world->robots(), 2u);
+}
+
+// Collecting the names of all robots for each error would take most of a minute.
+TEST(Experiment, ManyModelsMayBeUnknown) {
+  Squad row(90000);
+  row.scene[row.type].devices.clear();
+  for (int i = 0; i < 900; ++i)
+    row.scene.spec.experiment.at.push_back(at(1, Action::remove, model(fmt::format("unknown{}", i))));
+  EXPECT_THAT(row.errors(), HasSubstr("unknown model \"unknown0\"; known: r0, r1, r10, "));
+}
+
 TEST(Experiment, WhoIsAddedAtARandomPlaceHasTheHeightOfItsReserve) {
   Squad row(1);
   row.scene.spec.reserves.push_back({"fly", BodyId(row.scene.spec.bodies.size()), 3});

@@ -223,6 +223,18 @@ TEST(WorldBuilder, WallsLeaveTypesOfTheProgramAlone) {
   EXPECT_THAT(world.json(), HasSubstr("[3, 3, 3]"));
 }
 
+// Comparing the name of each wall with those of all others would take a minute.
+TEST(WorldBuilder, AMazeMayHaveManyWalls) {
+  constexpr int k_walls = 100000;
+  WorldBuilder world;
+  for (int i = 0; i < k_walls; ++i) world.wall({0, 0.2 * i}, {1, 0.2 * i});
+  world.type("wall1").set("fiducial_return", 7);
+  const std::string text = world.json();
+  EXPECT_NE(text.find(R"("fiducial_return": 7)"), text.npos);
+  EXPECT_NE(text.find(R"("wall100000")"), text.npos);
+  EXPECT_EQ(text.find(R"("wall100001")"), text.npos);
+}
+
 // ---- callbacks, and runs until
 
 TEST(OnTick, IsCalledInOrderBehindTheStep) {

@@ -3,6 +3,7 @@
 #include "tests/support/scratch.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "worldio/json/document_table.hpp"
+#include "worldio/json/json_include.hpp"
 #include "worldio/json/json_world.hpp"
 #include "worldio/json/wall_line.hpp"
 #include "worldio/json/world_document.hpp"
@@ -322,6 +323,20 @@ TEST_F(IncludeTest, ErrorsNameTheirFileAndLine) {
           "maze.json:3: error: /types/base: a type of this name is already defined in base.json, line "
           "2: choose another name; to inherit from the other type, name that type in the key "
           "\"extends\""));
+}
+
+TEST_F(IncludeTest, AChainOfIncludedFilesHasALimit) {
+  for (std::size_t i = 1; i <= k_most_nested_includes; ++i)
+    write(fmt::format("c{}.json", i), fmt::format(R"({{"include": ["c{}.json"]}})", i + 1));
+  write("c101.json", k_base);
+  EXPECT_THAT(load(R"("include": ["c2.json"])").found, IsEmpty());
+  EXPECT_THAT(load(R"("include": ["c101.json", "c1.json"])").found, IsEmpty());
+  EXPECT_THAT(
+      load(R"("include": ["c1.json"])").found,
+      ElementsAre(
+          "c100.json:1: error: /include/0: \"c101.json\" cannot be included: it would be the last of "
+          "101 files, each of which includes the next one, and at most 100 are allowed; include it in "
+          "a file nearer to the world"));
 }
 
 TEST_F(IncludeTest, ATypeExtendsAnother) {

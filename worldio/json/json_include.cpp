@@ -110,8 +110,12 @@ class Includer {
       return at.error(fmt::format("the files include each other in a circle: {}{}; remove one \"include\"",
                                   chain, same->name));
     }
-    if (std::ranges::find(done_, path) != done_.end()) return;
-    done_.push_back(path);
+    if (!done_.insert(path.string()).second) return;
+    if (open_.size() > k_most_nested_includes)
+      return at.error(fmt::format(
+          "\"{}\" cannot be included: it would be the last of {} files, each of which includes the next one, "
+          "and at most {} are allowed; include it in a file nearer to the world",
+          name.generic_string(), open_.size(), k_most_nested_includes));
     const Result<> readable = check_readable(file, k_most_input_bytes);
     const std::optional<std::string> text = readable ? read_file(file) : std::nullopt;
     if (!text)
@@ -150,8 +154,8 @@ class Includer {
 
   fs::path folder_;  // of the world
   Diagnostics& diagnostics_;
-  std::vector<OpenFile> open_;  // the files that are being read, the world first
-  std::vector<fs::path> done_;
+  std::vector<OpenFile> open_;            // the files that are being read, the world first
+  std::unordered_set<std::string> done_;  // canonical paths of the files that are or were read
   Members types_;
   std::map<std::string, Where> places_;  // of types_
 };

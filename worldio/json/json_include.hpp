@@ -15,6 +15,10 @@ namespace troupe::worldio {
 /// The keys that an included file may have besides `troupe`, the version of the format.
 inline constexpr std::array<std::string_view, 3> k_included_keys{"$schema", "include", "types"};
 
+/// Greatest number of files, each of which includes the next one. The limit is needed because the reader is
+/// recursive: without it, a longer chain of files would exhaust the stack.
+inline constexpr std::size_t k_most_nested_includes = 100;
+
 /// Replaces the key `include`, a list of files, in the JSON object of a world: the types of these files are
 /// added in front of the types of the world. A type describes bodies of the same construction. Does nothing
 /// if the world has no key `include`. `file` is the path of the world file. Every node keeps its file and
@@ -27,7 +31,8 @@ inline constexpr std::array<std::string_view, 3> k_included_keys{"$schema", "inc
 /// - A file that is included several times counts once.
 ///
 /// These are errors: a file that cannot be read or is not a JSON object, files that include each other in a
-/// circle, an unknown key or a wrong value in an included file, and two types with the same key.
+/// circle or in a chain of more than k_most_nested_includes files, an unknown key or a wrong value in an
+/// included file, and two types with the same key.
 void resolve_includes(JsonNode& world, const std::filesystem::path& file, Diagnostics& diagnostics);
 
 /// Greatest number of types from which a type may inherit, directly or through other types. The limit bounds
