@@ -623,7 +623,7 @@ void Lint::check_radios() {
         known += fmt::format("{}\"{}\"", known.empty() ? "; other channels: " : ", ", name);
     diagnostics_.warning(
         radio.where, fmt::format("{} hears nothing: no other body has a radio on the channel \"{}\"{}",
-                                 device_text("radio", radio.name, world_.types()[t].name), channel, known));
+                                 device_text(radio.kind, radio.name, spec_.types[t].name), channel, known));
   });
 }
 
