@@ -711,7 +711,7 @@ TEST_F(LibraryFilesTest, CallbacksOfPhasesMayNotChangeTheSimulation) {
       {"step()", [](Simulation& s) { s.step(); }},
       {"reset()", [](Simulation& s) { s.reset(); }},
       {"reset()", [](Simulation& s) { s.reset(7); }},
-      {"set_poses()", [](Simulation& s) { s.find("r0").set_pose({.x = -3}); }},
+      {"set_pose()", [](Simulation& s) { s.find("r0").set_pose({.x = -3}); }},
       {"spawn()", [](Simulation& s) { s.spawn("s", {.x = -3}); }},
       {"remove()", [](Simulation& s) { s.remove(s.find("r0")); }},
       {"disable()", [](Simulation& s) { s.disable(s.find("r0")); }},
