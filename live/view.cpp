@@ -342,7 +342,7 @@ void View::Impl::restart(std::optional<std::uint64_t> seed) {
 void View::Impl::begin_run(std::uint64_t end, std::unique_ptr<SessionLog> next) {
   try {
     session_->end(end);
-  } catch (const std::runtime_error&) {  // ignored: the session then has no last line, as after a kill
+  } catch (const std::exception&) {  // ignored: a session that cannot end, or did not begin, has no last line
   }
   session_ = std::move(next);
   holders_.clear();
