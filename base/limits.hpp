@@ -8,6 +8,9 @@ namespace troupe {
 /// Largest absolute value of a coordinate, m, both in world files and in the state of a simulation
 /// (engine::pose_fields()).
 inline constexpr double k_world_reach_m = 100e3;
+/// Largest absolute value of a coordinate or length in a WorldSpec that a program made or a file stores, m:
+/// ten times that of the largest world, and cell numbers still fit 32 bits.
+inline constexpr double k_spec_reach_m = 10 * k_world_reach_m;
 /// Shortest tick (time step), s. It is one microsecond, the resolution of the clock of the simulator Stage,
 /// whose world files Troupe reads.
 inline constexpr double k_least_tick_s = 1e-6;

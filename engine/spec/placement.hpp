@@ -71,6 +71,10 @@ class Crowd {
   std::vector<Level> levels_;
 };
 
+/// Least PlacementRule::distance_m of a poisson_disc rule, and least PlacementRule::cell_m of a free_floor
+/// rule in a world file, m.
+inline constexpr double k_least_placement_step_m = 1e-3;
+
 /// Rule by which the bodies of a population (the bodies NAME0, NAME1, ... of one type) are placed. All
 /// positions are in the world frame. The *static scene* is the set of obstacles that never move. The bounds
 /// of the world are a box that bodies cannot leave (WorldSpec::bounds).

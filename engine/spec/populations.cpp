@@ -21,10 +21,6 @@ constexpr double k_max_cells = 100000000;
 // Limit on the cells of one free_floor rule.
 constexpr double k_max_floor_cells = 25000000;
 constexpr double k_scene_cell_m = 0.5;
-constexpr double k_most_place_m =
-    10 * k_world_reach_m;  // limit on lengths and coordinates, as in a WorldSpec
-// Smallest distance of a poisson_disc rule, as in world files: the cells of Spaced are as wide.
-constexpr double k_least_distance_m = 1e-3;
 
 template <class IsFixed>
 partition::StaticScene scene_of(const WorldSpec& spec, IsFixed is_fixed) {
@@ -148,12 +144,12 @@ void Placer::check_numbers(const PopulationSpec& population) {
                       spec_.types.size(), population.type.value));
   const auto check = [&](std::string_view member, double least, std::initializer_list<double> values) {
     for (const double value : values)
-      if (!(least <= value && value <= k_most_place_m))
+      if (!(least <= value && value <= k_spec_reach_m))
         error(population, fmt::format("{} must be from {} to {}, found {}", member, plain_number(least),
-                                      plain_number(k_most_place_m), exact_number(value)));
+                                      plain_number(k_spec_reach_m), exact_number(value)));
   };
   const auto check_place = [&](std::string_view member, std::initializer_list<double> values) {
-    check(member, -k_most_place_m, values);
+    check(member, -k_spec_reach_m, values);
   };
   const auto check_box = [&](std::string_view member, const Box& box) {
     if (!box.empty()) check_place(member, {box.min.x(), box.min.y(), box.max.x(), box.max.y()});
@@ -167,7 +163,7 @@ void Placer::check_numbers(const PopulationSpec& population) {
   check("jitter_m", 0, {rule.jitter_m});
   check_place("mean", {rule.mean.x(), rule.mean.y()});
   check("deviation", 0, {rule.deviation.x(), rule.deviation.y()});
-  check("distance_m", k_least_distance_m, {rule.distance_m});
+  check("distance_m", k_least_placement_step_m, {rule.distance_m});
   if (rule.from) check_place("from", {rule.from->x(), rule.from->y()});
   check("cell_m", 0, {rule.cell_m});
   if (rule.heading) check_place("heading", {*rule.heading});

@@ -9,10 +9,6 @@ namespace troupe {
 using engine::Description;
 namespace facts = engine::facts;
 
-// Largest absolute value of a coordinate: ten times that of the largest world, and cell numbers still fit 32
-// bits.
-constexpr double k_reach_m = 10 * k_world_reach_m;
-
 constexpr void describe(Description<Where>& d) {
   d.member<&Where::file>("file");
   d.member<&Where::line>("line");
@@ -31,8 +27,8 @@ constexpr void describe(Description<Box>& d) {
 constexpr void describe(Description<Solid>& d) {
   using namespace facts;
   using enum engine::Unit;
-  d.member<&Solid::z>("z_m", within(-k_reach_m, k_reach_m));
-  d.member<&Solid::contours>("contours", meters, within(-k_reach_m, k_reach_m));
+  d.member<&Solid::z>("z_m", within(-k_spec_reach_m, k_spec_reach_m));
+  d.member<&Solid::contours>("contours", meters, within(-k_spec_reach_m, k_spec_reach_m));
 }
 
 }  // namespace troupe
@@ -43,7 +39,7 @@ namespace {
 constexpr double k_most_s = 1e15;       // more than any world needs, and its ticks still fit 64 bits
 constexpr double k_most_return = 1e30;  // far within the range of a float
 
-constexpr Fact k_within_reach = facts::within(-k_reach_m, k_reach_m);
+constexpr Fact k_within_reach = facts::within(-k_spec_reach_m, k_spec_reach_m);
 constexpr Fact k_time = facts::within(0, k_most_s);
 
 }  // namespace

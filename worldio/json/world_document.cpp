@@ -36,7 +36,6 @@ constexpr Unit seconds = Unit::seconds;
 constexpr double k_most_chosen = 1e9;        // maximum number of bodies in a group
 constexpr double k_most_in_ring = 10000;     // maximum number of objects of a ring
 constexpr double k_most_disc_corners = 100;  // maximum number of corners of a disc
-constexpr double k_least_step_m = 0.001;     // minimum distance between bodies and cell size of free_floor
 constexpr std::array<std::string_view, 2> k_checks{"error", "warn"};
 constexpr std::array<std::string_view, 5> k_rules{"grid", "uniform", "gaussian", "poisson_disc",
                                                   "free_floor"};
@@ -929,7 +928,8 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
                                      "standard deviations along x and y")
       .require("[x, y], the standard deviations")
       .of_variants(bit(Rule::gaussian));
-  d.value<&PlaceDocument::distance>("distance", meters, within(k_least_step_m, k_max_size_m),
+  d.value<&PlaceDocument::distance>("distance", meters,
+                                    within(engine::k_least_placement_step_m, k_max_size_m),
                                     "minimum distance between the origins of two bodies")
       .require("the minimum distance between the origins of two bodies")
       .of_variants(bit(Rule::poisson_disc));
@@ -937,7 +937,7 @@ void PlaceDocument::describe(DocumentKeys<PlaceDocument>& d) {
                                 "bodies are placed only on floor that can be reached from this point")
       .or_default("a point of the largest connected floor area")
       .of_variants(bit(Rule::free_floor));
-  d.value<&PlaceDocument::cell>("cell", meters, within(k_least_step_m, k_max_size_m),
+  d.value<&PlaceDocument::cell>("cell", meters, within(engine::k_least_placement_step_m, k_max_size_m),
                                 "cell size of the search for reachable floor")
       .or_default("half of the body's radius, at least 0.02 m")
       .of_variants(bit(Rule::free_floor));

@@ -26,8 +26,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double k_reach = 10 * k_world_reach_m;  // m; damaged coordinates are usually far larger
-constexpr std::int64_t k_most_beams = 1 << 20;    // beams of a transducer: ten times the maximum in a world
+constexpr std::int64_t k_most_beams = 1 << 20;  // beams of a transducer: ten times the maximum in a world
 
 [[noreturn]] void fail(const RecordingReader& recording, std::string_view message) {
   throw Hdf5Error(fmt::format("{}: error: {}", recording.file().string(), message));
@@ -39,7 +38,7 @@ struct Damaged {};
 
 double number_in_json(const Json& json) {
   const auto x = json.get<double>();
-  if (!(std::abs(x) <= k_reach)) throw Damaged();
+  if (!(std::abs(x) <= k_spec_reach_m)) throw Damaged();  // damaged coordinates are usually far larger
   return x;
 }
 
@@ -182,7 +181,7 @@ RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) 
     const double* pose = &columns.pose[4 * b];
     const float* color = &columns.color[4 * b];
     if (columns.word[b] >= words.size() || columns.type[b] >= scene.types.size() ||
-        !std::all_of(pose, pose + 4, [](double x) { return std::abs(x) <= k_reach; }) ||
+        !std::all_of(pose, pose + 4, [](double x) { return std::abs(x) <= k_spec_reach_m; }) ||
         !std::all_of(color, color + 4, [](float part) { return std::isfinite(part); }))
       throw Damaged();
     std::string name = words[columns.word[b]];
