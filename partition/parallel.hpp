@@ -48,9 +48,9 @@ class Parallel {
 
   /// Calls task(i) once for each i from 0 to count - 1 and returns when all calls are done. The calls run in
   /// any order, on the worker threads and the calling thread. Tasks should be coarse (some tens of
-  /// microseconds), must write only data that no other task of the loop reads or writes, and must not call
-  /// for_each() of the same object. If tasks throw, the others still run; then the exception of the task with
-  /// the lowest index is rethrown.
+  /// microseconds), and must write only data that no other task of the loop reads or writes. In a task,
+  /// for_each() of the same object throws std::logic_error. If tasks throw, the others still run; then the
+  /// exception of the task with the lowest index is rethrown.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
     run(
@@ -74,6 +74,7 @@ class Parallel {
 
   struct Workers;
   unsigned threads_;
+  bool is_in_loop_ = false;
   std::unique_ptr<Workers> workers_;
   std::function<void(std::size_t, bool)> on_task_;
   std::function<void(bool)> on_loop_;

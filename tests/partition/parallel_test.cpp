@@ -107,6 +107,27 @@ TEST_P(ParallelOf, NestsInAnother) {
     for (const int n : of_one) ASSERT_EQ(n, 20);
 }
 
+// The loop would use the threads of the outer loop, and could wait for them forever.
+TEST_P(ParallelOf, RefusesALoopInATaskOfItsOwnLoop) {
+  Parallel parallel(GetParam());
+  for (const std::size_t count : {1, 100}) {
+    std::atomic<std::size_t> refused = 0;
+    parallel.for_each(count, [&](std::size_t) {
+      try {
+        parallel.for_each(2, [](std::size_t) {});
+      } catch (const std::logic_error&) {
+        ++refused;
+      }
+    });
+    EXPECT_EQ(refused, count);
+  }
+  EXPECT_THROW(parallel.for_each(2, [&](std::size_t) { parallel.for_each(2, [](std::size_t) {}); }),
+               std::logic_error);
+  std::atomic<int> calls = 0;
+  parallel.for_each(100, [&](std::size_t) { ++calls; });
+  EXPECT_EQ(calls, 100);
+}
+
 TEST_P(ParallelOf, RunsBesideOthers) {
   std::vector<std::vector<int>> calls(4, std::vector<int>(500));
   std::vector<std::thread> programs;
