@@ -21,8 +21,8 @@ class Parallel {
   /// threads: number of threads; 0 means one per processor that the process may use
   /// (partition/processors.hpp). Throws std::invalid_argument for more than k_most_threads. If `threads` is
   /// more than oneTBB allows by default, the constructor raises oneTBB's limit for the whole process. If the
-  /// system allows too few threads, oneTBB runs loops with the threads that it gets, and the backend
-  /// std::thread throws the error of throw_no_thread() (partition/job_thread.hpp).
+  /// system allows too few threads, the constructor of the backend std::thread, or the first loop of the
+  /// backend oneTBB, throws the error of throw_no_thread() (partition/job_thread.hpp).
   explicit Parallel(unsigned threads);
   ~Parallel();
   /// A moved-from object can only be destroyed or assigned to.
