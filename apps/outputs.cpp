@@ -8,6 +8,7 @@
 #include "troupe/input_files.hpp"
 #include "worldio/file_lock.hpp"
 #include "worldio/files.hpp"
+#include "worldio/partial_file.hpp"
 #include "worldio/whole_file.hpp"
 
 #include <fcntl.h>
@@ -221,6 +222,16 @@ void refuse_existing(const fs::path& file) {
 void write_output(const fs::path& file, std::initializer_list<std::string_view> pieces) {
   try {
     worldio::write_whole(file, pieces);
+  } catch (const std::system_error& error) {
+    refuse_output(file, error.code().message());
+  }
+}
+
+void check_replaceable(const fs::path& file) {
+  std::error_code ignored;
+  if (file.empty() || fs::is_other(file, ignored)) return;
+  try {
+    const worldio::PartialFile trial(file);
   } catch (const std::system_error& error) {
     refuse_output(file, error.code().message());
   }

@@ -121,10 +121,13 @@ class Redirect {
       print_message("troupe view: warning: xdg-open was not found: open the printed address in a browser\n");
       return;
     }
-    std::thread([child] {
-      int ignored = 0;
-      waitpid(child, &ignored, 0);
-    }).detach();
+    try {
+      std::thread([child] {
+        int ignored = 0;
+        waitpid(child, &ignored, 0);
+      }).detach();
+    } catch (const std::system_error&) {  // ignored: xdg-open remains as a zombie process until the view ends
+    }
   }
 
  private:

@@ -68,7 +68,8 @@ struct JobThread::Impl {
 void throw_no_thread(const std::system_error& error) {
   throw std::system_error(
       error.code(),
-      "the system allows no further thread (raise the limits on threads and memory of this process)");
+      "the system allows no further thread (use fewer threads, or raise the limits on threads and memory of "
+      "this process)");
 }
 
 JobThread::JobThread(std::size_t most_waiting) try : impl_(std::make_unique<Impl>(most_waiting)) {

@@ -1,5 +1,6 @@
 #include "partition/parallel.hpp"
 
+#include "base/raised.hpp"
 #include "partition/processors.hpp"
 
 #include <exception>
@@ -50,6 +51,11 @@ unsigned Parallel::checked(unsigned threads) {
 }
 
 void Parallel::run(std::size_t count, Call call, void* task) {
+  if (is_in_loop_)
+    throw std::logic_error(
+        "a parallel loop must not begin in a task of another loop of the same world: compute hashes and "
+        "measures outside of functions that are called for many robots at once");
+  const Raised in_loop(is_in_loop_);
   Guarded guarded{.call = call, .task = task, .on_task = on_task_};
   if (on_loop_) on_loop_(true);
   run_tasks(count, on_task_ ? Guarded::run_watched : Guarded::run, &guarded);

@@ -21,8 +21,8 @@ class Parallel {
   /// threads: number of threads; 0 means one per processor that the process may use
   /// (partition/processors.hpp). Throws std::invalid_argument for more than k_most_threads. If `threads` is
   /// more than oneTBB allows by default, the constructor raises oneTBB's limit for the whole process. If the
-  /// system allows too few threads, oneTBB runs loops with the threads that it gets, and the backend
-  /// std::thread throws the error of throw_no_thread() (partition/job_thread.hpp).
+  /// system allows too few threads, the constructor of the backend std::thread, or the first loop of the
+  /// backend oneTBB, throws the error of throw_no_thread() (partition/job_thread.hpp).
   explicit Parallel(unsigned threads);
   ~Parallel();
   /// A moved-from object can only be destroyed or assigned to.
@@ -48,9 +48,9 @@ class Parallel {
 
   /// Calls task(i) once for each i from 0 to count - 1 and returns when all calls are done. The calls run in
   /// any order, on the worker threads and the calling thread. Tasks should be coarse (some tens of
-  /// microseconds), must write only data that no other task of the loop reads or writes, and must not call
-  /// for_each() of the same object. If tasks throw, the others still run; then the exception of the task with
-  /// the lowest index is rethrown.
+  /// microseconds), and must write only data that no other task of the loop reads or writes. In a task,
+  /// for_each() of the same object throws std::logic_error. If tasks throw, the others still run; then the
+  /// exception of the task with the lowest index is rethrown.
   template <class Task>
   void for_each(std::size_t count, Task&& task) {
     run(
@@ -74,6 +74,7 @@ class Parallel {
 
   struct Workers;
   unsigned threads_;
+  bool is_in_loop_ = false;
   std::unique_ptr<Workers> workers_;
   std::function<void(std::size_t, bool)> on_task_;
   std::function<void(bool)> on_loop_;

@@ -1,7 +1,9 @@
 #include "partition/parallel.hpp"
 
 #include "base/fp_environment.hpp"
+#include "partition/job_thread.hpp"
 
+#include <pthread.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -10,12 +12,50 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <mutex>
 #include <optional>
+#include <system_error>
+#include <vector>
 
 namespace troupe::partition {
 namespace {
 
 constexpr std::size_t k_most_parts = 64;
+
+void* wait_for_mutex(void* mutex) {
+  const std::lock_guard lock(*static_cast<std::mutex*>(mutex));
+  return nullptr;
+}
+
+/// Throws the error of throw_no_thread() if the system does not let oneTBB start as many threads as a loop
+/// needs: starts and ends so many threads. oneTBB starts some of its threads in others of its threads, where
+/// its exception "pthread_create has failed" would end the program. All loops share the threads of oneTBB, so
+/// this function starts threads only if a loop needs more of them than all loops before.
+/// count: number of threads without the calling thread
+void require_threads(unsigned count) {
+  static std::atomic<unsigned> most = 0;  // the most threads that a loop has needed
+  const unsigned before = most.load(std::memory_order_relaxed);
+  if (count <= before) return;
+  std::mutex mutex;
+  std::vector<pthread_t> threads(count - before);
+  std::size_t started = 0;
+  int error = 0;
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes,
+                            tbb::global_control::active_value(tbb::global_control::thread_stack_size));
+  {
+    const std::lock_guard lock(mutex);  // no thread ends before all are started
+    while (started < threads.size() && error == 0) {
+      error = pthread_create(&threads[started], &attributes, wait_for_mutex, &mutex);
+      if (error == 0) ++started;
+    }
+  }
+  pthread_attr_destroy(&attributes);
+  for (std::size_t i = 0; i < started; ++i) pthread_join(threads[i], nullptr);
+  if (error != 0) throw_no_thread(std::system_error(error, std::generic_category()));
+  most.store(count, std::memory_order_relaxed);
+}
 
 }  // namespace
 
@@ -48,6 +88,7 @@ void Parallel::run_tasks(std::size_t count, Call call, void* task) {
     for (std::size_t i = 0; i < count; ++i) call(task, i);
     return;
   }
+  require_threads(threads_ - 1);
   // A oneTBB task costs about 40 ns, and stealing one costs much more, so there is at most one oneTBB task
   // per thread. Each oneTBB task first works through its own part of the indices. (With more than
   // k_most_parts oneTBB tasks, several of them share a part.) This part is the same in all loops with the

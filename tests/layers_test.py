@@ -91,6 +91,7 @@ THIRD_PARTY = [
     (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp", "tests/worldio/hdf5_torn_test.cpp"]),
     # Headers of the platform: the floating-point environment, dynamic loading, processors, memory and files.
     (r"(dlfcn|fcntl|link|malloc|sched|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
+    (r"pthread\.h", "the C library for threads", ["partition/*.cpp", *TOP]),
     (r"[a-z]+(/[a-z]+)?\.h$", "this C header", TOP),
 ]
 
@@ -407,6 +408,7 @@ class PlantedFaults(unittest.TestCase):
             ("base/text.hpp", "#include <fmt/core.h>\n", "fmt is not for this file"),
             ("engine/boost.cpp", "#include <boost/any.hpp>\n", "Boost.Beast is not for this file"),
             ("engine/other.cpp", "#include <cereal/cereal.hpp>\n", "<cereal/cereal.hpp> is unknown"),
+            ("engine/tasks.cpp", "#include <pthread.h>\n", "the C library for threads is not for this file"),
             ("engine/tty.cpp", "#include <pty.h>\n", "<pty.h>: this C header is not for this file"),
             ("engine/loud.cpp", "#include <iostream>\n", "<iostream> prints"),
             ("engine/loud.cpp", 'void f() { std::printf("x"); }\n', "`printf` prints"),

@@ -122,6 +122,25 @@ class Steered(unittest.TestCase):
         ignored = int(said.split("SigIgn:")[1], 16)
         self.assertEqual([name for name in ("SIGPIPE", "SIGXFSZ") if ignored >> getattr(signal, name) - 1 & 1], [])
 
+    # The address space allows the stack of one further thread, that of the server.
+    def test_without_a_thread_that_waits_for_the_browser_the_view_goes_on(self):
+        with tempfile.TemporaryDirectory() as folder:
+            world = Path(folder) / "rooms.json"
+            world.write_text(json.dumps(WORLD))
+            opener = Path(folder) / "xdg-open"
+            opener.write_text("#!/bin/sh\nkill -INT $PPID\n")
+            opener.chmod(0o755)
+
+            def limited(*arguments):
+                limits = 'ulimit -s 4000000 && ulimit -v 6000000 || exit 77; exec "$0" "$@"'
+                return subprocess.run(["sh", "-c", limits, TROUPE, *arguments], capture_output=True, text=True, timeout=WAIT_S,
+                                      env={**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"})
+
+            if limited("--version").returncode != 0:
+                self.skipTest("NOT TESTED: the limits cannot be set here")
+            view = limited("view", world, "--open", "--threads", "1", "--out", folder)
+            self.assertEqual((view.returncode, view.stderr), (3, ""))
+
     def test_a_view_without_an_address_begins_no_session(self):
         with View() as view:
             before = sorted(view.folder.iterdir())

@@ -424,7 +424,7 @@ struct Pictures::Impl {
     try {
       worldio::write_whole(to, {bytes});
     } catch (const std::system_error& error) {
-      fail_to_write(name, worldio::write_failure(name, error.code().message()));
+      fail_to_write(name, error.code());
     }
   }
 
@@ -454,12 +454,18 @@ struct Pictures::Impl {
     try {
       const worldio::PartialFile trial(file);
     } catch (const std::system_error& error) {
-      fail_to_write(file, worldio::write_failure(file, error.code().message()));
+      fail_to_write(file, error.code());
     }
   }
 
   [[noreturn]] static void fail_to_write(const fs::path& name, std::string_view reason) {
     throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", name.string(), reason));
+  }
+
+  [[noreturn]] static void fail_to_write(const fs::path& name, const std::error_code& code) {
+    const std::string reason = worldio::write_failure(name, code.message());
+    if (reason != code.message()) fail_to_write(name, reason);
+    throw std::system_error(code, fmt::format("{}: error: cannot be written", name.string()));
   }
 };
 

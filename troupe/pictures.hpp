@@ -163,8 +163,9 @@ class Pictures {
   ///
   /// Throws InputError for a name with another ending, and for vector graphics of a view that is not from
   /// straight above, and std::invalid_argument for a null Shot. Throws std::runtime_error if the file cannot
-  /// be written. For PNG, also throws as draw() does. For PDF, also throws std::runtime_error if the library
-  /// cairo is missing (the text names the package to install).
+  /// be written; the exception is a std::system_error if it has the error code of the system. For PNG, also
+  /// throws as draw() does. For PDF, also throws std::runtime_error if the library cairo is missing (the text
+  /// names the package to install).
   void write(const Shot& shot, const std::filesystem::path& file);
 
  private:

@@ -799,7 +799,8 @@ class Simulation {
   void stop_recording();
 
   /// Returns a 64-bit hash of the whole state, the member `state` of hashes(). Simulations with equal states
-  /// have equal hashes (docs/determinism.md).
+  /// have equal hashes (docs/determinism.md). Throws std::logic_error during a step, for example in a
+  /// controller, and in a function that Swarm::for_each() calls.
   std::uint64_t state_hash() const;
   /// The hash of the state, and the hashes of four groups of the components (tables) of which the state
   /// consists.

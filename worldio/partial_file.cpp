@@ -1,6 +1,7 @@
 #include "worldio/partial_file.hpp"
 
 #include "worldio/file_lock.hpp"
+#include "worldio/files.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -87,11 +88,12 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
     throw std::system_error(std::make_error_code(std::errc::is_a_directory));
   if (fs::exists(file_, ignored) && !fs::is_regular_file(file_, ignored))  // commit() would replace it
     throw std::system_error(std::make_error_code(std::errc::not_supported));
+  if (fs::is_symlink(file_, ignored))
+    file_ = fs::exists(file_, ignored) ? fs::canonical(file_) : resolved_path(file_);
+  if (fs::is_symlink(file_, ignored))
+    throw std::system_error(std::make_error_code(std::errc::too_many_symbolic_link_levels));
   replaced_ = rights_of(file_);
-  if (replaced_) {
-    if (fs::is_symlink(file_, ignored)) file_ = fs::canonical(file_);
-    check_replaceable(file_, *replaced_);
-  }
+  if (replaced_) check_replaceable(file_, *replaced_);
   for (int n = 1; n <= k_most_writers; ++n) {
     const std::string number = n == 1 ? "" : fmt::format(".{}", n);
     const auto called = [&](const std::string& middle) {

@@ -30,15 +30,15 @@ void set_rights(int descriptor, const FileRights& rights);
 /// without locks, the temporary name also contains the process id, and the partial file of a killed writer
 /// remains.
 ///
-/// If NAME is a symbolic link to an existing file, that file is NAME everywhere in this class: the partial
-/// file is in its folder and replaces it, and the link remains. A link to a file that does not exist is
-/// replaced. A file that replaces another has the same permission bits and, if the system allows it, the same
-/// owner and group.
+/// If NAME is a symbolic link to a file, that file is NAME everywhere in this class: the partial file is in
+/// its folder and replaces it, and the link remains. The file need not exist, but its folder must exist. A
+/// file that replaces another has the same permission bits and, if the system allows it, the same owner and
+/// group.
 ///
 /// The constructor, write(), sync() and both commits throw std::system_error on failure; the error has the
-/// reason, but no path. The constructor also throws if NAME exists and is not a regular file, or if commit()
-/// could not replace it: it is a mount point, or belongs to another user in a folder such as /tmp (with the
-/// sticky bit).
+/// reason, but no path. The constructor also throws if NAME exists and is not a regular file, if NAME is a
+/// link to itself, or if commit() could not replace NAME: it is a mount point, or belongs to another user in
+/// a folder such as /tmp (with the sticky bit).
 class PartialFile {
  public:
   /// Creates an empty partial file for the file NAME with the path `file`. `ending`, such as ".mp4", is

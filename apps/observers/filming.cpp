@@ -29,6 +29,14 @@ PictureOptions film_look(const PictureFiles& files) {
 
 }  // namespace
 
+void rehearse_picture(Pictures& pictures, const std::filesystem::path& file) {
+  try {
+    pictures.rehearse(file);
+  } catch (const std::system_error& error) {
+    throw OutputError(error.what());
+  }
+}
+
 double RunSpeed::at(double time_s) const {
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   return wall_s > 0 ? (time_s - begin_s_) / wall_s : 0;
@@ -164,6 +172,8 @@ class PicturesOutput : public ClonedOutput<PicturesOutput> {
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t end_tick) const override {
     if (simulation.resumed_at_tick()) check_new_film(pictures_.film);
+    for (const std::filesystem::path& file : snapshot_files(pictures_)) check_replaceable(file);
+    check_replaceable(pictures_.film);
     struct Prepared {
       std::unique_ptr<Snapshots> snapshots;
       std::unique_ptr<Filming> film;

@@ -19,6 +19,10 @@
 
 namespace troupe::apps {
 
+/// Calls Pictures::rehearse() for a picture or film `file`. Throws OutputError if the file cannot be written,
+/// and the other errors of Pictures::rehearse().
+void rehearse_picture(Pictures& pictures, const std::filesystem::path& file);
+
 /// Measures the mean speed of a run, in multiples of real time, since the construction of this object.
 class RunSpeed {
  public:
@@ -46,8 +50,8 @@ class Snapshots : public Observer {
   Snapshots(const PictureFiles& files, const Simulation& simulation, std::uint64_t end_tick);
 
   /// Writes a small picture next to the first snapshot file and removes it. Call it before the run, to find
-  /// errors of drawing or writing early. Throws the errors of Pictures::rehearse().
-  void rehearse() { pictures_.rehearse(first_); }
+  /// errors of drawing or writing early. Throws the errors of rehearse_picture().
+  void rehearse() { rehearse_picture(pictures_, first_); }
   void observe(const Simulation& simulation) override;
   bool reads_robots() const override { return false; }  // Pictures fetches the robots that it draws
   void finish(const Simulation& simulation) override;
@@ -83,8 +87,8 @@ class Filming : public Observer {
   /// source: the run or the recording to film
   Filming(const PictureFiles& files, const PictureSource& source);
   /// Writes a small picture next to the film and removes it. Call it before the run, to find errors of
-  /// drawing or writing early. Throws the errors of Pictures::rehearse().
-  void rehearse() { pictures_.rehearse(film_); }
+  /// drawing or writing early. Throws the errors of rehearse_picture().
+  void rehearse() { rehearse_picture(pictures_, film_); }
   /// Starts ffmpeg, unless the film is written as one picture file per frame. Call it once, before observe().
   /// Throws OutputError if ffmpeg is not found or the file cannot be written.
   void open();

@@ -117,7 +117,7 @@ void draw_simulation(const RenderOptions& options, Simulation& simulation) {
   Pictures pictures(simulation, options.pictures.look);
   const auto& times = options.pictures.snapshot_at_s;
   if (!times.empty()) refuse_earlier(options, simulation, options.for_s ? "--for" : "--at", times.front());
-  pictures.rehearse(snapshot_files(options.pictures).front());
+  rehearse_picture(pictures, snapshot_files(options.pictures).front());
   const RunSpeed speed(simulation.time_s());
   pictures.see(simulation);
   Progress progress(simulation.time_s(), times.empty() ? 0 : times.back(), true);
@@ -165,7 +165,7 @@ void draw_recording(const RenderOptions& options, RecordedRun& run) {
   refuse_speed(options);
   const double last_s = run.times_s().back();
   Pictures pictures(run, options.pictures.look);
-  pictures.rehearse(snapshot_files(options.pictures).front());
+  rehearse_picture(pictures, snapshot_files(options.pictures).front());
   for (const double time : options.pictures.snapshot_at_s)
     run.go_to(time);  // throws for a time that is not recorded, before the first picture is written
   draw_each(options, pictures, [&](std::optional<double> time) {
@@ -233,6 +233,7 @@ void render_all(const RenderOptions& options) {
   std::vector<Input> inputs{{options.world, "the file to draw"}};
   add_inputs(options.simulation.scripts, inputs);
   check_outputs(inputs, outputs);
+  for (const fs::path& file : outputs) check_replaceable(file);
   check_film(wanted);
   const bool is_checkpoint = worldio::is_checkpoint(options.world);
   if (!is_checkpoint && is_hdf5(options.world)) return render_recording(options);

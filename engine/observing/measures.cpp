@@ -107,6 +107,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
                        std::vector<std::size_t>* too_large)
     : world_(world) {
   world.require_whole();
+  world.require_between_steps("making measures");
   world.gather_distributed();
   for (std::size_t i = 0; i < specs.size(); ++i) {
     const auto error = [&](const std::string& message) {
@@ -174,6 +175,7 @@ void MeasureSet::begin() {
 
 void MeasureSet::see() {
   world_.require_whole();
+  world_.require_between_steps("see()");
   const bool is_same_run = world_.spec().seed == seen_seed_;
   // At tick 0 the measures begin again, even if they have seen that tick: a reset may have undone changes
   // that the program made before the first step.
@@ -186,6 +188,7 @@ void MeasureSet::see() {
 
 double MeasureSet::value(std::size_t column) {
   world_.require_whole();
+  world_.require_between_steps("value()");
   return call_measure(world_, *parts_[column].kind, columns_[column],
                       [&] { return measures_[column]->value(world_); });
 }

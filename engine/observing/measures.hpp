@@ -64,7 +64,7 @@ class MeasureSet {
   ///
   /// Throws a std::runtime_error that names the tick and the measure if a measure throws. Exceptions of
   /// foreign measures (see the constructor) propagate unchanged. Throws std::logic_error if the last step
-  /// threw (World::require_whole()).
+  /// threw (World::require_whole()), and during a step (World::require_between_steps()).
   void see();
   /// Returns the values of the measures, one per column, in the SI units of the columns. A value is NaN if
   /// the measure has no value. The world must still be in the state of the last call of see(). Throws the

@@ -61,7 +61,7 @@ std::string_view phase_name(Phase phase) {
 void World::step() {
   require_whole();
   require_unfrozen();
-  require_between_steps("step()");
+  require_outside_step("step()");
   const Completion completion(*this);
   // A library that was loaded since the last step may have made this thread flush denormals to zero.
   restore_fp_environment();
@@ -81,10 +81,13 @@ void World::make_tick() {
   begin(Phase::intervene);
   if (state_.now.tick >= experiment_.due) intervene();
   is_in_tick_ = false;  // the callback may do what is allowed between two steps
-  if (replica_)
-    replica_->agree(before_tick_);
-  else if (before_tick_)
-    before_tick_();
+  {
+    const Raised in_before_tick(is_in_before_tick_);
+    if (replica_)
+      replica_->agree(before_tick_);
+    else if (before_tick_)
+      before_tick_();
+  }
   is_in_tick_ = true;
   require_whole();  // the callback may have caught an exception that left the state incomplete
   ++state_.now.tick;

@@ -320,6 +320,11 @@ void World::throw_in_tick(std::string_view call) {
       call));
 }
 
+void World::throw_in_before_tick(std::string_view call) {
+  throw std::logic_error(
+      fmt::format("{} is not allowed in a callback of before_tick(): call it outside the callback", call));
+}
+
 void World::throw_no_row(Row row, std::string_view call) const {
   throw std::out_of_range(
       row.valid()
@@ -441,12 +446,14 @@ std::vector<BodyId> World::subscribed() const {
 
 std::uint64_t World::hash(const StateTable& table) {
   require_whole();
+  require_between_steps("hash()");
   gather();
   return hash_of(parallel_, table, {0, table.rows()});
 }
 
 Hashes World::hashes() {
   require_whole();
+  require_between_steps("hashes()");
   if (replica_)
     if (const std::optional<Hashes> sum = replica_->hashes()) return *sum;
   constexpr std::size_t k_block = 512;  // rows per task, in all tables: a loop per table would cost more

@@ -126,7 +126,8 @@ class World {
   /// these is not finite: a command to the drive of a robot, the velocity that the drive computes, or the
   /// pose to which a device moves a joint. The docstring of StepError lists further causes. Exceptions of the
   /// callbacks of on_phase() and before_tick() propagate unchanged. After any exception the state is
-  /// incomplete: see require_whole().
+  /// incomplete: see require_whole(). In these callbacks, and in hooks of kinds, step() throws
+  /// std::logic_error.
   void step();
   /// Throws std::logic_error if the state is incomplete. The state becomes incomplete if step() throws, or if
   /// a hook of a kind throws in spawn(), reset() or restart(). Some rows may then have the state of the new
@@ -141,9 +142,10 @@ class World {
   }
   /// Throws std::logic_error while step() computes a tick: in a callback of on_phase(), and in a hook of a
   /// kind. Does not throw in the callback of before_tick(). The functions that may only be called between two
-  /// steps, and would otherwise change the state of half a tick, call this first: step(), reset(), restart(),
-  /// restore(), spawn(), remove(), set(), set_poses(), set_disabled(), set_estimate(), set_command(),
-  /// asked_of() and on_phase(). call: name of the calling function, for the error.
+  /// steps, and would otherwise change or hash the state of half a tick, call this first: step(), reset(),
+  /// restart(), restore(), spawn(), remove(), set(), set_poses(), set_disabled(), set_estimate(),
+  /// set_command(), asked_of(), hash(), hashes(), on_phase() and before_tick(). call: name of the calling
+  /// function, for the error.
   void require_between_steps(std::string_view call) const {
     if (is_in_tick_) throw_in_tick(call);
   }
@@ -264,9 +266,13 @@ class World {
   }
   /// Sets the callback that each step calls in the phase `intervene`, after it has applied the interventions
   /// and faults of the world file, and before any sensor runs. The callback may change the world in all ways
-  /// that are allowed between two steps. The exceptions of the callback propagate from step(). A second call
-  /// of before_tick() replaces the callback. Call before_tick() between steps.
-  void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
+  /// that are allowed between two steps, except that step() and before_tick() throw std::logic_error there.
+  /// The exceptions of the callback propagate from step(). A second call of before_tick() replaces the
+  /// callback. Call before_tick() between steps.
+  void before_tick(std::function<void()> callback) {
+    require_outside_step("before_tick()");  // in its own callback, it would destroy the callback
+    before_tick_ = std::move(callback);
+  }
   /// A callback that step() calls in place of a controller, once per batch: the robots of one type that one
   /// call of the controller handles. The callback must itself call controller.kind->decide(controller.data,
   /// batch). Several threads call the callback at the same time, so it must be thread-safe. ControllerCheck
@@ -666,9 +672,10 @@ class World {
   /// SensingView::outline().
   std::span<const Vec2> outline(Row row) const { return state_.view.outline(row); }
   /// Hash of one table: the sum of the hashes of its rows, modulo 2^64. The hash of the state (Hashes::state)
-  /// is the sum of the hashes of all tables.
+  /// is the sum of the hashes of all tables. Call this between steps.
   std::uint64_t hash(const StateTable& table);
-  Hashes hashes();  ///< hashes of the present state; computed on the worker threads
+  /// Hashes of the present state, computed on the worker threads. Call this between steps.
+  Hashes hashes();
 
   // ---- counters
   std::uint64_t beams_cast() const { return beams_; }  ///< rays cast by all sensors since tick 0
@@ -710,8 +717,14 @@ class World {
   [[noreturn]] static void throw_frozen();
   [[noreturn]] void throw_half_made() const;
   [[noreturn]] static void throw_in_tick(std::string_view call);
+  [[noreturn]] static void throw_in_before_tick(std::string_view call);
   [[noreturn]] void throw_no_row(Row row, std::string_view call) const;
   [[noreturn]] static void throw_no_commands(const BodyType::Device& device);
+  /// Throws std::logic_error wherever require_between_steps() throws, and in the callback of before_tick().
+  void require_outside_step(std::string_view call) const {
+    require_between_steps(call);
+    if (is_in_before_tick_) throw_in_before_tick(call);
+  }
   void require_carries(std::string_view call) const;
   /// Exists while work changes the state. The constructor clears is_half_made_, and the destructor sets it if
   /// the work threw an exception. If a callback in the work caught an exception of inner work, such as a
@@ -898,6 +911,7 @@ class World {
   bool is_frozen_ = false;       // an object Frozen exists
   bool must_not_carry_ = false;  // the hook `apply` of a kind without `carries` is running
   bool is_in_tick_ = false;  // step() is computing a tick, and the callback of before_tick() is not running
+  bool is_in_before_tick_ = false;  // the callback of before_tick() is running
   std::uint64_t beams_ = 0;
   std::uint64_t conflict_rounds_ = 0;
 

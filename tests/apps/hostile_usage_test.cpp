@@ -279,15 +279,15 @@ TEST_F(HostileUsage, TooFewThreadsAreAnErrorThatSaysSo) {
     EXPECT_THAT(read("err.txt"), HasSubstr("error: "));
     EXPECT_THAT(
         read("err.txt"),
-        HasSubstr("the system allows no further thread (raise the limits on threads and memory of this "
-                  "process): Resource temporarily unavailable\n"));
+        HasSubstr("the system allows no further thread (use fewer threads, or raise the limits on threads "
+                  "and memory of this process): Resource temporarily unavailable\n"));
   };
   for (const std::string& command : commands) {
     EXPECT_EQ(limited(k_no_thread, command + " >/dev/null"), 1) << command;
     expect_error();
   }
-  // oneTBB runs parallel loops with the threads that it gets. Without oneTBB (TROUPE_STD_THREADS), too few
-  // threads are an error.
+  // This world is so small that oneTBB starts no thread for it. Without oneTBB (TROUPE_STD_THREADS), too few
+  // threads are an error in each world.
   const int exit_code = limited(k_one_thread, "run room.world --for 0.1 --threads 3 >/dev/null");
   if (exit_code != 0) {
     EXPECT_EQ(exit_code, 1);

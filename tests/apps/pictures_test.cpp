@@ -308,6 +308,31 @@ TEST_F(RunPictures, TheNextFilmReplacesThePartialFileOfAKilledOne) {
   EXPECT_THAT(files(), ElementsAre("bin", "f.mp4", "room.world"));
 }
 
+// The folders have all names that the temporary file of the second picture may have.
+TEST_F(RunPictures, APictureThatCannotBeWrittenIsRefusedBeforeTheRun) {
+  std::filesystem::create_directory(path("p-0.4.svg.partial"));
+  for (int n = 2; n <= 1000; ++n)
+    std::filesystem::create_directory(path("p-0.4.svg." + std::to_string(n) + ".partial"));
+  const std::vector<std::string> before = files();
+  const Outcome outcome =
+      run({"--snapshot", "p-{time}.svg", "--snapshot-at", "0.2,0.4", "--hash-log", "h.log"});
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err, "p-0.4.svg: error: cannot be written: Is a directory\n");
+  EXPECT_EQ(files(), before);
+  EXPECT_EQ(troupe({"render", "room.world", "-o", "p-0.4.svg"}).code, 2);
+  EXPECT_EQ(files(), before);
+}
+
+TEST_F(RunPictures, APictureOnAFullDiskIsRefusedBeforeTheRun) {
+  constexpr std::size_t k_less_than_a_picture = 300;
+  const std::vector<std::string> before = files();
+  const Outcome outcome = troupe_with_file_limit(
+      {"run", "room.world", "--for", "0.5", "--quiet", "--snapshot", "p.svg"}, k_less_than_a_picture);
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_EQ(outcome.err, "p.svg: error: cannot be written: File too large\n");
+  EXPECT_EQ(files(), before);
+}
+
 TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"--snapshot", "p.png", "--camera", "follow:missing"},

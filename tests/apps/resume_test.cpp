@@ -424,6 +424,17 @@ TEST_F(ResumeOutputs, ACheckpointThatCannotBeWrittenLeavesAllFilesAsTheyAre) {
   });
 }
 
+TEST_F(ResumeOutputs, ASnapshotThatCannotBeWrittenLeavesAllFilesAsTheyAre) {
+  const Outcome drawn = troupe({"run", "room.world", "--for", "0.1", "--snapshot", "try.svg"});
+  if (lacks_pictures(drawn)) GTEST_SKIP() << "no pictures here: " << drawn.err;
+  Outputs outputs = outputs_;
+  const std::string name = std::string(246, 's') + ".svg";  // too long for the name of a temporary file
+  outputs.emplace_back("--snapshot", name);
+  expect_refused(name + ": error: cannot be written: File name too long\n", [&] {
+    return troupe(with({"resume", "c.h5", "--for", "2"}, outputs));
+  });
+}
+
 TEST_F(ResumeOutputs, ImagesThatCannotBeMadeLeaveAllFilesAsTheyAre) {
   Outputs outputs = outputs_;
   outputs.emplace_back("--camera-png", "images");  // the robots have no camera

@@ -16,6 +16,7 @@
 #include <exception>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -277,6 +278,33 @@ TEST(World, FunctionsForProgramsRefuseRowsThatDoNotExist) {
   EXPECT_EQ(set.error().text,
             "refers to a type, or to a drive, device or controller of a type, that does not exist");
   EXPECT_EQ(world.hashes().state, before);
+}
+
+// A step within a step would apply the interventions of the tick twice; a callback that replaces itself would
+// be destroyed while it runs.
+TEST(World, TheCallbackBeforeATickMayNotStepNorReplaceItself) {
+  SceneBuilder scene;
+  scene.body("r", scene.robot("robot", {box(0.4, 0.4)}));
+  World world = scene.world();
+  const std::vector<std::pair<std::string, std::function<void()>>> calls{
+      {"step()", [&] { world.step(); }}, {"before_tick()", [&] { world.before_tick({}); }}};
+  for (const auto& [name, call] : calls) {
+    bool is_first = true;
+    world.before_tick([&, &act = call] {
+      if (std::exchange(is_first, false)) act();
+    });
+    EXPECT_EQ(test::message_of<std::logic_error>([&] { world.step(); }),
+              name + " is not allowed in a callback of before_tick(): call it outside the callback");
+    world.reset();
+  }
+  world.before_tick({});
+  world.on_phase([&](std::optional<Phase>) { world.before_tick({}); });
+  EXPECT_THAT(test::message_of<std::logic_error>([&] { world.step(); }),
+              testing::StartsWith("before_tick() is not allowed during a step"));
+  world.on_phase(nullptr);
+  world.reset();
+  world.step();
+  EXPECT_EQ(world.tick(), 1u);
 }
 
 TEST(World, TwoSensorsOfOneNameAreToldApart) {

@@ -5,6 +5,8 @@
 #include "tests/support/message_of.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #ifdef __SSE__
 #include <xmmintrin.h>
@@ -13,10 +15,14 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <mutex>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -107,6 +113,27 @@ TEST_P(ParallelOf, NestsInAnother) {
     for (const int n : of_one) ASSERT_EQ(n, 20);
 }
 
+// The loop would use the threads of the outer loop, and could wait for them forever.
+TEST_P(ParallelOf, RefusesALoopInATaskOfItsOwnLoop) {
+  Parallel parallel(GetParam());
+  for (const std::size_t count : {1, 100}) {
+    std::atomic<std::size_t> refused = 0;
+    parallel.for_each(count, [&](std::size_t) {
+      try {
+        parallel.for_each(2, [](std::size_t) {});
+      } catch (const std::logic_error&) {
+        ++refused;
+      }
+    });
+    EXPECT_EQ(refused, count);
+  }
+  EXPECT_THROW(parallel.for_each(2, [&](std::size_t) { parallel.for_each(2, [](std::size_t) {}); }),
+               std::logic_error);
+  std::atomic<int> calls = 0;
+  parallel.for_each(100, [&](std::size_t) { ++calls; });
+  EXPECT_EQ(calls, 100);
+}
+
 TEST_P(ParallelOf, RunsBesideOthers) {
   std::vector<std::vector<int>> calls(4, std::vector<int>(500));
   std::vector<std::thread> programs;
@@ -193,6 +220,35 @@ TEST_P(ParallelOf, PutsEachThreadsArithmeticRight) {
   EXPECT_EQ(wrong, 0);
 }
 #endif
+
+/// Runs a loop on eight threads in a process that may start no thread, prints the error, and ends the
+/// process.
+[[noreturn]] void loop_without_threads() {
+  constexpr uid_t k_other = 65534;
+  constexpr rlimit k_one{1, 1};
+  std::string error;
+  // The limit does not apply to root.
+  if ((geteuid() == 0 && setuid(k_other) != 0) || setrlimit(RLIMIT_NPROC, &k_one) != 0) error = "unlimited";
+  try {
+    std::thread([] {}).join();
+    error = "unlimited";
+  } catch (const std::system_error&) {
+  }
+  if (error.empty()) try {
+      Parallel parallel(8);
+      parallel.for_each(100, [](std::size_t) {});
+    } catch (const std::exception& thrown) {
+      error = thrown.what();
+    }
+  std::fputs(error.c_str(), stderr);
+  std::exit(0);
+}
+
+TEST(ParallelDeathTest, TooFewThreadsAreAnErrorThatSaysSo) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // a new process, in which oneTBB has no threads yet
+  EXPECT_EXIT(loop_without_threads(), ::testing::ExitedWithCode(0),
+              "the system allows no further thread .use fewer threads, or raise the limits|unlimited");
+}
 
 TEST(Parallel, TakesTheProcessorsThatItMayUseByDefault) {
   EXPECT_EQ(Parallel(0).threads(), processors_allowed());

@@ -352,7 +352,8 @@ struct Meddler {
 };
 
 // Commands for other robots would come before or after the decisions of these robots, depending on threads.
-TEST(Controllers, MayNotStepOrCommandTheirSimulation) {
+// Hashes and measures would be those of half a tick, and their loops would use the threads of the step.
+TEST(Controllers, MayNotStepCommandOrMeasureTheirSimulation) {
   engine::Registry registry = make_registry();
   registry.controllers.push_back(engine::make_controller_kind<Meddler>("meddler", "uses its simulation"));
   WorldBuilder world = yard(3);
@@ -361,6 +362,7 @@ TEST(Controllers, MayNotStepOrCommandTheirSimulation) {
     Simulation simulation(world, {.threads = threads}, registry);
     Model other = simulation.find("r2");
     Swarm all = simulation.swarm();
+    Measures measures(simulation, {"stalls"});
     const std::vector<Model::Speed> speeds(all.size());
     const std::vector<std::uint8_t> shows(all.size());
     const std::vector<std::pair<std::string, std::function<void()>>> refused{
@@ -375,6 +377,10 @@ TEST(Controllers, MayNotStepOrCommandTheirSimulation) {
         {"set_speeds()", [&] { all.set_speeds(speeds); }},
         {"set_commands()", [&] { all.set_commands(std::as_bytes(std::span(shows)), "shows", "lamp"); }},
         {"for_each()", [&] { all.for_each([](std::size_t, Model&) {}); }},
+        {"hashes()", [&] { static_cast<void>(simulation.state_hash()); }},
+        {"making measures", [&] { Measures(simulation, {"stalls"}); }},
+        {"see()", [&] { measures.see(); }},
+        {"value()", [&] { static_cast<void>(measures.values()); }},
         {"set_command()", [&] {
            simulation.world().set_command(Row(0), {0.1, 0, 0});
          }}};
@@ -523,6 +529,8 @@ TEST(ForEach, RefusesWhatChangesMoreThanItsRobot) {
   EXPECT_EQ(simulation.state_hash(), before);
   EXPECT_THAT(refused_in_for_each(simulation, [&](Model&) { other.set_speed(1, 0); }),
               HasSubstr("a command for \"r2\" is not allowed in for_each(), here for \"r0\""));
+  EXPECT_THAT(refused_in_for_each(simulation, [&](Model&) { static_cast<void>(simulation.state_hash()); }),
+              HasSubstr("a parallel loop must not begin in a task of another loop of the same world"));
   other.set_pose({.x = -3, .y = 7});  // it is over
 }
 
@@ -731,6 +739,8 @@ TEST_F(LibraryFilesTest, CallbacksOfPhasesMayNotChangeTheSimulation) {
       {"on_phase()", [](Simulation& s) { s.on_phase(nullptr); }},
       {"on_task()", [](Simulation& s) { s.on_task(nullptr); }},
       {"on_loop()", [](Simulation& s) { s.on_loop(nullptr); }},
+      {"hashes()", [](Simulation& s) { static_cast<void>(s.hash_log_line()); }},
+      {"hash()", [](Simulation& s) { s.world().hash(s.world().tables()[0]); }},
   };
   Simulation simulation(world, {.mortal = true});
   simulation.step();

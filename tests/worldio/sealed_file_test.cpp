@@ -20,6 +20,7 @@
 #include <span>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace troupe::worldio {
@@ -181,11 +182,30 @@ TEST_F(SealedFile, ReplacesTheFileToWhichALinkPoints) {
   EXPECT_EQ(error_of(content(folder_ / "real" / "a.kept")), "");
 }
 
-TEST_F(SealedFile, ReplacesALinkThatPointsToNoFile) {
-  fs::create_symlink("none", file_);
+TEST_F(SealedFile, CreatesTheFileToWhichALinkPoints) {
+  fs::create_directory(folder_ / "real");
+  fs::create_symlink("real/a.kept", file_);  // the file real/a.kept does not exist
+  EXPECT_EQ(PartialFile(file_).path(), fs::canonical(folder_) / "real" / "a.kept.partial");
   seal("new");
-  EXPECT_FALSE(fs::is_symlink(file_));
-  EXPECT_EQ(error_of(content(file_)), "");
+  EXPECT_TRUE(fs::is_symlink(file_));
+  EXPECT_FALSE(fs::is_symlink(folder_ / "real" / "a.kept"));
+  EXPECT_EQ(error_of(content(folder_ / "real" / "a.kept")), "");
+}
+
+TEST_F(SealedFile, RefusesALinkThatLeadsToNoFolderOrToItself) {
+  for (const auto& [target, reason] : {std::pair("none/a.kept", std::errc::no_such_file_or_directory),
+                                       std::pair("a.kept", std::errc::too_many_symbolic_link_levels)}) {
+    fs::remove(file_);
+    fs::create_symlink(target, file_);
+    std::error_code code;
+    try {
+      const PartialFile partial(file_);
+    } catch (const std::system_error& error) {
+      code = error.code();
+    }
+    EXPECT_EQ(code, reason);
+    EXPECT_TRUE(fs::is_symlink(file_));
+  }
 }
 
 TEST_F(SealedFile, KeepsThePermissionsOfAReplacedFile) {
