@@ -208,7 +208,7 @@ class Lint {
   // Per type: z of bodies -> number of bodies. A body that an intervention moves has several z.
   std::vector<std::map<double, std::size_t>> levels_;
   std::vector<std::size_t> bodies_;  // per type: number of bodies
-  /// The parameters of devices and controllers that interventions change: the record and the name.
+  /// The parameters of drives, devices and controllers that interventions change: the record and the name.
   std::set<std::pair<const engine::Record*, std::string_view>> set_params_;
 };
 
@@ -233,24 +233,30 @@ void Lint::add_levels_of_interventions() {
   }
 }
 
-/// Collects the parameters of devices and controllers to which interventions `set` give new values.
+/// Collects the parameters to which interventions `set` give new values.
 void Lint::collect_set_params() {
+  using Of = engine::SettingSpec::Of;
   for (const engine::InterventionSpec& at : spec_.experiment.at) {
-    if (!at.setting || at.setting->of == engine::SettingSpec::Of::drive) continue;
-    const bool is_device = at.setting->of == engine::SettingSpec::Of::device;
-    const std::size_t type = at.setting->type.index();
+    if (!at.setting) continue;
+    const engine::TypeSpec& spec = spec_.types[at.setting->type.index()];
+    const engine::BodyType& type = world_.types()[at.setting->type.index()];
     const std::size_t index = at.setting->index;
-    const engine::FieldTable& table = is_device ? world_.types()[type].devices[index].kind->params
-                                                : world_.types()[type].controllers[index].kind->params;
-    const engine::Record& params =
-        is_device ? spec_.types[type].devices[index].params : spec_.types[type].controllers[index].params;
-    for (std::size_t i = 0; i < table.fields.size(); ++i)
-      if (at.setting->params[i].given()) set_params_.emplace(&params, table.fields[i].name);
+    const auto collect = [&](const engine::FieldTable& table, const engine::Record& params) {
+      for (std::size_t i = 0; i < table.fields.size(); ++i)
+        if (at.setting->params[i].given()) set_params_.emplace(&params, table.fields[i].name);
+    };
+    switch (at.setting->of) {
+      case Of::drive: collect(type.drive->kind->params, spec.drive->params); break;
+      case Of::device: collect(type.devices[index].kind->params, spec.devices[index].params); break;
+      case Of::controller:
+        collect(type.controllers[index].kind->params, spec.controllers[index].params);
+        break;
+    }
   }
 }
 
-/// Whether an intervention `set` changes one of these parameters of a device or controller, so that the value
-/// in its type does not hold for the whole run. params: the parameters of the device or controller
+/// Whether an intervention `set` changes one of these parameters of a drive, device or controller, so that
+/// the value in its type does not hold for the whole run. params: the parameters in the type
 bool Lint::is_set(const engine::Record& params, std::initializer_list<std::string_view> names) const {
   return std::ranges::any_of(names, [&](std::string_view name) {
     return set_params_.contains({&params, name});
@@ -277,6 +283,9 @@ void Lint::check_drives() {
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
     const engine::BodyType& type = world_.types()[t];
     if (!type.drive || levels_[t].empty()) continue;
+    if (is_set(spec_.types[t].drive->params, {"velocity_min_x", "velocity_max_x", "velocity_min_y",
+                                              "velocity_max_y", "turn_min", "turn_max"}))
+      continue;
     const auto velocity_of = [&](const engine::Command& command) {
       engine::Velocity velocity;
       type.drive->kind->drive(
@@ -395,8 +404,13 @@ void Lint::check_controllers() {
     for (std::size_t c = 0; c < type.controllers.size(); ++c) {
       const engine::ControllerSpec& given = spec_.types[t].controllers[c];
       const engine::BodyType::Controller& controller = type.controllers[c];
+      const bool changes = is_set(given.params, {"min_front", "stop", "clearance", "clearances"}) ||
+                           std::ranges::any_of(controller.devices, [&](std::size_t d) {
+                             return is_set(spec_.types[t].devices[d].params, {"transducers"});
+                           });
       for (const auto always_turns : models::k_always_turns)
-        if (const std::string text = always_turns(controller.data); !text.empty() && !levels_[t].empty())
+        if (const std::string text = always_turns(controller.data);
+            !text.empty() && !changes && !levels_[t].empty())
           diagnostics_.warning(
               given.where, fmt::format("the controller \"{}\" of \"{}\" {}", given.kind, type.name, text));
       if (!(given.period_s > 0) || engine::period_ticks(given.period_s, spec_.tick_s) == controller.period)
@@ -676,8 +690,17 @@ void Lint::check_radios() {
   for_each_radio([&](std::uint32_t t, const engine::DeviceSpec&, const std::string& channel) {
     channels[channel].push_back(t);
   });
+  for (const engine::InterventionSpec& at : spec_.experiment.at) {
+    if (!at.setting || at.setting->of != engine::SettingSpec::Of::device) continue;
+    const std::uint32_t t = at.setting->type.value;
+    const engine::BodyType::Device& device = world_.types()[t].devices[at.setting->index];
+    if (levels_[t].empty() || sensors::radio_channel(device.prepared.data) == nullptr) continue;
+    const int field = device.kind->params.find("channel");
+    if (const engine::Value& channel = at.setting->params[static_cast<std::size_t>(field)]; channel.given())
+      channels[channel.text()].push_back(t);
+  }
   for_each_radio([&](std::uint32_t t, const engine::DeviceSpec& radio, const std::string& channel) {
-    if (has_others(channels[channel], t)) return;
+    if (has_others(channels[channel], t) || is_set(radio.params, {"channel"})) return;
     std::string known;
     for (const auto& [name, types] : channels)
       if (name != channel)

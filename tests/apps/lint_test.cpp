@@ -847,6 +847,28 @@ TEST_F(LintTest, InterventionsMayChangeWhatSensorsAndControllersLookFor) {
               Contains(HasSubstr("no body has one of the colours")));
 }
 
+TEST_F(LintTest, InterventionsMayChangeRadiosDrivesAndDistances) {
+  const auto world = [](const std::string& at) {
+    return R"({ "troupe": 1, "types": {
+    "a": {"size_m": [0.4, 0.4, 0.3], "sensors": [{"name": "r", "kind": "radio", "channel": "x"}]},
+    "b": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff", "velocity_min_x_mps": 0.1}, "sensors": [
+        {"name": "r", "kind": "radio", "channel": "y"},
+        {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 0.5, "fov_deg": 90, "samples": 9}]}],
+      "controller": {"kind": "wander", "min_front_m": 0.8}}},
+  "models": [{"name": "p", "type": "a", "pose": {"x_m": 3}}, {"name": "r0", "type": "b"}],
+  "at": [)" +
+           at + "] }";
+  };
+  EXPECT_THAT(findings("w.json", world("")),
+              ElementsAre(HasSubstr("radio \"r\" of \"a\" hears nothing"), HasSubstr("cannot stand still"),
+                          HasSubstr("radio \"r\" of \"b\" hears nothing"),
+                          HasSubstr("always sees an obstacle ahead"), "w.json: 4 findings"));
+  expect_nothing("set.json", world(R"(
+    {"time_s": 0, "set": {"type": "a", "device": {"name": "r", "channel": "y"}}},
+    {"time_s": 0, "set": {"type": "b", "controller": {"kind": "wander", "min_front_m": 0.3}}},
+    {"time_s": 0, "set": {"type": "b", "drive": {"velocity_min_x_mps": 0}}})"));
+}
+
 TEST_F(LintTest, InterventionsMayMoveBodiesToOtherHeights) {
   const auto world = [](const std::string& event) {
     return R"({ "troupe": 1, "bounds_m": [[-5, -5], [5, 5]], "types": {
