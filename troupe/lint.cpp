@@ -28,6 +28,7 @@
 
 #include <algorithm>
 #include <any>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <optional>
@@ -133,6 +134,8 @@ class Lint {
       ++levels_[body.type.index()][body.pose_world_body.z];
       ++bodies_[body.type.index()];
     }
+    add_levels_of_interventions();
+    collect_set_params();
   }
 
   void check() {
@@ -164,6 +167,10 @@ class Lint {
     std::vector<std::uint32_t> on_joints;  ///< types of bodies that have such a mark on a joint; each once
   };
 
+  void add_levels_of_interventions();
+  void collect_set_params();
+  bool is_set(const engine::Record& params, std::initializer_list<std::string_view> names) const;
+
   void check_types();
   void check_drives();
   void check_periods();
@@ -181,7 +188,7 @@ class Lint {
   std::vector<std::uint32_t> lifting_types() const;
   bool has_others(std::span<const std::uint32_t> types, std::uint32_t type) const;
   void check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
-                    const Heights& visible, std::span<const std::uint32_t> lifting);
+                    const Heights& visible, std::span<const std::uint32_t> lifting, bool changes);
   void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor, const engine::SoughtMarks& sought,
                     const Marks& marks);
   void check_radios();
@@ -198,9 +205,63 @@ class Lint {
   const engine::WorldSpec& spec_;
   std::set<std::string> base_types_;
   Diagnostics& diagnostics_;
-  std::vector<std::map<double, std::size_t>> levels_;  // per type: z of bodies -> number of bodies
-  std::vector<std::size_t> bodies_;                    // per type: number of bodies
+  // Per type: z of bodies -> number of bodies. A body that an intervention moves has several z.
+  std::vector<std::map<double, std::size_t>> levels_;
+  std::vector<std::size_t> bodies_;  // per type: number of bodies
+  /// The parameters of drives, devices and controllers that interventions change: the record and the name.
+  std::set<std::pair<const engine::Record*, std::string_view>> set_params_;
 };
+
+/// Adds the heights at which the interventions `move` and `add` put bodies, each once per body.
+void Lint::add_levels_of_interventions() {
+  using Action = engine::InterventionSpec::Action;
+  engine::Groups groups(world_);
+  std::set<std::pair<std::uint32_t, double>> known;  // bodies, of a reserve the first one, and their heights
+  const auto add = [&](BodyId first, std::size_t count, double z) {
+    const engine::BodySpec& body = spec_.bodies[first.index()];
+    if (z != body.pose_world_body.z && known.emplace(first.value, z).second)
+      levels_[body.type.index()][z] += count;
+  };
+  for (const engine::InterventionSpec& at : spec_.experiment.at) {
+    if (!at.pose) continue;
+    if (at.action == Action::move) {
+      add(world_.find(at.whom.name), 1, at.pose->z);
+    } else if (at.action == Action::add) {
+      const engine::ReserveSpec& reserve = spec_.reserves.at(*groups.reserve(at.whom.name));
+      add(reserve.first, reserve.count, at.pose->z);
+    }
+  }
+}
+
+/// Collects the parameters to which interventions `set` give new values.
+void Lint::collect_set_params() {
+  using Of = engine::SettingSpec::Of;
+  for (const engine::InterventionSpec& at : spec_.experiment.at) {
+    if (!at.setting) continue;
+    const engine::TypeSpec& spec = spec_.types[at.setting->type.index()];
+    const engine::BodyType& type = world_.types()[at.setting->type.index()];
+    const std::size_t index = at.setting->index;
+    const auto collect = [&](const engine::FieldTable& table, const engine::Record& params) {
+      for (std::size_t i = 0; i < table.fields.size(); ++i)
+        if (at.setting->params[i].given()) set_params_.emplace(&params, table.fields[i].name);
+    };
+    switch (at.setting->of) {
+      case Of::drive: collect(type.drive->kind->params, spec.drive->params); break;
+      case Of::device: collect(type.devices[index].kind->params, spec.devices[index].params); break;
+      case Of::controller:
+        collect(type.controllers[index].kind->params, spec.controllers[index].params);
+        break;
+    }
+  }
+}
+
+/// Whether an intervention `set` changes one of these parameters of a drive, device or controller, so that
+/// the value in its type does not hold for the whole run. params: the parameters in the type
+bool Lint::is_set(const engine::Record& params, std::initializer_list<std::string_view> names) const {
+  return std::ranges::any_of(names, [&](std::string_view name) {
+    return set_params_.contains({&params, name});
+  });
+}
 
 void Lint::check_types() {
   const auto is_used = [&](std::size_t t) {
@@ -222,6 +283,9 @@ void Lint::check_drives() {
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
     const engine::BodyType& type = world_.types()[t];
     if (!type.drive || levels_[t].empty()) continue;
+    if (is_set(spec_.types[t].drive->params, {"velocity_min_x", "velocity_max_x", "velocity_min_y",
+                                              "velocity_max_y", "turn_min", "turn_max"}))
+      continue;
     const auto velocity_of = [&](const engine::Command& command) {
       engine::Velocity velocity;
       type.drive->kind->drive(
@@ -340,8 +404,13 @@ void Lint::check_controllers() {
     for (std::size_t c = 0; c < type.controllers.size(); ++c) {
       const engine::ControllerSpec& given = spec_.types[t].controllers[c];
       const engine::BodyType::Controller& controller = type.controllers[c];
+      const bool changes = is_set(given.params, {"min_front", "stop", "clearance", "clearances"}) ||
+                           std::ranges::any_of(controller.devices, [&](std::size_t d) {
+                             return is_set(spec_.types[t].devices[d].params, {"transducers"});
+                           });
       for (const auto always_turns : models::k_always_turns)
-        if (const std::string text = always_turns(controller.data); !text.empty() && !levels_[t].empty())
+        if (const std::string text = always_turns(controller.data);
+            !text.empty() && !changes && !levels_[t].empty())
           diagnostics_.warning(
               given.where, fmt::format("the controller \"{}\" of \"{}\" {}", given.kind, type.name, text));
       if (!(given.period_s > 0) || engine::period_ticks(given.period_s, spec_.tick_s) == controller.period)
@@ -361,8 +430,9 @@ void Lint::check_controllers() {
   }
 }
 
-/// Warns of goals that are outside of the bounds of the world. Odometry may place a goal anywhere, and a part
-/// with `wheels` may leave the bounds.
+/// Warns of goals that are outside of the bounds of the world. Odometry may place a goal anywhere, a part
+/// with `wheels` may leave the bounds, and an intervention may give other goals before the robot is to reach
+/// these.
 void Lint::check_goals() {
   if (!spec_.bounds) return;
   for (std::size_t t = 0; t < spec_.types.size(); ++t) {
@@ -372,6 +442,7 @@ void Lint::check_goals() {
     const Pose origin = type.drive->localization.origin.value_or(Pose());
     for (std::size_t c = 0; c < type.controllers.size(); ++c) {
       if (type.controllers[c].drive) continue;  // it commands `wheels`
+      if (is_set(spec_.types[t].controllers[c].params, {"goals", "near"})) continue;
       if (const std::string text = models::goal_outside(type.controllers[c].data, origin, *spec_.bounds);
           !text.empty())
         diagnostics_.warning(spec_.types[t].controllers[c].where,
@@ -394,8 +465,10 @@ void Lint::check_sensors() {
     for (std::size_t s = 0; s < world_.types()[t].devices.size(); ++s) {
       if (levels_[t].empty()) continue;
       const engine::DeviceSpec& sensor = spec_.types[t].devices[s];
-      check_ranger(t, world_.types()[t].devices[s], sensor.where, visible, lifting);
-      if (const auto& sought = world_.types()[t].devices[s].prepared.seeks)
+      check_ranger(t, world_.types()[t].devices[s], sensor.where, visible, lifting,
+                   is_set(sensor.params, {"transducers"}));
+      if (const auto& sought = world_.types()[t].devices[s].prepared.seeks;
+          sought && !is_set(sensor.params, {"key", "ignore_zloc"}))
         check_finder(t, sensor, *sought, marks[sought->key]);
     }
 }
@@ -497,9 +570,11 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
 }
 
 /// Warns if a ranger has no beams, if its beams end inside its own body, or if no other body is at their
-/// height. A ranger on a joint may move out of its body and to other heights, so only its beams are checked.
+/// height. A ranger on a joint may move out of its body and to other heights, and a ranger whose transducers
+/// an intervention changes may get other beams (`changes`), so that only the number of their beams is
+/// checked.
 void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sensor, Where where,
-                        const Heights& visible, std::span<const std::uint32_t> lifting) {
+                        const Heights& visible, std::span<const std::uint32_t> lifting, bool changes) {
   const auto* its_ranger = std::any_cast<sensors::Ranger>(&sensor.prepared.data);
   if (!its_ranger) return;
   const sensors::RangerBeams* ranger = its_ranger->beams.get();
@@ -509,7 +584,7 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
     diagnostics_.warning(where, called + "it has no beams");
     return;
   }
-  if (sensor.joint != engine::k_rigid) return;
+  if (sensor.joint != engine::k_rigid || changes) return;
   if (stays_inside(*ranger, body.obstacle)) {
     float longest = 0;
     for (const sensors::BeamGroup& group : ranger->groups)
@@ -563,7 +638,7 @@ void Lint::check_ground() {
   std::map<double, std::vector<std::uint32_t>> zones;  // per height: the types that can be ground
   for_devices([&](std::uint32_t t, const engine::DeviceSpec& sensor, const std::any& data) {
     const std::optional<double> height = sensors::ground_height(data);
-    if (!height) return;
+    if (!height || is_set(sensor.params, {"height"})) return;
     const auto [found, is_new] = zones.try_emplace(*height);
     for (std::uint32_t other = 0; is_new && other < spec_.types.size(); ++other)
       if (is_ground(other, *height)) found->second.push_back(other);
@@ -592,7 +667,7 @@ void Lint::check_blobs() {
       if (!part.solids.empty()) shown.insert(part.color.value_or(body.color));
   for_devices([&](std::uint32_t t, const engine::DeviceSpec& sensor, const std::any& data) {
     const std::vector<Color>* sought = sensors::sought_colors(data);
-    if (sought == nullptr || sought->empty()) return;
+    if (sought == nullptr || sought->empty() || is_set(sensor.params, {"colors"})) return;
     const auto is_sought = [&](const Color& color) {
       return std::ranges::any_of(*sought,
                                  [&](const Color& one) { return sensors::is_same_color(one, color); });
@@ -615,8 +690,17 @@ void Lint::check_radios() {
   for_each_radio([&](std::uint32_t t, const engine::DeviceSpec&, const std::string& channel) {
     channels[channel].push_back(t);
   });
+  for (const engine::InterventionSpec& at : spec_.experiment.at) {
+    if (!at.setting || at.setting->of != engine::SettingSpec::Of::device) continue;
+    const std::uint32_t t = at.setting->type.value;
+    const engine::BodyType::Device& device = world_.types()[t].devices[at.setting->index];
+    if (levels_[t].empty() || sensors::radio_channel(device.prepared.data) == nullptr) continue;
+    const int field = device.kind->params.find("channel");
+    if (const engine::Value& channel = at.setting->params[static_cast<std::size_t>(field)]; channel.given())
+      channels[channel.text()].push_back(t);
+  }
   for_each_radio([&](std::uint32_t t, const engine::DeviceSpec& radio, const std::string& channel) {
-    if (has_others(channels[channel], t)) return;
+    if (has_others(channels[channel], t) || is_set(radio.params, {"channel"})) return;
     std::string known;
     for (const auto& [name, types] : channels)
       if (name != channel)
@@ -631,8 +715,7 @@ void Lint::check_radios() {
 void Lint::check_grippers() {
   std::size_t held = 0;  // number of bodies that some gripper can hold
   for (std::size_t t = 0; t < spec_.types.size(); ++t)
-    if (engine::can_be_gripped(spec_.types[t]))
-      for (const auto& [z, count] : levels_[t]) held += count;
+    if (engine::can_be_gripped(spec_.types[t])) held += bodies_[t];
   for (std::size_t t = 0; t < spec_.types.size(); ++t)
     for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d) {
       const engine::BodyType::Device& device = world_.types()[t].devices[d];

@@ -341,6 +341,25 @@ struct RecordedRun::Impl {
     std::ranges::stable_sort(shown.scans, {}, &engine::FrameScan::body);
   }
 
+  /// Whether only types without bodies have a device or controller of this name. Their fields are unknown,
+  /// because a recording has no arrays of them.
+  bool is_of_absent_types(std::string_view component) const {
+    const auto has_it = [&](const RecordedScene::Type& type) {
+      return std::ranges::any_of(
+                 type.devices,
+                 [&](const auto& device) { return worldio::text_of_hdf5_name(device.name) == component; }) ||
+             std::ranges::any_of(type.memories,
+                                 [&](const auto& memory) { return engine::selects(component, memory); });
+    };
+    bool is_absent = false;
+    for (std::size_t t = 0; t < world.types.size(); ++t) {
+      if (!has_it(world.types[t])) continue;
+      if (!type_rows[t].empty()) return false;
+      is_absent = true;
+    }
+    return is_absent;
+  }
+
   /// Returns one number per body of Frame::mobile, from all arrays of this component (or kind) and field. NaN
   /// for bodies without such an array.
   std::vector<double> values(const Frame& shown, std::string_view component, std::string_view field,
@@ -466,6 +485,11 @@ Result<ChosenValue> RecordedRun::find_value(const std::string& name) const {
       reading.text = with_unit(name, array.field.unit);
       return reading;
     }
+  }
+  for (ChosenValue& reading : readings_of(name)) {
+    if (!impl_->is_of_absent_types(reading.component)) continue;
+    reading.text = fmt::format("{}: no robot has the value", name);
+    return reading;
   }
   if (const auto present = present_name(name)) return Error{worldio::wrong_spelling("value", name, *present)};
   std::vector<std::string> known;

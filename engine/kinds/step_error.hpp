@@ -11,7 +11,7 @@ namespace troupe::engine {
 /// computed. A step computes one tick. The text names the number of the tick and the robot, as far as they
 /// are known. The causes:
 /// - A number is not finite: in a command to a drive, in the velocity that a drive computes or starts with,
-///   or in a pose to which a device moves a joint.
+///   or in a pose to which a device moves a joint; or a command to an actuator is NaN.
 /// - The code of a sensor, other device, drive or controller threw an exception. It is nested in the
 ///   StepError (std::rethrow_if_nested()).
 /// - A device uses a joint that its kind does not declare (DeviceKind::joints).

@@ -6,10 +6,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <unordered_set>
 #include <utility>
 #include <variant>
 
@@ -97,6 +99,37 @@ std::optional<std::span<const std::byte>> find_memory(std::span<const std::byte>
 
 }  // namespace
 
+/// The names of bodies, of their types and of their populations. Collected once for all unknown names of a
+/// list of measures, because a search among all bodies takes long for each name.
+struct BodyNames {
+  explicit BodyNames(const World& world) : known(names_of_robots(world)) {
+    const WorldSpec& spec = world.spec();
+    for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
+      const BodyType& type = world.type(BodyId(b));
+      std::unordered_set<std::string>& names = type.drive ? of_robots : of_others;
+      names.insert(type.name);
+      std::string name = spec.name(BodyId(b));
+      const std::size_t shortest = std::max<std::size_t>(without_number(name).size(), 1);
+      for (; name.size() > shortest; name.pop_back()) names.insert(name);
+      names.insert(std::move(name));
+    }
+  }
+  /// The text of an error for a name that is neither in `of_robots` nor that of a type or population without
+  /// robots.
+  std::string text_of_unknown(std::string_view name) const {
+    if (of_others.contains(std::string(name)))
+      return fmt::format("\"{}\" has no drive: robots are bodies with a drive", name);
+    return unknown_name("type or population of robots", name,
+                        std::vector<std::string_view>(known.begin(), known.end()));
+  }
+
+  std::vector<std::string> known;  // for errors
+  // Of robots and of other bodies: names of bodies, of types and of populations ("r21", "r2", "r" for
+  // "r217").
+  std::unordered_set<std::string> of_robots;
+  std::unordered_set<std::string> of_others;
+};
+
 std::string measure_name(const MeasureSpec& spec, std::string_view unit) {
   if (!spec.name.empty()) return fmt::format("{}{}", spec.name, unit);
   return fmt::format("{}{}{}{}", spec.kind, unit, spec.of.empty() ? "" : ":", spec.of);
@@ -109,13 +142,14 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
   world.require_whole();
   world.require_between_steps("making measures");
   world.gather_distributed();
+  std::unique_ptr<const BodyNames> names;
   for (std::size_t i = 0; i < specs.size(); ++i) {
     const auto error = [&](const std::string& message) {
       diagnostics.error(specs[i].where,
                         i < paths.size() ? fmt::format("{}: {}", paths[i], message) : message);
     };
     try {
-      if (const Result<> added = add(specs[i], registry); !added) error(added.error().text);
+      if (const Result<> added = add(specs[i], registry, names); !added) error(added.error().text);
     } catch (const std::length_error& thrown) {
       if (too_large != nullptr)
         too_large->push_back(i);
@@ -127,13 +161,19 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
   see_all(world_, parts_, columns_, measures_);
 }
 
-Result<> MeasureSet::add(const MeasureSpec& spec, const Registry& registry) {
+Result<> MeasureSet::add(const MeasureSpec& spec, const Registry& registry,
+                         std::unique_ptr<const BodyNames>& names) {
   const auto found = registry.find_measure(spec.kind);
   if (!found) return found.error();
   const MeasureKind* kind = *found;
+  if (names && !spec.of.empty() && !names->of_robots.contains(spec.of) && !world_.find(spec.of).valid() &&
+      !is_name_of_no_robots(world_, spec.of))
+    return Error{names->text_of_unknown(spec.of)};
   std::vector<BodyId> robots = robots_of(world_, spec.of);
-  if (robots.empty() && !spec.of.empty() && !is_name_of_no_robots(world_, spec.of))
-    return Error{unknown_robots(world_, spec.of)};
+  if (robots.empty() && !spec.of.empty() && !is_name_of_no_robots(world_, spec.of)) {
+    if (!names) names = std::make_unique<BodyNames>(world_);
+    return Error{names->text_of_unknown(spec.of)};
+  }
   std::string column = measure_name(spec, unit_suffixes(kind->unit).front().suffix);
   if (column == "tick" || column == "time_s")  // the first columns of every table of measures
     return Error{
@@ -288,14 +328,7 @@ std::vector<std::string> names_of_robots(const World& world) {
 }
 
 std::string unknown_robots(const World& world, std::string_view name) {
-  const WorldSpec& spec = world.spec();
-  for (std::size_t b = 0; b < spec.bodies.size(); ++b)
-    if (world.type(BodyId(b)).name == name || spec.name(BodyId(b)) == name ||
-        is_of_population(spec.names, spec.bodies[b].name, name))
-      return fmt::format("\"{}\" has no drive: robots are bodies with a drive", name);
-  const std::vector<std::string> known = names_of_robots(world);
-  return unknown_name("type or population of robots", name,
-                      std::vector<std::string_view>(known.begin(), known.end()));
+  return BodyNames(world).text_of_unknown(name);
 }
 
 }  // namespace troupe::engine

@@ -22,6 +22,8 @@ namespace troupe::engine {
 /// unit, this is the name of the measure's column (MeasureSet::columns()).
 std::string measure_name(const MeasureSpec& spec, std::string_view unit = {});
 
+struct BodyNames;  // engine/observing/measures.cpp
+
 /// The measures of one run. A measure is a number that is computed from the state of the world after a tick
 /// (time step), such as the mean displacement of robots. Each measure has one column in the tables of
 /// results. A measure may have a memory: data from earlier ticks on which its value depends. Not thread-safe.
@@ -101,7 +103,8 @@ class MeasureSet {
     std::uint64_t identity;    // identity_of()
   };
   /// Adds a measure. The error says why it cannot be added. Throws std::length_error as MeasureKind::make.
-  Result<> add(const MeasureSpec& spec, const Registry& registry);
+  /// names: null until a measure has had an unknown name of robots
+  Result<> add(const MeasureSpec& spec, const Registry& registry, std::unique_ptr<const BodyNames>& names);
   void begin();
   void note_present();  // stores the tick and the seed of the world
 

@@ -1,6 +1,8 @@
 #include "models/devices/actuator.hpp"
 
 #include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/step_error.hpp"
+#include "engine/sensing/sensing_view.hpp"
 
 #include <fmt/format.h>
 
@@ -109,8 +111,13 @@ struct Actuator {
   void act(const DeviceBatch& batch) const {
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
       auto& state = batch.state.as<ActuatorState>(batch.slot(i));
-      const double to =
-          next(batch.commands->as<ActuatorCommand>(batch.slot(i)), state.position, batch.period_s);
+      const auto& command = batch.commands->as<ActuatorCommand>(batch.slot(i));
+      if (std::isnan(command.goal))
+        throw engine::StepError(
+            fmt::format("tick {}: an actuator of \"{}\" was commanded a {} that is not a number",
+                        batch.view.tick(), batch.view.spec().name(batch.body(i)),
+                        command.mode == Command::position ? "position" : "velocity"));
+      const double to = next(command, state.position, batch.period_s);
       state.velocity = 0;
       state.stalled = 0;
       state.asked = to;

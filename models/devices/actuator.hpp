@@ -51,7 +51,7 @@ struct ActuatorState {
 /// moves       In velocity mode, the joint moves at the commanded velocity, which is clamped to +-max_speed,
 ///             and stops at min_position and max_position. In position mode, it moves at max_speed to the
 ///             commanded position, which is clamped to min_position and max_position, and stops exactly
-///             there.
+///             there. A command may be infinite. If it is NaN, the step throws a StepError.
 /// blocked     If the moved parts would overlap a body or static geometry, the joint does not move in this
 ///             tick, and is stalled.
 /// draws       2 W from the power pack (battery) that supplies the actuator, even if the joint stands still

@@ -812,6 +812,96 @@ TEST_F(LintTest, ReportsSensorsWithoutLightsGroundAndColours) {
                  world(R"("color": "green", "devices": [{"kind": "blinkenlight"}, {"kind": "led"}])"));
 }
 
+TEST_F(LintTest, InterventionsMayChangeWhatSensorsAndControllersLookFor) {
+  const auto world = [](const std::string& setting) {
+    return R"({ "troupe": 1, "bounds_m": [[-5, -5], [5, 5]], "types": {
+    "other": {"size_m": [0.4, 0.4, 0.1], "color": "green", "fiducial_return": 3},
+    "bot": {"size_m": [0.4, 0.4, 0.3], "color": "red", "drive": {"kind": "diff"}, "sensors": [
+      {"name": "floor", "kind": "ground", "height_m": 0.06},
+      {"name": "eye", "kind": "blobfinder", "colors": ["blue"]},
+      {"name": "finder", "kind": "fiducial", "key": 2},
+      {"name": "ray", "kind": "ranger", "transducers": [{"range_max_m": 0.1}]} ],
+      "controller": {"kind": "waypoints", "goals": [{"x_m": 7}]} } },
+  "models": [{"name": "o", "type": "other", "pose": {"x_m": 3}}, {"name": "r0", "type": "bot"}],
+  "at": [{"time_s": 5, "set": {"type": "bot", )" +
+           setting + "}}] }";
+  };
+  const auto device = [](const std::string& name, const std::string& params) {
+    return R"("device": {"name": ")" + name + "\", " + params + "}";
+  };
+  const std::string goal = "\"waypoints\" of \"bot\" never reaches its goal 1";
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {device("floor", R"("height_m": 1)"), "\"floor\" of \"bot\" sees only the bare floor"},
+      {device("eye", R"("colors": ["green"])"), "no body has one of the colours"},
+      {device("finder", R"("key": 0)"), "has the fiducial_key of the finder, 2"},
+      {device("ray", R"("transducers": [{"range_max_m": 9}])"),
+       "beams of at most 0.1 m end inside its own body"},
+      {R"("controller": {"kind": "waypoints", "goals": [{"x_m": 3}]})", goal}};
+  for (const auto& [setting, changed] : cases) {
+    const std::vector<std::string> lines = findings("w.json", world(setting));
+    EXPECT_EQ(lines.size(), cases.size()) << setting;  // four findings and the line that counts them
+    EXPECT_THAT(lines, Not(Contains(HasSubstr(changed))));
+  }
+  // Another parameter of the same device changes nothing of the finding.
+  EXPECT_THAT(findings("w.json", world(device("eye", R"("range_m": 3)"))),
+              Contains(HasSubstr("no body has one of the colours")));
+}
+
+TEST_F(LintTest, InterventionsMayChangeRadiosDrivesAndDistances) {
+  const auto world = [](const std::string& at) {
+    return R"({ "troupe": 1, "types": {
+    "a": {"size_m": [0.4, 0.4, 0.3], "sensors": [{"name": "r", "kind": "radio", "channel": "x"}]},
+    "b": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff", "velocity_min_x_mps": 0.1}, "sensors": [
+        {"name": "r", "kind": "radio", "channel": "y"},
+        {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 0.5, "fov_deg": 90, "samples": 9}]}],
+      "controller": {"kind": "wander", "min_front_m": 0.8}}},
+  "models": [{"name": "p", "type": "a", "pose": {"x_m": 3}}, {"name": "r0", "type": "b"}],
+  "at": [)" +
+           at + "] }";
+  };
+  EXPECT_THAT(findings("w.json", world("")),
+              ElementsAre(HasSubstr("radio \"r\" of \"a\" hears nothing"), HasSubstr("cannot stand still"),
+                          HasSubstr("radio \"r\" of \"b\" hears nothing"),
+                          HasSubstr("always sees an obstacle ahead"), "w.json: 4 findings"));
+  expect_nothing("set.json", world(R"(
+    {"time_s": 0, "set": {"type": "a", "device": {"name": "r", "channel": "y"}}},
+    {"time_s": 0, "set": {"type": "b", "controller": {"kind": "wander", "min_front_m": 0.3}}},
+    {"time_s": 0, "set": {"type": "b", "drive": {"velocity_min_x_mps": 0}}})"));
+}
+
+TEST_F(LintTest, InterventionsMayMoveBodiesToOtherHeights) {
+  const auto world = [](const std::string& event) {
+    return R"({ "troupe": 1, "bounds_m": [[-5, -5], [5, 5]], "types": {
+    "plate": {"size_m": [0.4, 0.4, 0.02], "gripper_return": true},
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},
+            "sensors": [{"name": "floor", "kind": "ground"},
+                        {"name": "ray", "kind": "ranger", "pose": {"z_m": 0.15},
+                         "transducers": [{"range_max_m": 9}]}]} },
+  "models": [{"name": "p", "type": "plate", "pose": {"x_m": 3, "z_m": 1}}, {"name": "r0", "type": "bot"}],
+  "populations": [{"name": "low", "type": "plate", "count": 0, "reserve": 4,
+                   "place": {"rule": "uniform", "z_m": 1}}],
+  "at": [{"time_s": 5, )" +
+           event + "}] }";
+  };
+  const auto moved = [](const std::string& model, const std::string& z) {
+    return R"("move": {"model": ")" + model + R"(", "pose": {"x_m": 2, "z_m": )" + z + "}}";
+  };
+  EXPECT_THAT(findings("same.json", world(moved("p", "1"))),
+              ElementsAre(HasSubstr("\"floor\" of \"bot\" sees only the bare floor"),
+                          HasSubstr("\"ray\" of \"bot\" sees nothing"), "same.json: 2 findings"));
+  EXPECT_THAT(findings("down.json", world(moved("p", "0"))),
+              ElementsAre(HasSubstr("\"ray\" of \"bot\" sees nothing"), "down.json: 1 finding"));
+  EXPECT_THAT(
+      findings("beam.json", world(moved("p", "0.14"))),
+      ElementsAre(HasSubstr("\"floor\" of \"bot\" sees only the bare floor"), "beam.json: 1 finding"));
+  EXPECT_THAT(findings("alone.json", world(moved("r0", "0"))),
+              ElementsAre(HasSubstr("\"floor\" of \"bot\" sees only the bare floor"),
+                          HasSubstr("\"ray\" of \"bot\" sees nothing"), "alone.json: 2 findings"));
+  EXPECT_THAT(findings("added.json",
+                       world(R"("add": {"population": "low", "count": 1, "pose": {"x_m": 2, "z_m": 0}})")),
+              ElementsAre(HasSubstr("\"ray\" of \"bot\" sees nothing"), "added.json: 1 finding"));
+}
+
 TEST_F(LintTest, ReportsDevicesThatNeverRun) {
   const auto world = [](const std::string& drive, const std::string& eye) {
     return R"({ "troupe": 1, "tick_s": 0.1, "quit_time_s": 60, "types": {"bot": {"size_m": [0.4, 0.4, 0.3],

@@ -367,6 +367,31 @@ TEST_F(Render, SaysThePresentNameOfAnEarlierSpelling) {
               HasSubstr("unknown value \"sensors/bot/ranger:0.rangs\"; known: "));
 }
 
+TEST_F(Render, ColorsARecordingByAValueThatOnlyTypesWithoutBodiesHave) {
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
+  write("w.json", R"({"troupe": 1, "types": {
+    "cart": {"size_m": [0.4, 0.4, 0.2], "drive": {"kind": "diff"}, "sensors": [{"name": "north", "kind": "compass"}]},
+    "bot": {"extends": "cart", "sensors": [
+      {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 2, "fov_deg": 90, "samples": 9}]}],
+      "controller": {"kind": "wander"}}},
+    "models": [{"name": "r0", "type": "cart"}],
+    "populations": [{"name": "b", "type": "bot", "count": 0,
+                     "place": {"rule": "uniform", "region_m": [[1, 1], [2, 2]]}}]})");
+  ASSERT_EQ(
+      troupe({"run", "w.json", "--for", "1", "--quiet", "--record", "run.h5", "--record-fields", "all"}).code,
+      0);
+  const auto legend = [&](const std::string& value) {
+    const Outcome drawn = troupe({"render", "run.h5", "-o", "p.svg", "--color-by", value});
+    EXPECT_EQ(drawn.code, 0) << drawn.err;
+    return read("p.svg");
+  };
+  for (const char* value : {"eye.ranges", "eye.ranges.3", "wander.avoid_updates", "wander/0.avoid_updates"})
+    EXPECT_THAT(legend(value), HasSubstr(std::string(value) + ": no robot has the value"));
+  for (const char* value : {"north.headin", "eyes.ranges", "eye"})
+    EXPECT_THAT(troupe({"render", "run.h5", "-o", "q.svg", "--color-by", value}).err,
+                HasSubstr("unknown value \"" + std::string(value)));
+}
+
 TEST_F(Render, WhatARecordingHasNotIsRefused) {
   record();
   if (IsSkipped()) return;

@@ -115,6 +115,19 @@ TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
   EXPECT_LE(json.at("imbalance").get<double>(), json.at("threads").get<double>() + 1e-9);
 }
 
+TEST_F(Run, FileNamesThatAreNotUtf8GiveValidJson) {
+  write("caf\xe9.world", k_room);
+  const Outcome run = troupe({"run", "caf\xe9.world", "--for", "0.5", "--json", "--profile", "p\xe9.json"});
+  EXPECT_EQ(run.code, 0) << run.err;
+  const nlohmann::json summary = nlohmann::json::parse(run.out);  // throws if a text is not UTF-8
+  EXPECT_EQ(summary.at("world"), "caf\xef\xbf\xbd.world") << "with the replacement character U+FFFD";
+  EXPECT_TRUE(nlohmann::json::accept(read("p\xe9.json")));
+  const Outcome dry = troupe({"run", "caf\xe9.world", "--for", "0.5", "--json", "--dry-run"});
+  EXPECT_EQ(dry.code, 0) << dry.err;
+  EXPECT_TRUE(nlohmann::json::accept(dry.out));
+  EXPECT_EQ(troupe({"run", "none\xe9.world"}).err, "none\xe9.world: error: there is no such file\n");
+}
+
 TEST_F(Run, SummariesCountWhatAllRanksHoldAndSend) {
   const std::vector<std::string> options{"--for",       "1", "--ranks",        "3",  "--threads", "1",
                                          "--tile-size", "1", "--rank-balance", "off"};

@@ -2,8 +2,13 @@
 
 #include "engine/world/world.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/message_of.hpp"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace troupe::models {
 namespace {
@@ -71,6 +76,29 @@ TEST(Actuator, ASpeedEndsAtTheLimits) {
   EXPECT_NEAR(world.outline(world.row(body)).last(4).front().x(), 0.7, k_near) << "as it starts";
   step(world, 20);
   EXPECT_EQ(state(world, body).position, -0.25);
+}
+
+TEST(Actuator, CommandsOfAnySizeAreClampedAndNaNIsAnError) {
+  constexpr double k_infinity = std::numeric_limits<double>::infinity();
+  SceneBuilder scene;
+  const BodyId body = scene.body("p", slide(scene, {}, {{"min_position", -0.25}, {"max_speed", 0.5}}));
+  World world = scene.world();
+  const auto command = [&](std::uint8_t mode, double goal) {
+    const Row row = world.row(body);
+    world.asked_of(world.type(row).devices[0]).as<ActuatorCommand>(world.slot(row)) = {mode, goal};
+  };
+  for (const std::uint8_t mode : {ActuatorCommand::velocity, ActuatorCommand::position})
+    for (const double goal : {k_infinity, -1e300, 1e300, -k_infinity}) {
+      command(mode, goal);
+      const double before = state(world, body).position;
+      step(world, 1);
+      EXPECT_NEAR(std::abs(state(world, body).position - before), 0.05, k_near) << int{mode} << ' ' << goal;
+      step(world, 30);
+      EXPECT_EQ(state(world, body).position, goal > 0 ? 1 : -0.25) << int{mode} << ' ' << goal;
+    }
+  command(ActuatorCommand::position, std::nan(""));
+  EXPECT_EQ(test::message_of<engine::StepError>([&] { world.step(); }),
+            "tick 249: an actuator of \"p\" was commanded a position that is not a number");
 }
 
 TEST(Actuator, StopsAtWhatIsInItsWay) {

@@ -903,6 +903,31 @@ TEST(Measures, ARobotWhoseNumberBeginsOtherNumbersIsMeasuredAlone) {
   EXPECT_EQ(engine::robots_of(world, "r").size(), 12u);
 }
 
+TEST(Measures, ManyUnknownNamesAmongManyRobotsAreReportedQuickly) {
+  constexpr int k_robots = test::k_slow_build ? 20'000 : 250'000;
+  constexpr int k_names = 990;  // Diagnostics throws at 1000 errors
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
+  for (int i = 0; i < k_robots; ++i)
+    scene.body(fmt::format("r{}", i), bot, {i % 500 * 1.0, i / 500 * 1.0, 0, 0});
+  scene.body("lamp7", scene.type("post", {test::box(0.2, 0.2)}), {-5, 0, 0, 0});
+  World world = scene.world();
+  std::vector<MeasureSpec> specs;
+  for (int i = 0; i < k_names; ++i) specs.push_back(spec("stalls", fmt::format("r{}", k_robots + i)));
+  for (const char* known : {"r99", "r9999", "bot"}) specs.push_back(spec("stalls", known));
+  for (const char* other : {"lamp", "post", "lamp7", "lamp8"}) specs.push_back(spec("stalls", other));
+  Diagnostics diagnostics;
+  const MeasureSet set(world, test::registry(), specs, diagnostics);
+  EXPECT_THAT(set.columns(), ElementsAre("stalls:r99", "stalls:r9999", "stalls:bot"));
+  const std::span<const Finding> found = diagnostics.findings();
+  ASSERT_EQ(found.size(), k_names + 4u);
+  EXPECT_EQ(found[0].message,
+            fmt::format("unknown type or population of robots \"r{}\"; known: bot, r", k_robots));
+  for (const std::size_t i : {0u, 1u, 2u})
+    EXPECT_THAT(found[k_names + i].message, HasSubstr("has no drive: robots are bodies with a drive"));
+  EXPECT_EQ(found[k_names + 3].message, "unknown type or population of robots \"lamp8\"; known: bot, r");
+}
+
 TEST(Measures, ClustersOfRobotsAreThoseThatAreMeasured) {
   test::SceneBuilder scene;
   const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});

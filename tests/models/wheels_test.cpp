@@ -2,9 +2,11 @@
 
 #include "engine/world/world.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/message_of.hpp"
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 namespace troupe::models {
@@ -99,6 +101,18 @@ TEST(Wheels, AreNotStalledByASpeedThatIsTooSmallToMoveThem) {
   const auto& wheels = test::state_of<WheelsState>(world, turret.body, 0);
   EXPECT_EQ(wheels.forward, 1e-18);
   EXPECT_EQ(wheels.stalled, 0);
+}
+
+TEST(Wheels, ACommandThatIsNotFiniteIsAnError) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    Turret turret("switcher");
+    World world = turret.world();
+    const Row row = world.row(turret.body);
+    world.asked_of(world.type(row).devices[0]).as<engine::Command>(world.slot(row)).turn = bad;
+    EXPECT_EQ(test::message_of<engine::StepError>([&] { world.step(); }),
+              "tick 1: a drive on a part of \"p\" was commanded a velocity that is not a finite number");
+  }
 }
 
 TEST(Wheels, SensorsOnTheirPartSeeNoFartherThanTheyDeclare) {

@@ -161,6 +161,8 @@ RecordedScene::Type type_of(const Json& json) {
       type.rangers.push_back(
           {std::move(name), transducers_of(sensor), joint_of(sensor, "joint", type.joints.size())});
   }
+  for (const Json& controller : json.value("controllers", Json::array()))
+    type.memories.push_back(fmt::format("{}/{}", text_of(controller.at("kind")), type.memories.size()));
   return type;
 }
 

@@ -57,6 +57,8 @@ struct RecordedScene {
       std::uint32_t part = 0;     ///< index of the part on which the device is mounted
     };
     std::vector<Device> devices;  ///< all sensors and other devices of the type
+    /// Names of the components with the memories of its controllers, such as "wander/0".
+    std::vector<std::string> memories;
     /// Name of the component whose field `shown_color` gives each body its colour, such as
     /// "sensors/robot/lamp" (engine/sensing/shown_color.hpp). Empty if no such field was recorded.
     std::string shown_color;
