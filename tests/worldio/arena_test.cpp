@@ -138,6 +138,35 @@ TEST(WallLine, HasMitredCornersAndIsClosedWhenItsEndsMeet) {
   EXPECT_TRUE(loaded.spec.bounds->max.isApprox(Vec2(12, 2)));
 }
 
+TEST(WallLine, RobotsOnBothSidesOfClosedWallsAreAWarning) {
+  const auto found = [](const std::string& line, const std::string& plan, const std::string& place,
+                        const std::string& drive = R"(, "drive": {"kind": "diff"})") {
+    return LoadedArena(
+               world(R"("bounds_m": [[-4, -2], [4, 2]], "floorplans": [{"name": "ring", "thickness_m": 0.02,
+      "pose": {"x_m": 2}, "walls_m": )" +
+                     line + plan + R"(}], "types": {"bot": {"size_m": [0.1, 0.1, 0.1])" + drive + R"(}},
+    "populations": [
+      {"name": "q", "type": "bot", "count": 2, "reserve": 3, "place": {"rule": "uniform", "region_m": [[-4, -2], [-3, 2]]}},
+      {"name": "r", "type": "bot", "count": 40, "place": )" +
+                     place + "}]"))
+        .found;
+  };
+  const std::string closed = "[[1.9, 0], [0, 1.9], [-1.9, 0], [0, -1.9], [1.9, 0]]";
+  const std::string uniform = R"({"rule": "uniform"})";
+  EXPECT_THAT(found(closed, "", uniform),
+              ElementsAre(testing::MatchesRegex(
+                  "maze.json:6: warning: /populations/1/place: \"r[0-9]+\" starts inside the closed walls of "
+                  "floor plan \"ring\", and \"r[0-9]+\" outside: use the rule free_floor, or give a "
+                  "\"polygon_m\" on one side of the walls")));
+  EXPECT_THAT(found("[[1.9, 0], [0, 1.9], [-1.9, 0], [0, -1.9]]", "", uniform), IsEmpty());
+  EXPECT_THAT(found(closed, R"(, "obstacle": false)", uniform), IsEmpty());
+  EXPECT_THAT(found(closed, "", uniform, R"(, "gripper_return": true)"), IsEmpty());  // no robots
+  EXPECT_THAT(found(closed, "", R"({"rule": "free_floor", "from_m": [2, 0]})"), IsEmpty());
+  EXPECT_THAT(
+      found(closed, "", R"({"rule": "uniform", "polygon_m": [[3.8, 0], [2, 1.8], [0.2, 0], [2, -1.8]]})"),
+      IsEmpty());
+}
+
 TEST(WallLine, Errors) {
   const auto error_of = [](const std::string& keys) {
     return LoadedArena(world(R"("floorplans": [{"name": "w", )" + keys + "}]")).found;
