@@ -20,7 +20,7 @@ from typing import Any, Callable, Dict, Iterable, List, NoReturn, Optional, Sequ
 
 import numpy as np
 
-from ._core import InputError, Robots, _units
+from ._core import InputError, Robots, Swarm, _units
 
 _ELEMENTS = ("f8", "f4", "i8", "i4", "u8", "u4", "u1")
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -105,13 +105,14 @@ def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", na
 
 
 def _attribute_hint(error: BaseException) -> str:
-    """Returns a hint for an unknown attribute: a similar one, and for the robots of a controller all that they have."""
+    """Returns a hint for an unknown attribute: a similar one, and for the robots of a controller or measure all that they
+    have."""
     name, owner = getattr(error, "name", None), getattr(error, "obj", None)  # since Python 3.10
     if not isinstance(error, AttributeError) or name is None or owner is None:
         return ""
     known = [each for each in dir(owner) if not each.startswith("_")]
     near = difflib.get_close_matches(name, known, 1)
-    return ((f"; known: {', '.join(known)}" if isinstance(owner, Robots) else "")
+    return ((f"; known: {', '.join(known)}" if isinstance(owner, (Robots, Swarm)) else "")
             + (f' (did you mean "{near[0]}"?)' if near else ""))
 
 

@@ -201,6 +201,18 @@ class Controllers(InAFolder):
         with self.assertRaisesRegex(LookupError, 'unknown measure "reach"; known: count, edge_m'):
             measures["reach"]
 
+    def test_a_measure_reads_the_memories_of_controllers(self):
+        self.write("my.py", "import troupe\n\n\n@troupe.measure\ndef turn(robots):\n    return robots.readings('turn', 'roam/0')[7]\n")
+        world = troupe.Simulation("w.json", controllers=["roam.py", "my.py"])
+        world.step(3)
+        memories = world.table("roam/0")
+        order = np.argsort(memories.ids)
+        self.assertEqual(troupe.Measures(world, ["my:turn"]).values()[0], memories["turn"][order][7])
+        np.testing.assert_array_equal(world.swarm("r").readings("seen", "roam/0"), memories["seen"][order])
+        self.write("my.py", "import troupe\n\n\n@troupe.measure\ndef turn(robots):\n    return robots.memory['turn'][7]\n")
+        made = self.troupe("run", "w.json", "--controller", "my.py", "--measures", "m.csv", "--measure", "my:turn", code=1)
+        self.assertRegex(made.stderr, r"my.py:6: AttributeError: .*'memory'; known: .*, readings, ")
+
     def test_two_functions_cannot_have_the_same_column(self):
         world = troupe.Simulation("w.json")
         for wanted in ([lambda robots: 1.0, lambda robots: 2.0], ["stalls", troupe.measure(name="stalls")(lambda robots: 1.0)]):
