@@ -119,6 +119,14 @@ TEST(Arena, PopulationsFillIt) {
   ASSERT_THAT(loaded.found, IsEmpty());
   for (std::size_t i = 2; i < loaded.spec.bodies.size(); ++i)
     EXPECT_LT(loaded.spec.bodies[i].pose_world_body.position().cwiseAbs().maxCoeff(), 0.95);
+  EXPECT_THAT(
+      LoadedArena(
+          world(
+              R"("arena": {"size_m": [2, 2]}, "types": {"bot": {"size_m": [0.2, 0.2, 0.1], "drive": {"kind": "diff"}}},
+    "populations": [{"name": "r", "type": "bot", "count": 20, "place": "uniform"}])"))
+          .found,
+      ElementsAre(
+          R"(maze.json:3: error: /populations/0/place: expected an object such as {"rule": "uniform"}, found the text "uniform")"));
 }
 
 TEST(WallLine, HasMitredCornersAndIsClosedWhenItsEndsMeet) {
@@ -496,8 +504,9 @@ TEST_F(IncludeTest, AWrongValueOfABaseCausesNoErrorInAnHeir) {
   const std::string slow = R"("drive": {"speed_max_mps": 0.1})";
   EXPECT_THAT(found(box + R"("drive": 3)", slow), one("/drive: expected an object, found the number 3"));
   EXPECT_THAT(found(box + R"("drive": {})", slow), one("/drive: missing \"kind\""));
-  EXPECT_THAT(found(box + R"("controller": "wander")", R"("controller": {"period_s": 1})"),
-              one("/controller: expected an object, found the text \"wander\""));
+  EXPECT_THAT(
+      found(box + R"("controller": "wander")", R"("controller": {"period_s": 1})"),
+      one("/controller: expected an object such as {\"kind\": \"wander\"}, found the text \"wander\""));
   EXPECT_THAT(found(box + R"("sensors": {"name": "ir"})", R"("sensors": [{"name": "ir"}])"),
               one("/sensors: expected a list, found an object"));
   EXPECT_THAT(found(box + R"("sensors": [{"name": "ir"}])", R"("sensors": [{"name": "ir", "period_s": 1}])"),
