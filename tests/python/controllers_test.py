@@ -572,6 +572,27 @@ class Controllers(InAFolder):
         with self.assertRaisesRegex(troupe.StepError, "AttributeError"):
             troupe.Simulation("w.json", controllers=type("other", (tuned,), {})).step()
 
+    def test_unknown_parameters_and_fields_of_the_memory_are_named(self):
+        acts = []
+
+        class tuned(troupe.Controller):
+            robots = "r"
+            params = {"speed": 0.5, "turn": 1.0}
+            memory = {"left": "u4", "steps": "u4"}
+
+            def decide(self, robots):
+                acts[-1](robots)
+
+        no_field = r'ValueError: unknown field of the memory "lef"; known: left, steps \(did you mean "left"\?\)'
+        for act, text in (
+            (lambda robots: robots.params["sped"], r"""KeyError: 'unknown parameter "sped"; known: speed, turn \(did you mean "speed"\?\)'"""),
+            (lambda robots: robots.memory["lef"], no_field),
+            (lambda robots: robots.memory.__setitem__("lef", 1), no_field),
+        ):
+            acts.append(act)
+            with self.subTest(text), self.assertRaisesRegex(troupe.StepError, text):
+                troupe.Simulation("w.json", controllers=tuned).step()
+
     def test_values_that_do_not_fit_a_field_of_the_memory_are_errors(self):
         acts = []
 
