@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,6 +17,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
+#include <vector>
 
 /// The Python module `troupe._core`, which makes the C++ API available in Python. Functions that need no C++
 /// are written in Python, in python/troupe.
@@ -236,6 +239,10 @@ template <class T, class Element>
 std::span<T> elements(py::array_t<Element>& array) {
   return {reinterpret_cast<T*>(array.mutable_data()), static_cast<std::size_t>(array.nbytes()) / sizeof(T)};
 }
+
+/// A list of folders, or one folder.
+using Paths = std::variant<std::vector<std::filesystem::path>, std::filesystem::path>;
+std::vector<std::filesystem::path> folders_of(Paths paths);
 
 /// Loads Python scripts (python/troupe/_script.py), which define controllers and measures. A controller is a
 /// class that decides what robots do; a measure is a function that computes a number from the state.

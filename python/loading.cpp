@@ -29,17 +29,14 @@ std::string json_of(const py::object& value, const py::object& indent) {
       .cast<std::string>();
 }
 
+std::vector<std::filesystem::path> folders_of(Paths paths) {
+  if (auto* folder = std::get_if<std::filesystem::path>(&paths)) return {std::move(*folder)};
+  return std::get<std::vector<std::filesystem::path>>(std::move(paths));
+}
+
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A list of folders, or one folder.
-using Paths = std::variant<std::vector<fs::path>, fs::path>;
-
-std::vector<fs::path> folders_of(Paths paths) {
-  if (auto* folder = std::get_if<fs::path>(&paths)) return {std::move(*folder)};
-  return std::get<std::vector<fs::path>>(std::move(paths));
-}
 
 /// Converts a value of the option `set` to JSON. Throws ValueError for a number that is not finite, and for a
 /// text with half of a surrogate pair: its JSON is invalid, and the reader of settings treats invalid JSON as

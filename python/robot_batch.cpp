@@ -33,7 +33,8 @@ py::object RobotBatch::params() const {
   py::dict values;
   for (std::size_t i = 0; i < prepared_.params.size(); ++i)
     values[py::str(prepared_.controller->params[i])] = object_of(prepared_.params[i]);
-  return py::module_::import("types").attr("MappingProxyType")(values);
+  const py::object named = py::module_::import("troupe._script").attr("Parameters")(values);
+  return py::module_::import("types").attr("MappingProxyType")(named);
 }
 
 std::size_t RobotBatch::device_named(const std::string& name, bool takes_commands) const {

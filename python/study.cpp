@@ -3,6 +3,7 @@
 #include "worldio/json/study.hpp"
 #include "base/diagnostics.hpp"
 #include "engine/spec/ticks.hpp"
+#include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "python/bindings.hpp"
 
@@ -12,15 +13,18 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::python {
 namespace {
 
 py::dict read_study(const std::filesystem::path& file, const std::optional<std::string>& text,
-                    const std::optional<std::string>& world) {
+                    const std::optional<std::string>& world, Paths plugin_path,
+                    const py::object& controllers) {
   using namespace py::literals;
-  const engine::Registry registry = make_registry();
+  engine::Registry registry = make_registry();
+  add_plugins(registry, folders_of(std::move(plugin_path)), scripts_of(controllers));
   Diagnostics diagnostics;
   const auto files = diagnostics.files();
   const worldio::Study study =
@@ -52,15 +56,19 @@ py::dict read_study(const std::filesystem::path& file, const std::optional<std::
 }  // namespace
 
 void bind_study(py::module_& module) {
-  module.def("_read_study", &read_study, py::arg("file"), py::arg("text") = py::none(),
-             py::arg("world") = py::none(),
-             "Reads a study of `troupe sweep` and returns it as a dict. text: the text of the study, if it "
-             "is no file. world: the\n"
-             "text of its world, if that is no file. The item \"runs\" is a list with one pair per run: the "
-             "values of the parameters,\n"
-             "as JSON texts, and the seed. Its item \"check_columns\" is a function of the names of the "
-             "measures, which raises\n"
-             "InputError if two columns of the results would have the same name.");
+  module.def(
+      "_read_study", &read_study, py::arg("file"), py::arg("text") = py::none(),
+      py::arg("world") = py::none(), py::arg("plugin_path") = py::tuple(),
+      py::arg("controllers") = py::tuple(),
+      "Reads a study of `troupe sweep` and returns it as a dict. text: the text of the study, if it "
+      "is no file. world: the\n"
+      "text of its world, if that is no file. plugin_path, controllers: as in Simulation(); the study "
+      "may name their measures.\n"
+      "The item \"runs\" is a list with one pair per run: the values of the parameters, as JSON texts, "
+      "and the seed. Its\n"
+      "item \"check_columns\" is a function of the names of the measures, which raises InputError if "
+      "two columns of the results\n"
+      "would have the same name.");
   module.def(
       "_runs_text", [](const std::vector<std::size_t>& runs) { return worldio::runs_text(runs); },
       py::arg("runs"));

@@ -216,9 +216,10 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
       .def("readings", &readings_of, py::arg("field"), py::arg("device") = "",
            "The values of a field of a sensor or another device, an array with the type of the field: shape "
            "(n,) or, if the field\nhas several columns, (n, columns). An empty `device` means the first "
-           "device of each robot that has this field. Raises\nLookupError, whose text lists the known names, "
-           "for an unknown field or device, ValueError if the fields of the robots\ndiffer, and RuntimeError "
-           "if a sensor does not run.")
+           "device of each robot that has this field. `device`\nmay also be the memory of a controller, such "
+           "as \"wander/0\". Raises LookupError, whose text lists the known names, for an\nunknown field or "
+           "device, ValueError if the fields of the robots differ, and RuntimeError if a sensor does not "
+           "run.")
       .def("commands", &commands_of, py::arg("device"),
            "The present commands of the device named `device` of each robot: a dict with one array per field "
            "of the command, of the\nshape that readings() returns. Raises LookupError if a robot has no "

@@ -189,9 +189,11 @@ double Swarm::range_bound(std::string_view sensor) const {
   return ids_.empty() ? 0 : ranger_of(row(0), sensor).device->prepared.reach_m;
 }
 
-/// A field of the readings or commands of a device of one type of robots, and the device.
+/// A field of the readings or commands of a device of one type of robots, and the device; or a field of the
+/// memory of a controller.
 struct Swarm::Cells {
-  const engine::BodyType::Device* device = nullptr;
+  const engine::BodyType::Device* device =
+      nullptr;  ///< null: the field belongs to the memory of a controller
   const engine::StateField* field = nullptr;
   std::size_t index = 0;                         ///< index of the field in `readings`
   const engine::StateTable* readings = nullptr;  ///< null: the field belongs to a command
@@ -199,25 +201,22 @@ struct Swarm::Cells {
 
 namespace {
 
-/// Returns the first device named `name` for which counts(device) is true. Throws std::out_of_range with the
-/// names of all devices for which it is true. what: the sort of these devices, for the error
-template <class Counts>
-const engine::BodyType::Device& device_of(const engine::World& world, Row row, std::string_view what,
-                                          std::string_view name, Counts&& counts) {
-  std::vector<std::string_view> known;
-  for (const engine::BodyType::Device& device : world.type(row).devices) {
-    if (!counts(device)) continue;
-    if (device.name == name) return device;
-    known.push_back(device.name);
-  }
+[[noreturn]] void throw_unknown_device(const engine::World& world, Row row, std::string_view what,
+                                       std::string_view name, std::vector<std::string_view> known) {
   throw std::out_of_range(fmt::format("robot \"{}\": {}", world.spec().name(world.body(row)),
                                       unknown_name(what, name, std::move(known))));
 }
 
-/// As device_of(), for devices that take commands.
+/// Returns the first device named `name` that takes commands. Throws std::out_of_range with the names of all
+/// devices that take commands.
 const engine::BodyType::Device& commanded_device(const engine::World& world, Row row, std::string_view name) {
-  return device_of(world, row, "device that takes commands", name,
-                   [](const engine::BodyType::Device& each) { return each.command_table.has_value(); });
+  std::vector<std::string_view> known;
+  for (const engine::BodyType::Device& device : world.type(row).devices) {
+    if (!device.command_table) continue;
+    if (device.name == name) return device;
+    known.push_back(device.name);
+  }
+  throw_unknown_device(world, row, "device that takes commands", name, std::move(known));
 }
 
 std::size_t index_of(std::span<const engine::StateField> fields, std::string_view name) {
@@ -225,30 +224,44 @@ std::size_t index_of(std::span<const engine::StateField> fields, std::string_vie
                                   fields.begin());
 }
 
-[[noreturn]] void throw_unknown_field(std::string_view what, std::string_view device, std::string_view name,
+/// owner: "device" or "controller", whose name is `its_name`
+[[noreturn]] void throw_unknown_field(std::string_view what, std::string_view owner,
+                                      std::string_view its_name, std::string_view name,
                                       std::span<const engine::StateField> fields) {
   throw std::out_of_range(
-      fmt::format("device \"{}\": {}", device, unknown_name(what, name, name_list(fields))));
+      fmt::format("{} \"{}\": {}", owner, its_name, unknown_name(what, name, name_list(fields))));
 }
 
 }  // namespace
 
 Swarm::Cells Swarm::readings_of(Row row, std::string_view field, std::string_view wanted) const {
-  const auto cells_of = [&](const engine::BodyType::Device& device) -> std::optional<Cells> {
-    const engine::StateTable& table = world_->percepts(device);
+  const auto cells_in = [&](const engine::StateTable& table,
+                            const engine::BodyType::Device* device) -> std::optional<Cells> {
     const std::size_t index = index_of(table.fields(), field);
     if (index == table.fields().size()) return {};
-    return Cells{&device, &table.fields()[index], index, &table};
+    return Cells{device, &table.fields()[index], index, &table};
   };
-  if (!wanted.empty()) {
-    const engine::BodyType::Device& device =
-        device_of(*world_, row, "device", wanted, [](const engine::BodyType::Device&) { return true; });
-    if (const auto cells = cells_of(device)) return *cells;
-    throw_unknown_field("field", device.name, field, world_->percepts(device).fields());
-  }
+  const engine::BodyType& type = world_->type(row);
   std::vector<std::string_view> known;
-  for (const engine::BodyType::Device& device : world_->type(row).devices) {
-    if (const auto cells = cells_of(device)) return *cells;
+  if (!wanted.empty()) {
+    for (const engine::BodyType::Device& device : type.devices) {
+      known.push_back(device.name);
+      if (device.name != wanted) continue;
+      if (const auto cells = cells_in(world_->percepts(device), &device)) return *cells;
+      throw_unknown_field("field", "device", wanted, field, world_->percepts(device).fields());
+    }
+    for (const engine::BodyType::Controller& controller : type.controllers) {
+      if (!controller.table) continue;  // it has no memory
+      const engine::StateTable& memory = world_->tables()[*controller.table];
+      known.push_back(memory.component());
+      if (memory.component() != wanted) continue;
+      if (const auto cells = cells_in(memory, nullptr)) return *cells;
+      throw_unknown_field("field", "controller", wanted, field, memory.fields());
+    }
+    throw_unknown_device(*world_, row, "device", wanted, std::move(known));
+  }
+  for (const engine::BodyType::Device& device : type.devices) {
+    if (const auto cells = cells_in(world_->percepts(device), &device)) return *cells;
     for (const engine::StateField& other : world_->percepts(device).fields())
       if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
   }
@@ -260,7 +273,7 @@ Swarm::Cells Swarm::commands_of(Row row, std::string_view field, std::string_vie
   const engine::BodyType::Device& device = commanded_device(*world_, row, wanted);
   const std::vector<engine::StateField>& fields = device.prepared.commands;
   const std::size_t index = index_of(fields, field);
-  if (index == fields.size()) throw_unknown_field("command", device.name, field, fields);
+  if (index == fields.size()) throw_unknown_field("command", "device", device.name, field, fields);
   return {.device = &device, .field = &fields[index]};
 }
 
@@ -311,7 +324,7 @@ const engine::StateField& Swarm::reading_field(std::string_view field, std::stri
 
 void Swarm::readings(std::span<std::byte> out, std::string_view field, std::string_view device) const {
   for_cells(&Swarm::readings_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
-    if (cells.device->kind->is_sensor() && !world_->senses(row, *cells.device))
+    if (cells.device != nullptr && cells.device->kind->is_sensor() && !world_->senses(row, *cells.device))
       refuse_stopped(*cells.device, world_->spec().name(ids_[i]));
     std::memcpy(out.data() + i * cells.field->bytes(),
                 cells.readings->cell<std::byte>(world_->slot(row), cells.index).data(), cells.field->bytes());

@@ -96,13 +96,15 @@ class Swarm {
   double range_bound(std::string_view sensor = {}) const;
   /// Returns the description (name, type, number of columns, unit) of the field `field` of the readings of
   /// the first robot's device named `device`. An empty `device` means the first device of this robot that has
-  /// this field. The other robots are not checked; readings() does that. Throws std::out_of_range if the
-  /// first robot has no such device or field, and std::logic_error for a swarm without robots.
+  /// this field. `device` may also name the memory of a controller, as in readings(). The other robots are
+  /// not checked; readings() does that. Throws std::out_of_range if the first robot has no such device or
+  /// field, and std::logic_error for a swarm without robots.
   const engine::StateField& reading_field(std::string_view field, std::string_view device = {}) const;
   /// Copies the field `field` of the readings of each robot's device named `device` to `out`. An empty
-  /// `device` means the first device of each robot that has this field. The values are robots x columns,
-  /// row-major, and have the type that reading_field() states. Does nothing for a swarm without robots.
-  /// Throws
+  /// `device` means the first device of each robot that has this field. `device` may also be the component of
+  /// the state with the memories of a controller, such as `wander/0`, unless a device has this name. The
+  /// values are robots x columns, row-major, and have the type that reading_field() states. Does nothing for
+  /// a swarm without robots. Throws
   /// - std::out_of_range if a robot has no such device or field,
   /// - std::invalid_argument if the type or the number of columns differs between robots,
   /// - std::invalid_argument if the size of `out` in bytes is not that of robots x columns values,

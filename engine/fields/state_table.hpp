@@ -43,8 +43,10 @@ constexpr Element element_of() {
   else if constexpr (std::is_same_v<T, std::uint32_t>)
     return Element::u32;
   else {
-    static_assert(std::is_same_v<T, std::uint8_t> || std::is_same_v<T, bool>,
-                  "state fields must be double, float, a 32-bit or 64-bit integer, std::uint8_t or bool");
+    static_assert(
+        std::is_same_v<T, std::uint8_t> || std::is_same_v<T, bool>,
+        "state fields must be double, float, a 32-bit or 64-bit integer, std::uint8_t or bool; store an "
+        "enum as such an integer");
     return Element::u8;
   }
 }

@@ -20,7 +20,7 @@ from typing import Any, Callable, Dict, Iterable, List, NoReturn, Optional, Sequ
 
 import numpy as np
 
-from ._core import InputError, Robots, _units
+from ._core import InputError, Robots, Swarm, _units
 
 _ELEMENTS = ("f8", "f4", "i8", "i4", "u8", "u4", "u1")
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -105,13 +105,22 @@ def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", na
 
 
 def _attribute_hint(error: BaseException) -> str:
-    """Returns a hint for an unknown attribute: a similar one, and for the robots of a controller all that they have."""
+    """Returns a hint for an unknown attribute: a similar one, and for the robots of a controller or measure all that they
+    have."""
     name, owner = getattr(error, "name", None), getattr(error, "obj", None)  # since Python 3.10
     if not isinstance(error, AttributeError) or name is None or owner is None:
         return ""
     known = [each for each in dir(owner) if not each.startswith("_")]
     near = difflib.get_close_matches(name, known, 1)
-    return ((f"; known: {', '.join(known)}" if isinstance(owner, Robots) else "")
+    return ((f"; known: {', '.join(known)}" if isinstance(owner, (Robots, Swarm)) else "")
+            + (f' (did you mean "{near[0]}"?)' if near else ""))
+
+
+def _unknown(what: str, name: str, known: Iterable[str]) -> str:
+    """Returns the text of an error for an unknown name, with the known names and a similar one."""
+    names = sorted(known)
+    near = difflib.get_close_matches(name, names, 1)
+    return (f'unknown {what} "{name}"; known: {", ".join(names) if names else "none"}'
             + (f' (did you mean "{near[0]}"?)' if near else ""))
 
 
@@ -227,12 +236,25 @@ def _require_fit(name: str, field: "np.dtype[Any]", given: Any) -> None:
                                  f"from {least} to {most}")
 
 
+class Parameters(Dict[str, Any]):
+    """The parameters of a controller: names and values. The text of the KeyError for an unknown name lists the names."""
+
+    def __missing__(self, name: str) -> NoReturn:
+        raise KeyError(_unknown("parameter", str(name), self))
+
+
 class Memory(np.ndarray):  # type: ignore[type-arg]
     """The memories of robots: a structured array. Assignments to a field, and to a part of a field, raise TypeError for
     floats in a field of integers, and ValueError for integers that are out of range. They convert floats of other sizes
     as NumPy does, even if they lose digits."""
 
+    def _require_field(self, key: Any) -> None:
+        names = self.dtype.names or ()
+        if isinstance(key, str) and key not in names:
+            raise ValueError(_unknown("field of the memory", key, names))
+
     def __getitem__(self, key: Any) -> Any:
+        self._require_field(key)
         value = super().__getitem__(key)
         if not isinstance(value, Memory) or value.dtype.names is not None:
             return value
@@ -249,7 +271,8 @@ class Memory(np.ndarray):  # type: ignore[type-arg]
         super().__setattr__(name, value)
 
     def __setitem__(self, key: Any, value: Any) -> None:
-        if isinstance(key, str) and key in (self.dtype.names or ()):
+        self._require_field(key)
+        if isinstance(key, str):
             _require_fit(key, self.dtype[key].base, value)
         super().__setitem__(key, value)  # type: ignore[no-untyped-call]
 

@@ -183,6 +183,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
         raise ImportError("troupe.sweep() needs pandas (Debian, Ubuntu: apt install python3-pandas; pip install pandas)") from missing
     runs_at_once = _thread_count(threads)
     world: Any = None
+    kinds = {option: options[option] for option in ("plugin_path", "controllers") if option in options}
     if isinstance(study, Mapping):
         document = dict(study)
         name = os.fspath(name)
@@ -191,12 +192,12 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
             document["world"] = name
         world_text = None if world is None else text_of(dict(world), "/world")
         try:
-            read = _core._read_study(name, text_of(document), world_text)
+            read = _core._read_study(name, text_of(document), world_text, **kinds)
         except _core.InputError as error:
             raise _without_lines(error, name) from None
     elif isinstance(study, (str, bytes, os.PathLike)):
         name = os.fsdecode(study)
-        read = _core._read_study(name)
+        read = _core._read_study(name, **kinds)
     else:
         raise TypeError(f"study: found {study!r}: give a dict or a path")
     if series is not None:

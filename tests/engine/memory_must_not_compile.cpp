@@ -9,10 +9,12 @@
 #define CONSTRUCTED 5
 #define STRING 6
 #define ALIGNED 7
+#define ENUM 8
 
 struct Nested {
   double x = 0;
 };
+enum State : std::uint8_t { walking, resting };
 
 #if FAULT == ALIGNED
 #define ALIGNMENT alignas(64)
@@ -34,6 +36,9 @@ struct ALIGNMENT Memory {
 #elif FAULT == NESTED
   Nested nested;
   TROUPE_FIELDS(turn_left_s, count, nested)
+#elif FAULT == ENUM
+  State state = walking;
+  TROUPE_FIELDS(turn_left_s, count, state)
 #elif FAULT == CONSTRUCTED
   Memory() {}
   TROUPE_FIELDS(turn_left_s, count)

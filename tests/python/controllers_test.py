@@ -201,6 +201,18 @@ class Controllers(InAFolder):
         with self.assertRaisesRegex(LookupError, 'unknown measure "reach"; known: count, edge_m'):
             measures["reach"]
 
+    def test_a_measure_reads_the_memories_of_controllers(self):
+        self.write("my.py", "import troupe\n\n\n@troupe.measure\ndef turn(robots):\n    return robots.readings('turn', 'roam/0')[7]\n")
+        world = troupe.Simulation("w.json", controllers=["roam.py", "my.py"])
+        world.step(3)
+        memories = world.table("roam/0")
+        order = np.argsort(memories.ids)
+        self.assertEqual(troupe.Measures(world, ["my:turn"]).values()[0], memories["turn"][order][7])
+        np.testing.assert_array_equal(world.swarm("r").readings("seen", "roam/0"), memories["seen"][order])
+        self.write("my.py", "import troupe\n\n\n@troupe.measure\ndef turn(robots):\n    return robots.memory['turn'][7]\n")
+        made = self.troupe("run", "w.json", "--controller", "my.py", "--measures", "m.csv", "--measure", "my:turn", code=1)
+        self.assertRegex(made.stderr, r"my.py:6: AttributeError: .*'memory'; known: .*, readings, ")
+
     def test_two_functions_cannot_have_the_same_column(self):
         world = troupe.Simulation("w.json")
         for wanted in ([lambda robots: 1.0, lambda robots: 2.0], ["stalls", troupe.measure(name="stalls")(lambda robots: 1.0)]):
@@ -559,6 +571,27 @@ class Controllers(InAFolder):
         tuned.decide = lambda self, robots: robots.params.update(speed=1)
         with self.assertRaisesRegex(troupe.StepError, "AttributeError"):
             troupe.Simulation("w.json", controllers=type("other", (tuned,), {})).step()
+
+    def test_unknown_parameters_and_fields_of_the_memory_are_named(self):
+        acts = []
+
+        class tuned(troupe.Controller):
+            robots = "r"
+            params = {"speed": 0.5, "turn": 1.0}
+            memory = {"left": "u4", "steps": "u4"}
+
+            def decide(self, robots):
+                acts[-1](robots)
+
+        no_field = r'ValueError: unknown field of the memory "lef"; known: left, steps \(did you mean "left"\?\)'
+        for act, text in (
+            (lambda robots: robots.params["sped"], r"""KeyError: 'unknown parameter "sped"; known: speed, turn \(did you mean "speed"\?\)'"""),
+            (lambda robots: robots.memory["lef"], no_field),
+            (lambda robots: robots.memory.__setitem__("lef", 1), no_field),
+        ):
+            acts.append(act)
+            with self.subTest(text), self.assertRaisesRegex(troupe.StepError, text):
+                troupe.Simulation("w.json", controllers=tuned).step()
 
     def test_values_that_do_not_fit_a_field_of_the_memory_are_errors(self):
         acts = []

@@ -26,6 +26,8 @@ except ImportError:
     print("skipped: there is no pandas")
     sys.exit(77)
 
+PLUGINS = pathlib.Path(os.environ["PYTHONPATH"].split(":")[0]).parents[2] / "plugins" / "plugins"
+
 WORLD = {
     "troupe": 1,
     "bounds_m": [[-5, -5], [5, 5]],
@@ -150,6 +152,22 @@ class Sweep(unittest.TestCase):
         self.assertIn("fine", troupe.sweep(study).columns)
         with self.assertRaisesRegex(troupe.InputError, '^dict.json: error: /measures/0: unknown measure "finer"'):
             troupe.sweep({**study, "measures": ["finer"]})
+
+    def test_the_study_may_name_measures_of_plugins_and_scripts(self):
+        with tempfile.TemporaryDirectory() as folder:
+            script = pathlib.Path(folder) / "my.py"
+            script.write_text("import troupe\n\n\n@troupe.measure\ndef count(robots):\n    return len(robots)\n")
+            file = pathlib.Path(folder) / "study.json"
+            (file.parent / "world.json").write_text(json.dumps(WORLD))
+            study = {**STUDY, "measures": ["my:count", "crowd", {"kind": "crowd:beyond", "x_m": -9}], "statistics": ["last"]}
+            file.write_text(json.dumps({**study, "world": "world.json"}))
+            for given in study, file:
+                table = troupe.sweep(given, plugin_path=PLUGINS, controllers=script)
+                self.assertEqual(list(table["my:count"]), [2] * 3 + [4] * 3)
+                self.assertGreater(table["crowd_m"].min(), 0)
+                self.assertEqual(list(table["crowd:beyond"]), [21] * 6)  # tick 0 and 20 ticks
+                with self.assertRaisesRegex(troupe.InputError, 'unknown measure "my"; .* give --controller my.py'):
+                    troupe.sweep(given, plugin_path=[PLUGINS])
 
     def test_a_wrong_study_or_number_of_threads_is_named(self):
         for wrong, error, text in (

@@ -377,6 +377,49 @@ TEST(SwarmDevices, AreFoundByAFieldOfTheirCommand) {
   EXPECT_THAT(all.devices_with_command("ranges"), testing::IsEmpty());
 }
 
+TEST(SwarmDevices, IncludeTheMemoriesOfControllers) {
+  constexpr std::string_view k_world = R"({
+    "troupe": 1, "arena": {"size_m": [4, 4]},
+    "types": {
+      "bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"}, "controller": {"kind": "wander"}, "sensors": [
+        {"name": "eye", "kind": "ranger", "transducers": [{"range_max_m": 3, "fov_deg": 90, "samples": 9}]}]},
+      "fast": {"extends": "bot", "controller": {"kind": "wander", "cruise_speed_mps": 1}},
+      "still": {"extends": "bot", "controllers": []}
+    },
+    "populations": [
+      {"name": "f", "type": "fast", "count": 5, "place": {"rule": "uniform"}},
+      {"name": "b", "type": "bot", "count": 20, "place": {"rule": "uniform"}},
+      {"name": "s", "type": "still", "count": 1, "place": {"rule": "uniform"}}]
+  })";
+  Simulation simulation = yard(k_world);
+  simulation.run_for(2);
+  const Swarm bots = simulation.swarm("b");
+  std::vector<std::int32_t> expected(bots.size());
+  std::size_t found = 0;
+  for (const engine::StateTable& table : simulation.world().tables()) {
+    if (table.component() != "wander/0") continue;
+    const auto field = std::ranges::find(table.fields(), "avoid_updates", &engine::StateField::name);
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      const auto at = std::ranges::find(bots.ids(), table.ids()[row]);
+      if (at == bots.ids().end()) continue;
+      ++found;
+      expected[static_cast<std::size_t>(at - bots.ids().begin())] =
+          table.cell<std::int32_t>(row, static_cast<std::size_t>(field - table.fields().begin()))[0];
+    }
+  }
+  ASSERT_EQ(found, bots.size());
+  EXPECT_GT(std::ranges::max(expected), 0);
+  EXPECT_EQ(read<std::int32_t>(bots, "avoid_updates", "wander/0"), expected);
+  std::vector<std::byte> bytes(4);
+  EXPECT_THAT(message_of<std::out_of_range>([&] { bots.readings(bytes, "avoid", "wander/0"); }),
+              HasSubstr("controller \"wander/0\": unknown field \"avoid\"; known: "));
+  EXPECT_THAT(message_of<std::out_of_range>([&] { bots.readings(bytes, "avoid", "wander"); }),
+              HasSubstr("robot \"b0\": unknown device \"wander\"; known: eye, wander/0"));
+  EXPECT_THAT(
+      message_of<std::out_of_range>([&] { simulation.swarm("s").readings(bytes, "avoid", "wander/0"); }),
+      HasSubstr("robot \"s0\": unknown device \"wander/0\"; known: eye"));
+}
+
 TEST(SwarmDevices, SayWhatIsWrong) {
   Simulation simulation = yard(k_talkers);
   Swarm all = simulation.swarm();

@@ -119,6 +119,14 @@ TEST(Arena, PopulationsFillIt) {
   ASSERT_THAT(loaded.found, IsEmpty());
   for (std::size_t i = 2; i < loaded.spec.bodies.size(); ++i)
     EXPECT_LT(loaded.spec.bodies[i].pose_world_body.position().cwiseAbs().maxCoeff(), 0.95);
+  EXPECT_THAT(
+      LoadedArena(
+          world(
+              R"("arena": {"size_m": [2, 2]}, "types": {"bot": {"size_m": [0.2, 0.2, 0.1], "drive": {"kind": "diff"}}},
+    "populations": [{"name": "r", "type": "bot", "count": 20, "place": "uniform"}])"))
+          .found,
+      ElementsAre(
+          R"(maze.json:3: error: /populations/0/place: expected an object such as {"rule": "uniform"}, found the text "uniform")"));
 }
 
 TEST(WallLine, HasMitredCornersAndIsClosedWhenItsEndsMeet) {
@@ -136,6 +144,35 @@ TEST(WallLine, HasMitredCornersAndIsClosedWhenItsEndsMeet) {
   EXPECT_EQ(loaded.type("ring").parts.front().solids.size(), 3u);
   EXPECT_EQ(loaded.type("ring").parts.front().solids[0].z, (ZInterval{0, 0.5}));
   EXPECT_TRUE(loaded.spec.bounds->max.isApprox(Vec2(12, 2)));
+}
+
+TEST(WallLine, RobotsOnBothSidesOfClosedWallsAreAWarning) {
+  const auto found = [](const std::string& line, const std::string& plan, const std::string& place,
+                        const std::string& drive = R"(, "drive": {"kind": "diff"})") {
+    return LoadedArena(
+               world(R"("bounds_m": [[-4, -2], [4, 2]], "floorplans": [{"name": "ring", "thickness_m": 0.02,
+      "pose": {"x_m": 2}, "walls_m": )" +
+                     line + plan + R"(}], "types": {"bot": {"size_m": [0.1, 0.1, 0.1])" + drive + R"(}},
+    "populations": [
+      {"name": "q", "type": "bot", "count": 2, "reserve": 3, "place": {"rule": "uniform", "region_m": [[-4, -2], [-3, 2]]}},
+      {"name": "r", "type": "bot", "count": 40, "place": )" +
+                     place + "}]"))
+        .found;
+  };
+  const std::string closed = "[[1.9, 0], [0, 1.9], [-1.9, 0], [0, -1.9], [1.9, 0]]";
+  const std::string uniform = R"({"rule": "uniform"})";
+  EXPECT_THAT(found(closed, "", uniform),
+              ElementsAre(testing::MatchesRegex(
+                  "maze.json:6: warning: /populations/1/place: \"r[0-9]+\" starts inside the closed walls of "
+                  "floor plan \"ring\", and \"r[0-9]+\" outside: use the rule free_floor, or give a "
+                  "\"polygon_m\" on one side of the walls")));
+  EXPECT_THAT(found("[[1.9, 0], [0, 1.9], [-1.9, 0], [0, -1.9]]", "", uniform), IsEmpty());
+  EXPECT_THAT(found(closed, R"(, "obstacle": false)", uniform), IsEmpty());
+  EXPECT_THAT(found(closed, "", uniform, R"(, "gripper_return": true)"), IsEmpty());  // no robots
+  EXPECT_THAT(found(closed, "", R"({"rule": "free_floor", "from_m": [2, 0]})"), IsEmpty());
+  EXPECT_THAT(
+      found(closed, "", R"({"rule": "uniform", "polygon_m": [[3.8, 0], [2, 1.8], [0.2, 0], [2, -1.8]]})"),
+      IsEmpty());
 }
 
 TEST(WallLine, Errors) {
@@ -467,8 +504,9 @@ TEST_F(IncludeTest, AWrongValueOfABaseCausesNoErrorInAnHeir) {
   const std::string slow = R"("drive": {"speed_max_mps": 0.1})";
   EXPECT_THAT(found(box + R"("drive": 3)", slow), one("/drive: expected an object, found the number 3"));
   EXPECT_THAT(found(box + R"("drive": {})", slow), one("/drive: missing \"kind\""));
-  EXPECT_THAT(found(box + R"("controller": "wander")", R"("controller": {"period_s": 1})"),
-              one("/controller: expected an object, found the text \"wander\""));
+  EXPECT_THAT(
+      found(box + R"("controller": "wander")", R"("controller": {"period_s": 1})"),
+      one("/controller: expected an object such as {\"kind\": \"wander\"}, found the text \"wander\""));
   EXPECT_THAT(found(box + R"("sensors": {"name": "ir"})", R"("sensors": [{"name": "ir"}])"),
               one("/sensors: expected a list, found an object"));
   EXPECT_THAT(found(box + R"("sensors": [{"name": "ir"}])", R"("sensors": [{"name": "ir", "period_s": 1}])"),

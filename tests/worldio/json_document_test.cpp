@@ -294,7 +294,9 @@ TEST(JsonDocument, SetNamesTheTypeFromWhichATypeInheritsTheKeyOfThePointer) {
           "the inherited key in /types/bot, or add a \"drive\" to this type",
           "--set /types/spy/devise/name: error: /types/spy has no key \"devise\" (did you mean "
           "\"device\"?)",
-          "--set /types/a/drive/period_s: error: /types/a has no key \"drive\""));
+          "--set /types/a/drive/period_s: error: /types/a has no key \"drive\": to add it, set "
+          "/types/a/drive as "
+          "a whole"));
 }
 
 }  // namespace

@@ -31,6 +31,9 @@ using engine::PlacementRule;
 using engine::WorldSpec;
 
 constexpr double k_wall_height_m = 1;  // default height of walls along a line
+/// Number of robots of a population that are compared with closed walls. More would take long in worlds with
+/// millions of robots.
+constexpr std::size_t k_most_located = 10'000;
 const partition::ObstacleShape k_no_shape;
 
 struct Model {
@@ -111,6 +114,7 @@ class WorldExpander {
   void check_population_of(const Model& model, const DocumentPath& at);
   void name_parts(const Model& model, BodyId body);
   void add_to_reserve(const std::string& population, BodyId body, TypeId type);
+  void report_separated_robots(std::size_t first);
   void report_repeated_names();
 
   /// Returns the id of the type whose key in `types` is `name`. If there is none, reports an error at the key
@@ -410,6 +414,7 @@ void WorldExpander::place_bodies() {
   engine::place(populations_, spec_, occupancy,
                 {.threads = options_.threads, .most_bodies = options_.most_bodies}, diagnostics_);
   occupancy.crowd() = engine::Crowd();  // place_again() does not read it, and it is large
+  if (!diagnostics_.has_errors()) report_separated_robots(first);
   if (options_.populations)
     for (const engine::PopulationSpec& population : populations_)
       options_.populations->push_back(population.name);
@@ -420,6 +425,35 @@ void WorldExpander::place_bodies() {
     engine::place_again(populations, std::span(bodies).subspan(first), seed, bounds, *kept, of_models, found);
     found.throw_if_errors();
   };
+}
+
+/// Warns of each population whose robots start on both sides of the closed walls of a floor plan. The rule
+/// `uniform` places them so in a round arena, because its region is a rectangle. first: index of the first
+/// body of a population
+void WorldExpander::report_separated_robots(std::size_t first) {
+  for (const FloorplanDocument& plan : document_.floorplans) {
+    if (!plan.walls || !is_closed(*plan.walls) || !plan.returns.obstacle) continue;
+    const Solid area = placed(Solid{.contours = {*plan.walls}}, plan.pose);
+    const auto is_inside = [&area](const BodySpec& body) {
+      return contains(area, body.pose_world_body.position());
+    };
+    std::size_t next = first;
+    for (const engine::PopulationSpec& population : populations_) {
+      const std::span<const BodySpec> robots =
+          std::span(spec_.bodies).subspan(next, std::min(population.count, k_most_located));
+      next += population.count + population.reserve;
+      if (!engine::is_mobile(spec_.types[population.type.index()])) continue;
+      const auto inside = std::ranges::find_if(robots, is_inside);
+      const auto outside = std::ranges::find_if_not(robots, is_inside);
+      if (inside == robots.end() || outside == robots.end()) continue;
+      diagnostics_.warning(
+          population.where_place,
+          fmt::format(
+              "{}: \"{}\" starts inside the closed walls of floor plan \"{}\", and \"{}\" outside: use "
+              "the rule free_floor, or give a \"polygon_m\" on one side of the walls",
+              population.path, spec_.names.text(inside->name), plan.name, spec_.names.text(outside->name)));
+    }
+  }
 }
 
 /// Reports every type whose shape is too complex for placing bodies, even if the type has no bodies.

@@ -269,9 +269,10 @@ Result<JsonNode*> child_to_set(JsonNode& node, const JsonNode& around, const std
   if (is_last) return &members->emplace_back(JsonMember{token, where, {}}).node;
   std::vector<std::string_view> known;
   for (const JsonMember& m : *members) known.push_back(m.key);
-  const std::string inherited = base_hint(around, node, token);
-  return Error{fmt::format("{} has no key \"{}\"{}", name, token,
-                           inherited.empty() ? did_you_mean(token, known) : inherited)};
+  std::string hint = base_hint(around, node, token);
+  if (hint.empty()) hint = did_you_mean(token, known);
+  if (hint.empty()) hint = fmt::format(": to add it, set {} as a whole", path);
+  return Error{fmt::format("{} has no key \"{}\"{}", name, token, hint)};
 }
 
 }  // namespace

@@ -42,8 +42,8 @@ void JsonCursor::expected(std::string_view what) const {
   error(fmt::format("expected {}, found {}", what, node_->describe()));
 }
 
-JsonObject::JsonObject(const JsonCursor& at) : at_(at), members_(at.node().object()) {
-  if (!members_) at.expected("an object");
+JsonObject::JsonObject(const JsonCursor& at, std::string_view what) : at_(at), members_(at.node().object()) {
+  if (!members_) at.expected(what);
 }
 
 const JsonNode* JsonObject::find(std::string_view key) {

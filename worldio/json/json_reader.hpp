@@ -76,8 +76,9 @@ class JsonCursor : public DocumentPath {
 /// reports all other keys as unknown. The cursor must outlive the JsonObject, which refers to it.
 class JsonObject {
  public:
-  /// Reports an error if the value at the cursor is not an object. find() then returns null for every key.
-  explicit JsonObject(const JsonCursor& at);
+  /// Reports the error `expected WHAT, found ...` if the value at the cursor is not an object. find() then
+  /// returns null for every key.
+  explicit JsonObject(const JsonCursor& at, std::string_view what = "an object");
 
   const JsonCursor& at() const { return at_; }
   bool is_object() const { return members_ != nullptr; }

@@ -367,12 +367,21 @@ void ObjectReader::check_rule(const DocumentRule& rule) const {
     at_.error(rule.several.empty() ? rule.none : rule.several);
 }
 
+/// Returns what the error for a value that is no object says is expected. A text in place of the object is
+/// probably its kind, as in `"drive": "diff"`, or its variant, as in `"place": "uniform"`.
+std::string expected_object(const JsonNode& found, const DocumentTable& table) {
+  const std::string* text = found.text();
+  const std::string_view key = table.kinds ? "kind" : table.variant;
+  if (!text || key.empty()) return "an object";
+  return fmt::format("an object such as {{\"{}\": \"{}\"}}", key, *text);
+}
+
 }  // namespace
 
 void read_described(const JsonCursor& at, const DocumentTable& table, const DocumentReading& reading,
                     void* object) {
   if (!table.shorthand || at.node().object()) {
-    JsonObject keys(at);
+    JsonObject keys(at, expected_object(at.node(), table));
     return ObjectReader(keys, table, reading, object).read();
   }
   table.placed(object).where = at.where();

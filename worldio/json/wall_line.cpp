@@ -19,7 +19,7 @@ constexpr double k_least_cosine = -0.966;
 class WallCorners {
  public:
   WallCorners(const Ring& line, double thickness)
-      : line_(line), half_(thickness / 2), closed_(line.size() > 2 && line.front() == line.back()) {
+      : line_(line), half_(thickness / 2), closed_(is_closed(line)) {
     if (closed_) line_.pop_back();
     for (std::size_t i = 0; i < line_.size(); ++i) {
       const Vec2 offset = mitre(i);
@@ -57,6 +57,8 @@ class WallCorners {
 };
 
 }  // namespace
+
+bool is_closed(const Ring& line) { return line.size() > 2 && line.front() == line.back(); }
 
 Result<> check_wall_line(const Ring& line, double thickness) {
   if (line.size() < 2) return Error{fmt::format("expected at least 2 points, found {}", line.size())};

@@ -7,15 +7,16 @@
 
 namespace troupe::worldio {
 
+/// Whether a line of walls is closed: it has three or more points and ends at its first point. The walls of a
+/// closed line also have a corner at this point.
+bool is_closed(const Ring& line);
+
 /// Checks that walls can be built along a line. `line` has the points, m, of the line along the middle of the
 /// walls, and `thickness` is the thickness of the walls, m. Returns an error in these cases:
 /// - The line has fewer than two points.
 /// - A point is equal to the point before it.
 /// - The line turns by more than 165 degrees at a point.
 /// - A segment is too short for the thickness: the mitred corners at its two ends overlap.
-///
-/// If a line of three or more points ends at its first point, it is closed: the walls also have a corner
-/// at this point.
 Result<> check_wall_line(const Ring& line, double thickness);
 
 /// Returns the walls along a line, in the frame of its points: one prism per segment, from z = 0 to `height`,
