@@ -201,6 +201,32 @@ class Checkers(unittest.TestCase):
                 pettingzoo.test.parallel_seed_test(lambda task=task: troupe.envs.ParallelEnv(task), num_cycles=50)
 
 
+    def test_the_state_has_the_observations_of_all_agents(self):
+        for make in (Short, Carts, Births, Looker):
+            with self.subTest(make.__name__):
+                env = troupe.envs.ParallelEnv(make())
+                aec = pettingzoo.utils.parallel_to_aec(troupe.envs.ParallelEnv(make()))
+                with warnings.catch_warnings(record=True):  # of spaces with infinite bounds
+                    warnings.simplefilter("always")
+                    pettingzoo.test.state_test(aec, env)
+        env = troupe.envs.ParallelEnv(Births())
+        self.assertEqual({*env.observation_spaces}, {*env.action_spaces}, {*env.possible_agents})
+        observations, _ = env.reset(seed=1)
+        rows = env.state().reshape(5, 12)
+        for row, agent in zip(rows, ("r0", "r1", "r2")):
+            self.assertEqual(row.tolist(), observations[agent].tolist())
+        self.assertFalse(rows[3:].any(), "r3 and r4 are not in the world")
+        finished = troupe.envs.ParallelEnv(Births(finishes=True))
+        finished.reset(seed=1)
+        last, *_ = finished.step({})
+        self.assertEqual(finished.agents, [])
+        self.assertEqual(finished.state()[:12].tolist(), last["r0"].tolist())
+        walkers = troupe.envs.ParallelEnv(Walkers())
+        observations, _ = walkers.reset(seed=1)
+        row, cart = walkers.state(), observations["cart"]
+        self.assertEqual(row.shape, (8 * 4 + 5 + 4,))
+        self.assertTrue(np.array_equal(row[-9:], np.concatenate([cart["eye"], cart["where"]])))
+
     def test_actions_have_the_shape_of_the_space(self):
         env = troupe.envs.Env(Short(2))
         env.reset(seed=1)

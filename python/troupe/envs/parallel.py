@@ -6,6 +6,7 @@ import copy
 from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
+import numpy.typing as npt
 from gymnasium import spaces
 from gymnasium.utils import EzPickle
 from pettingzoo import ParallelEnv as _ParallelEnv
@@ -29,6 +30,8 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
     episodes     an episode ends for all agents after task.seconds, and for a single agent when its robot is finished
                  (by Team.ends, Task.terminated() or the world's `stop_when`) or dies. A robot that is born during an
                  episode becomes an agent at that time
+    spaces       observation_spaces and action_spaces are dicts with one space per possible agent; state_space is the
+                 space of state()
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
     pickle       a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
@@ -64,14 +67,23 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         self.possible_agents = list(self._places)
         self.agents: List[str] = []
         self._met: Dict[str, bool] = {}  # whether each agent of this episode is finished
-        self._observation_spaces = {name: _same(self._batch.observation_spaces[t]) for name, (t, _) in self._places.items()}
-        self._action_spaces = {name: _same(self._batch.action_spaces[t]) for name, (t, _) in self._places.items()}
+        self.observation_spaces = {name: _same(self._batch.observation_spaces[t]) for name, (t, _) in self._places.items()}
+        self.action_spaces = {name: _same(self._batch.action_spaces[t]) for name, (t, _) in self._places.items()}
+        self._observed_by_all = spaces.Tuple([self.observation_spaces[name] for name in self.possible_agents])
+        self.state_space = spaces.flatten_space(self._observed_by_all)
 
     def observation_space(self, agent: str) -> Any:
-        return self._observation_spaces[agent]
+        return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> Any:
-        return self._action_spaces[agent]
+        return self.action_spaces[agent]
+
+    def state(self) -> npt.NDArray[Any]:
+        """Returns the observations of all possible agents after the last step as one row, for methods that train a central
+        critic: the observations, flattened, in the order of `possible_agents`. The row has the same length in all steps: it
+        also has the observations of finished robots, and zeros for robots that are not in the world."""
+        observations = tuple(self._observations(self.possible_agents).values())
+        return np.asarray(spaces.flatten(self._observed_by_all, observations))
 
     def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[_PerAgent, _PerAgent]:
         """Begins an episode and returns (observations, infos), dicts by agent, of the robots that are in the world.
