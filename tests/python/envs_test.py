@@ -126,6 +126,23 @@ class Births(troupe.envs.Task):
         return np.ones((batch.copies, 5), np.bool_) if self.finishes else None
 
 
+class Telling(Short):
+    """A task with infos. An option sets the number that `begin` gives the robots of the copies that begin an episode."""
+
+    def begin(self, batch, copies):
+        numbers = batch.memory.setdefault("numbers", np.zeros((batch.copies, 2), np.int64))
+        numbers[copies] = batch.options.get("number", 7)
+
+    def info(self, batch, team):
+        robots = len(batch.names[team])
+        return {
+            "reward": batch.core.rewards(team),
+            "is_close": batch.array("goal", team)[..., 2] < 1,
+            "number": batch.memory["numbers"][:, :robots],
+            "goal": batch.array("goal", team)[..., :2],
+        }
+
+
 def fixed_actions(space, step):
     """Returns actions that depend only on the step, so that all environments get the same actions."""
     space.seed(step)
@@ -412,6 +429,63 @@ class Vector(unittest.TestCase):
                             return made
 
                         self.same_as_sync(make, mode)
+
+    def test_infos_are_those_of_the_single_environment(self):
+        for mode in AutoresetMode:
+            with self.subTest(mode):
+                self.same_as_sync(Telling, mode)
+
+    def test_options_of_a_reset_reach_the_task(self):
+        env = troupe.envs.VectorEnv(Telling(), 6)
+        _, infos = env.reset(seed=1, options={"number": 2})
+        self.assertEqual(infos["number"].tolist(), [2] * 6)
+        mask = np.repeat([False, True, False], 2)
+        _, infos = env.reset(options={"reset_mask": mask, "number": 3})
+        self.assertEqual(infos["number"].tolist(), [0, 0, 3, 3, 0, 0])
+        self.assertEqual(infos["_number"].tolist(), mask.tolist())
+        _, rewards, _, _, infos = env.step(env.action_space.sample())
+        self.assertEqual(infos["number"].tolist(), [2, 2, 3, 3, 2, 2])
+        self.assertEqual(infos["reward"].tolist(), rewards.tolist())
+        self.assertEqual(infos["goal"].shape, (6, 2))
+        for _ in range(40):  # at least one more episode
+            infos = env.step(np.zeros((6, 2)))[4]
+        self.assertEqual(infos["number"].tolist(), [7] * 6, "an episode that begins in a step has no options")
+        parallel = troupe.envs.ParallelEnv(Telling())
+        for options, number in (({"number": 4}, 4), (None, 7)):
+            _, infos = parallel.reset(options=options)
+            self.assertEqual([infos[agent]["number"] for agent in ("r0", "r1")], [number, number])
+        _, rewards, _, _, infos = parallel.step({})
+        self.assertEqual({agent: info["reward"] for agent, info in infos.items()}, rewards)
+        single = troupe.envs.Env(Telling())
+        self.assertEqual(single.reset(options={"number": 5})[1]["number"], 5)
+        for env in (env, parallel, single):
+            with self.assertRaises(TypeError) as raised:
+                env.reset(options=3)
+            self.assertEqual(str(raised.exception), "options: found 3: give a dict")
+
+    def test_infos_are_not_broadcast(self):
+        class Wrong(Short):
+            def info(self, batch, team):
+                return self.infos
+
+        task = Wrong(2)
+        batch = troupe.envs.Batch(task, 3, threads=1)
+        batch.reset()
+        of = 'Wrong.info(), team "team0": '
+        for infos, error, text in (
+            ({"x": np.zeros(2)}, ValueError, 'must return an array of the shape (3, 2) (copies, robots of "x"), found (2,)'),
+            ({"x": 1.0}, ValueError, 'must return an array of the shape (3, 2) (copies, robots of "x"), found ()'),
+            ({"x": np.full((3, 2), "a")}, ValueError, "must return real numbers, found elements of the type <U1"),
+            ([1], TypeError, "must return a dict from names to arrays, found [1]"),
+            ({"_x": np.zeros((3, 2))}, ValueError, "found the name '_x': give a text that does not begin with an underscore and is "
+                                                   "none of finished, alive, final_obs, final_info"),
+            ({"alive": np.zeros((3, 2))}, ValueError, "found the name 'alive': give a text that does not begin with an underscore "
+                                                      "and is none of finished, alive, final_obs, final_info"),
+        ):
+            task.infos = infos
+            with self.subTest(text), self.assertRaises(error) as raised:
+                batch.infos()
+            self.assertEqual(str(raised.exception), of + text)
 
     def test_threads_do_not_show(self):
         runs = []

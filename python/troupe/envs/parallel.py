@@ -13,7 +13,7 @@ from pettingzoo import ParallelEnv as _ParallelEnv
 
 from .batch import one_copy
 from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer, render_metadata
-from .single import checked, first_of
+from .single import checked, first_of, info_of
 from .task import Task, require_task
 
 _PerAgent = Dict[str, Any]
@@ -86,13 +86,13 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         return np.asarray(spaces.flatten(self._observed_by_all, observations))
 
     def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[_PerAgent, _PerAgent]:
-        """Begins an episode and returns (observations, infos), dicts by agent, of the robots that are in the world.
-        `options` is ignored."""
-        self.batch.reset(seeds=[] if seed is None else [seed])
+        """Begins an episode and returns (observations, infos), dicts by agent, of the robots that are in the world. An info
+        has the values that Task.info() returns. options: a dict for Task.begin(), which finds it as batch.options."""
+        self.batch.reset(seeds=[] if seed is None else [seed], options=options)
         self.renderer.begin(self.batch)
         self.agents = [agent for agent in self.possible_agents if self._is_alive(agent)]
         self._met = {agent: False for agent in self.agents}
-        return self._observations(self.agents), {agent: {} for agent in self.agents}
+        return self._observations(self.agents), self._infos(self.agents)
 
     def step(self, actions: _PerAgent) -> Tuple[_PerAgent, _PerAgent, _PerAgent, _PerAgent, _PerAgent]:
         """Advances the world by one step. actions: a dict with one action per agent; the action of a missing agent is
@@ -132,7 +132,7 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
             rewards,
             terminations,
             {agent: truncated for agent in told},
-            {agent: {} for agent in told},
+            self._infos(told),
         )
 
     def _is_alive(self, agent: str) -> bool:
@@ -146,6 +146,11 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         of_teams = [self.batch.observations(team) for team in range(len(self.batch.teams))]
         places = {agent: self._places[agent] for agent in agents}
         return {agent: first_of(of_teams[team], 0, row) for agent, (team, row) in places.items()}
+
+    def _infos(self, agents: List[str]) -> _PerAgent:
+        of_teams = [self.batch.infos(team) for team in range(len(self.batch.teams))]
+        places = {agent: self._places[agent] for agent in agents}
+        return {agent: info_of(of_teams[team], 0, row) for agent, (team, row) in places.items()}
 
     def close(self) -> None:
         super().close()

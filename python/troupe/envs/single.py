@@ -22,6 +22,11 @@ def first_of(observations: Any, *index: int) -> Any:
     return observations[index]
 
 
+def info_of(infos: Dict[str, npt.NDArray[Any]], *index: int) -> Dict[str, Any]:
+    """Returns the elements at `index` of the arrays of Batch.infos(): numbers and bools of Python, or arrays."""
+    return {name: array[index].item() if array.ndim == len(index) else array[index] for name, array in infos.items()}
+
+
 def checked(action: Any, space: "gymnasium.Space[Any]", what: str) -> npt.NDArray[Any]:
     """Returns an action as an array. Raises ValueError unless it has the shape of the action space, and, if the space is
     discrete, consists of whole numbers. what: the name of the action in the error text."""
@@ -46,6 +51,8 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
                  seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
     pickle       a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
                  needs a reset()
+    options and  a dict `options` that reset() is given is passed to Task.begin(), as batch.options; the infos of reset() and
+    infos        step() have the values that Task.info() returns
     errors       TypeError if `task` is not a Task; ValueError if the task has several teams; LookupError if no robot has
                  the name `robot`; RuntimeError after close()
     """
@@ -78,9 +85,9 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
         if seed is not None:
             seed = _seed_of(seed)  # first, because Gymnasium has other errors for wrong seeds, and rejects NumPy's integers
         super().reset(seed=seed)
-        self.batch.reset(seeds=[seed])
+        self.batch.reset(seeds=[seed], options=options)
         self.renderer.begin(self.batch)
-        return first_of(self.batch.observations(), 0, 0), {}
+        return first_of(self.batch.observations(), 0, 0), info_of(self.batch.infos(), 0, 0)
 
     def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
         batch = self.batch
@@ -90,5 +97,5 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
             float(batch.core.rewards()[0, 0]),
             bool(batch.core.terminated()[0, 0]),
             bool(batch.core.truncated[0]),
-            {},
+            info_of(batch.infos(), 0, 0),
         )

@@ -80,7 +80,8 @@ class Task:
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
         """Called after some copies have begun an episode. copies: one bool per copy, True for the copies that have
-        begun one. By default it does nothing."""
+        begun one. batch.options has the options that reset() of the environment was given. By default it does
+        nothing."""
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
@@ -107,6 +108,15 @@ class Task:
         bounds -1 and 1. In the rows of robots that are not in the world, the columns are replaced by 0. Also called
         before the first episode, to find the number of columns, which must not change later. A result of another shape,
         and any result but None for an array whose part has a "shape", raises ValueError."""
+        return None
+
+    def info(self, batch: "Batch", team: int) -> Optional[Dict[str, npt.NDArray[Any]]]:
+        """Returns values that the environments return in their infos, such as the terms of a reward: a dict from names to
+        arrays of numbers or bools, copies x robots or copies x robots x further axes, or None for no values. Called by
+        each reset, after begin(), and by each step, after terminated(). Robots that are not in the world also have elements. A
+        result of another shape or type makes the reset or the step raise ValueError or TypeError, and so does a name
+        that the environments use themselves: `finished`, `alive`, `final_obs`, `final_info` and names that begin with
+        an underscore."""
         return None
 
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:

@@ -37,7 +37,7 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
                     the robot. Its rewards in the steps after that step are 0. With AutoresetMode.SAME_STEP, the step
                     that ends an episode returns these two infos of the ended episode in infos["final_info"]. If a robot
                     has not been born yet, infos["alive"] is False for the robot, its observation and its rewards are 0,
-                    and its episode ends with that of its copy
+                    and its episode ends with that of its copy. The infos also have the values that Task.info() returns
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
                     with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
                     the same seed. The seeds of later episodes of the copy are derived from this seed
@@ -98,19 +98,25 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         seed: Union[None, int, Sequence[Optional[int]]] = None,
         options: Optional[Dict[str, Any]] = None,
     ) -> Tuple[Any, Dict[str, Any]]:
-        """Begins an episode in some copies, and returns (observations, {}), one row of observations per environment.
-        seed: see the class. options: {"reset_mask": array of one bool per environment}, True for all environments of
-        the copies that begin an episode; without a mask, all copies begin one. Raises TypeError for a mask that is not
-        a NumPy array of bool; ValueError for a mask of a wrong shape or that marks no environment or only some robots
+        """Begins an episode in some copies, and returns (observations, infos), one row of observations per environment. The
+        infos have the values that Task.info() returns, for the copies that begin an episode. seed: see the class.
+        options: a dict. Its entry "reset_mask" is an array of one bool per environment, True for all environments of
+        the copies that begin an episode; without a mask, all copies begin one. Task.begin() finds the other entries in
+        batch.options. Raises TypeError for options that are not a dict and for a mask that is not a NumPy array of bool;
+        ValueError for a mask of a wrong shape or that marks no environment or only some robots
         of a copy, and for a list of seeds of a wrong length or with different seeds for one copy."""
         seeds = self._seeds_of(seed)  # first, because Gymnasium has other errors for wrong seeds
         if seed is None or isinstance(seed, (int, np.integer)):
             super().reset(seed=None if seed is None else int(seed))
-        which = None if options is None or "reset_mask" not in options else self._copies_of(options["reset_mask"])
-        self.batch.reset(which, seeds)
+        which = None
+        if isinstance(options, dict) and "reset_mask" in options:
+            which = self._copies_of(options["reset_mask"])
+            options = {name: option for name, option in options.items() if name != "reset_mask"}
+        self.batch.reset(which, seeds, options)
         self.renderer.begin(self.batch)
         self._is_over[slice(None) if which is None else which] = False
-        return self._rows(self.batch.observations()), {}
+        begun = np.ones(self.num_envs, np.bool_) if which is None else np.repeat(which, self.robots)
+        return self._rows(self.batch.observations()), self._task_infos(begun)
 
     def step(self, actions: Any) -> Tuple[Any, npt.NDArray[np.float64], Flags, Flags, Dict[str, Any]]:
         batch = self.batch
@@ -136,16 +142,27 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
             final = self._final(np.repeat(over, self.robots))
             batch.reset(over)
             self._is_over = np.zeros_like(over)
-        infos = self._robot_infos(np.ones(self.num_envs, np.bool_)) | final
+        infos = self._infos(np.ones(self.num_envs, np.bool_)) | final
         return self._rows(batch.observations()), rewards, terminations, truncations, infos
 
-    def _robot_infos(self, which: Flags) -> Dict[str, Any]:
-        """Returns the infos `finished` and `alive` of the environments marked in `which`, in the format of
-        gymnasium.vector.SyncVectorEnv: False for the other environments. Empty if one robot learns in each copy."""
+    def _task_infos(self, which: Flags) -> Dict[str, Any]:
+        """Returns the infos of the task of the environments marked in `which`, in the format of
+        gymnasium.vector.SyncVectorEnv: 0 or False for the other environments."""
+        infos: Dict[str, Any] = {}
+        for name, array in self.batch.infos().items():
+            infos[name] = self._rows(array)
+            infos[name][~which] = 0
+            infos[f"_{name}"] = which.copy()
+        return infos
+
+    def _infos(self, which: Flags) -> Dict[str, Any]:
+        """Returns the infos of the task and, if several robots learn in each copy, `finished` and `alive`, in the format of
+        _task_infos()."""
+        infos = self._task_infos(which)
         if self.robots == 1:
-            return {}
+            return infos
         core = self.batch.core
-        return {
+        return infos | {
             "finished": core.terminated().reshape(-1) & which,
             "_finished": which.copy(),
             "alive": core.alive().reshape(-1) & which,
@@ -163,7 +180,7 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
             else:
                 final[env] = observations[env].copy()
         infos = {"final_obs": final, "_final_obs": done.copy()}
-        return infos | {"final_info": self._robot_infos(done), "_final_info": done.copy()}
+        return infos | {"final_info": self._infos(done), "_final_info": done.copy()}
 
     def _rows(self, observations: Any) -> Any:
         """Reshapes observations of copies x robots to one row per environment."""
