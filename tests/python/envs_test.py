@@ -938,6 +938,26 @@ class Vector(unittest.TestCase):
         envs = gymnasium.make_vec("troupe/Navigation-v0", num_envs=4, vectorization_mode="vector_entry_point", robots=3)
         self.assertIsInstance(envs.unwrapped, troupe.envs.VectorEnv)
         self.assertEqual(envs.reset(seed=1)[0].shape, (4, 18))
+        for steps in (3, np.int64(3)):  # the argument that gymnasium.make() has, too
+            short = gymnasium.make_vec("troupe/Navigation-v0", num_envs=2, max_episode_steps=steps)
+            short.reset(seed=1)
+            self.assertEqual([short.step(np.zeros((2, 2)))[3].tolist() for _ in range(4)], [[False] * 2] * 2 + [[True] * 2, [False] * 2])
+        task = Short(2)
+        task.ticks = 2  # 15 steps
+        for steps, last in ((7, 7), (100, 15)):
+            envs = troupe.envs.VectorEnv(task, 2, max_episode_steps=steps)
+            envs.reset(seed=1)
+            ends = [bool(envs.step(np.zeros((2, 2)))[3].all()) for _ in range(16)]
+            self.assertEqual(ends.index(True) + 1, last)
+            single, parallel = troupe.envs.Env(task, max_episode_steps=steps), troupe.envs.ParallelEnv(task, max_episode_steps=steps)
+            single.reset(seed=1)
+            parallel.reset(seed=1)
+            for step in range(1, last + 1):
+                self.assertEqual(single.step(np.zeros(2))[3], step == last)
+                self.assertEqual(set(parallel.step({})[3].values()), {step == last})
+        for steps in (0, -1, 2.5, "3"):
+            with self.assertRaisesRegex(ValueError, "^" + re.escape(f"max_episode_steps={steps!r}: give a whole number above 0, or None")):
+                troupe.envs.VectorEnv(task, 2, max_episode_steps=steps)
         self.assertEqual(set(troupe.envs.TASKS), {name[7:-3] for name in gymnasium.registry if name.startswith("troupe/")})
 
     def test_says_what_is_wrong(self):

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from gymnasium import spaces
 
 from .._core import BatchEnv, Simulation, _seed_of
-from .task import Task, Team, action_space, check_task, check_team, commands_of, require_task
+from .task import Task, Team, action_space, check_task, check_team, commands_of, is_whole, require_task
 
 Flags = npt.NDArray[np.bool_]
 FlagsLike = Union[Flags, Sequence[bool]]
@@ -30,14 +30,27 @@ class Batch:
     threads  number of threads; 0: one per processor that the process may use. The number changes no result
     robot    name of a robot: only this robot learns, and the others run the controllers of the world file. None: all
              robots of the teams learn
+    max_episode_steps
+             number of steps after which an episode is truncated, if it has not reached task.seconds before
     options  keyword arguments of troupe.Simulation, except threads
-    errors   TypeError or ValueError for an invalid task or number of copies; LookupError for an unknown robot and for
+    errors   TypeError or ValueError for an invalid task or number of copies or steps; LookupError for an unknown robot and for
              unknown names in the task; InputError for an invalid world
     """
 
-    def __init__(self, task: Task, copies: int, *, threads: int = 0, robot: Optional[str] = None, **options: Any) -> None:
+    def __init__(
+        self,
+        task: Task,
+        copies: int,
+        *,
+        threads: int = 0,
+        robot: Optional[str] = None,
+        max_episode_steps: Optional[int] = None,
+        **options: Any,
+    ) -> None:
         require_task(task)
         check_task(task)
+        if max_episode_steps is not None and not is_whole(max_episode_steps):
+            raise ValueError(f"max_episode_steps={max_episode_steps!r}: give a whole number above 0, or None")
         self.task = task
         if not task.teams:
             raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
@@ -57,11 +70,14 @@ class Batch:
         if isinstance(task.world, dict):
             options.setdefault("name", f"{type(task).__name__}.json")
         simulation = Simulation(copy.deepcopy(task.world), threads=1, **options)
+        seconds = float(task.seconds)
+        if max_episode_steps is not None:
+            seconds = min(seconds, int(max_episode_steps) * task.ticks * simulation.tick_s)
         spec = {
             "copies": copies,
             "threads": threads,
             "ticks": task.ticks,
-            "seconds": float(task.seconds),
+            "seconds": seconds,
             "measures": list(task.measures),
             "teams": [_team_spec(team, robot or "") for team in self.teams],
         }

@@ -26,7 +26,7 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
     render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
                  that the first reset() prints
     render_size  width and height of pictures, pixels
-    options      keyword arguments of troupe.Simulation, except threads
+    options      keyword arguments of troupe.Simulation, except threads, and max_episode_steps, as in VectorEnv
     episodes     an episode ends for all agents after task.seconds, and for a single agent when its robot is finished
                  (by Team.ends, Task.terminated() or the world's `stop_when`) or dies. A robot that is born during an
                  episode becomes an agent at that time

@@ -46,7 +46,7 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
     render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
                  that the first reset() prints
     render_size  width and height of pictures, pixels
-    options      keyword arguments of troupe.Simulation, except threads
+    options      keyword arguments of troupe.Simulation, except threads, and max_episode_steps, as in VectorEnv
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
     pickle       a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which

@@ -25,6 +25,8 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
     robot           name of a robot: only this robot learns in each copy, the others run the controllers of the world
                     file, and num_envs is the number of copies. None: all robots of the team learn
     autoreset_mode  when a copy whose episode has ended begins the next one: an AutoresetMode of Gymnasium
+    max_episode_steps
+                    number of steps after which an episode is truncated, if it has not reached task.seconds before
     threads         number of threads; 0: one per processor that the process may use. The number changes no result
     render_mode     rgb_array: render() returns pictures. human: the first copy runs in real time in a browser, at the
                     address that the first reset() prints
@@ -55,14 +57,15 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         *,
         robot: Optional[str] = None,
         autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
+        max_episode_steps: Optional[int] = None,
         threads: int = 0,
         render_mode: Optional[str] = None,
         render_size: Tuple[int, int] = RENDER_SIZE,
         **options: Any,
     ) -> None:
         EzPickle.__init__(
-            self, task, num_envs, robot=robot, autoreset_mode=autoreset_mode, threads=threads, render_mode=render_mode,
-            render_size=render_size, **options)
+            self, task, num_envs, robot=robot, autoreset_mode=autoreset_mode, max_episode_steps=max_episode_steps,
+            threads=threads, render_mode=render_mode, render_size=render_size, **options)
         require_task(task)
         if task.teams and len(task.teams) != 1:
             raise ValueError(
@@ -77,7 +80,8 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
             robots = len(Batch(task, 1, threads=1, **options).names[0])
         if num_envs % robots:
             raise ValueError(f"num_envs={num_envs}: {robots} robots learn in each copy: give a multiple of {robots}")
-        self._batch = Batch(task, num_envs // robots, threads=threads, robot=robot, **options)
+        self._batch = Batch(
+            task, num_envs // robots, threads=threads, robot=robot, max_episode_steps=max_episode_steps, **options)
         self.task = task
         self.num_envs = num_envs
         self.copies = num_envs // robots
