@@ -12,7 +12,7 @@ from gymnasium.utils import EzPickle
 from .._core import _seed_of
 from .batch import one_copy
 from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer, render_metadata
-from .task import Task, require_task
+from .task import Task, require_one_team
 
 
 def first_of(observations: Any, *index: int) -> Any:
@@ -69,7 +69,7 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
         **options: Any,
     ) -> None:
         EzPickle.__init__(self, task, robot=robot, render_mode=render_mode, render_size=render_size, **options)
-        require_task(task)
+        require_one_team(task, "Env")
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)

@@ -141,6 +141,17 @@ def require_task(task: Any) -> None:
         raise TypeError(f"{type(task).__name__}.teams: must be a list of troupe.envs.Team, found {task.teams!r}")
 
 
+def require_one_team(task: Any, environment: str) -> None:
+    """Raises TypeError if the argument `task` of an environment is not a Task, and ValueError if the task has several teams.
+    environment: the class, for the error text."""
+    require_task(task)
+    if task.teams and len(task.teams) != 1:
+        raise ValueError(
+            f"{environment} needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
+            "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
+        )
+
+
 def check_task(task: Task) -> None:
     """Raises TypeError if Task.seconds is not a number, or if Task.measures is not a list of texts. Warns of attributes of
     a task that Task does not have but whose names are similar to those of its members, such as `second`."""

@@ -15,7 +15,7 @@ from .._core import _seed_of
 from .batch import Batch, Flags
 from .render import RENDER_SIZE, Copies, Renderer, render_metadata
 from .single import checked
-from .task import Task, is_whole, require_task
+from .task import Task, is_whole, require_one_team
 
 
 class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
@@ -66,12 +66,7 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         EzPickle.__init__(
             self, task, num_envs, robot=robot, autoreset_mode=autoreset_mode, max_episode_steps=max_episode_steps,
             threads=threads, render_mode=render_mode, render_size=render_size, **options)
-        require_task(task)
-        if task.teams and len(task.teams) != 1:
-            raise ValueError(
-                f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
-                "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
-            )
+        require_one_team(task, "VectorEnv")
         if not is_whole(num_envs):
             raise ValueError(f"num_envs={num_envs!r}: give a whole number above 0")
         num_envs = int(num_envs)
