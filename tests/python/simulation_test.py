@@ -1133,6 +1133,15 @@ class Tables(InAFolder):
         with self.assertRaisesRegex(LookupError, 'unknown field of pose "q"; known: '):
             pose["q"]
 
+    def test_is_a_mapping_from_the_names_of_its_fields(self):
+        pose = troupe.Simulation(ROOM).table("pose")
+        names = ["x", "y", "z", "heading"]
+        self.assertEqual((pose.keys(), [*pose]), (names, names))
+        self.assertTrue("x" in pose and "q" not in pose and 0 not in pose)
+        fields = dict(pose)
+        self.assertEqual([*fields], names)
+        np.testing.assert_array_equal(fields["y"], pose["y"])
+
     def test_of_one_name_are_told_apart_by_their_types(self):
         world = troupe.Simulation(ROOM)
         world.step()
@@ -1303,6 +1312,9 @@ class Looking(InAFolder):
         world.run_for(1, lambda _: measures.see())
         self.assertGreater(measures["displacement:r"], 0.1)
         self.assertEqual(measures.values()[0], measures["displacement:r"])
+        self.assertEqual(dict(measures), dict(zip(measures.columns, measures.values())))
+        self.assertTrue([*measures] == measures.keys() == measures.columns)
+        self.assertTrue("near" in measures and "far" not in measures)
         with self.assertRaisesRegex(LookupError, "unknown measure"):
             measures["far"]
         with self.assertRaises(troupe.InputError):
