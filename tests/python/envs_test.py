@@ -1341,6 +1341,16 @@ class Benchmark(unittest.TestCase):
 
 
 class Tasks(unittest.TestCase):
+    def test_observations_are_bounded(self):
+        for name, task in troupe.envs.TASKS.items():
+            with self.subTest(name):
+                env = troupe.envs.VectorEnv(task(robots=4, size=3.0), 4 * 4)
+                self.assertTrue(env.single_observation_space.is_bounded(), env.single_observation_space)
+                observations, _ = env.reset(seed=1)
+                for step in range(300):
+                    self.assertTrue(env.observation_space.contains(observations), step)
+                    observations, *_ = env.step(fixed_actions(env.action_space, step // 20))
+
     def test_robots_begin_inside_the_room(self):
         for task in (troupe.envs.Flocking(robots=12, size=6.0), troupe.envs.Dispersion(robots=12, size=6.0)):
             simulation = troupe.Simulation(task.world)
