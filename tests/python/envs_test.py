@@ -975,6 +975,8 @@ class Vector(unittest.TestCase):
             (lambda: troupe.envs.VectorEnv(Short(2), 3), "2 robots learn in each copy: give a multiple of 2"),
             (lambda: troupe.envs.VectorEnv(Walkers(), 2), "^VectorEnv needs a task with one team, but Walkers has 2: set"),
             (lambda: troupe.envs.Env(Walkers()), "^Env needs a task with one team, but Walkers has 2: set"),
+            (lambda: troupe.envs.VectorEnv(Short(2), 2, autoreset_mode="next"),
+             "^unknown autoreset_mode 'next'; known: NextStep, SameStep, Disabled$"),
             (lambda: troupe.envs.VectorEnv(Short(2), 2, render_mode="ansi"), 'unknown render_mode "ansi"; known: human, rgb_array'),
         ):
             with self.assertRaisesRegex(ValueError, text):

@@ -67,6 +67,11 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
             self, task, num_envs, robot=robot, autoreset_mode=autoreset_mode, max_episode_steps=max_episode_steps,
             threads=threads, render_mode=render_mode, render_size=render_size, **options)
         require_one_team(task, "VectorEnv")
+        try:
+            mode = AutoresetMode(autoreset_mode)
+        except ValueError:
+            known = ", ".join(each.value for each in AutoresetMode)
+            raise ValueError(f"unknown autoreset_mode {autoreset_mode!r}; known: {known}") from None
         if not is_whole(num_envs):
             raise ValueError(f"num_envs={num_envs!r}: give a whole number above 0")
         num_envs = int(num_envs)
@@ -83,7 +88,7 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         self.robots = robots
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size)
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.autoreset_mode = mode
         self.metadata = {**render_metadata(self._batch), "autoreset_mode": self.autoreset_mode}
         self.single_observation_space = self._batch.observation_spaces[0]
         self.single_action_space = self._batch.action_spaces[0]
