@@ -303,6 +303,24 @@ class Checkers(unittest.TestCase):
         env.agents = Unsearched(env.agents)
         self.assertEqual([*env.step({"r1": np.zeros(2)})[0]], ["r0", "r1", "r2"])
 
+    def test_arrays_are_read_once_for_all_agents(self):
+        class Counting:
+            def __init__(self, core):
+                self.core, self.reads = core, 0
+
+            def __getattr__(self, name):
+                self.reads += 1
+                return getattr(self.core, name)
+
+        reads = []
+        for robots in (2, 6):
+            env = troupe.envs.ParallelEnv(Short(robots))
+            env.batch.core = Counting(env.batch.core)
+            env.reset(seed=1)
+            env.step({})
+            reads.append(env.batch.core.reads)
+        self.assertEqual(reads[0], reads[1])
+
     def test_an_older_gymnasium_is_an_error_that_names_the_version(self):
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "gymnasium").mkdir()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
 import numpy.typing as npt
@@ -90,7 +90,8 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         has the values that Task.info() returns. options: a dict for Task.begin(), which finds it as batch.options."""
         self.batch.reset(seeds=[] if seed is None else [seed], options=options)
         self.renderer.begin(self.batch)
-        self.agents = [agent for agent in self.possible_agents if self._is_alive(agent)]
+        is_alive = self._values_of(self.batch.core.alive)
+        self.agents = [agent for agent in self.possible_agents if is_alive[agent]]
         self._met = {agent: False for agent in self.agents}
         return self._observations(self.agents), self._infos(self.agents)
 
@@ -119,28 +120,24 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
             tables[team][0, row] = checked(action, batch.action_spaces[team], f"action of {agent}")
         batch.step(tables)
         before = set(self.agents)
-        told = [agent for agent in self.possible_agents if agent in before or self._is_born(agent)]
+        is_alive, rewards, is_finished = map(self._values_of, (batch.core.alive, batch.core.rewards, batch.core.terminated))
+        told = [agent for agent in self.possible_agents if agent in before or (agent not in self._met and is_alive[agent])]
         truncated = bool(batch.core.truncated[0])
-        rewards, terminations = {}, {}
-        for agent in told:
-            team, row = self._places[agent]
-            rewards[agent] = float(batch.core.rewards(team)[0, row])
-            terminations[agent] = self._met[agent] = bool(batch.core.terminated(team)[0, row])
+        terminations = {agent: is_finished[agent] for agent in told}
+        self._met.update(terminations)
         self.agents = [] if truncated else [agent for agent in told if not terminations[agent]]
         return (
             self._observations(told),
-            rewards,
+            {agent: rewards[agent] for agent in told},
             terminations,
             {agent: truncated for agent in told},
             self._infos(told),
         )
 
-    def _is_alive(self, agent: str) -> bool:
-        team, row = self._places[agent]
-        return bool(self.batch.core.alive(team)[0, row])
-
-    def _is_born(self, agent: str) -> bool:
-        return agent not in self._met and self._is_alive(agent)
+    def _values_of(self, array: Callable[[int], npt.NDArray[Any]]) -> _PerAgent:
+        """Returns numbers or bools by possible agent: the elements of array(team), which is 1 x robots, of all teams."""
+        rows = [array(team)[0].tolist() for team in range(len(self.batch.teams))]
+        return {agent: rows[team][row] for agent, (team, row) in self._places.items()}
 
     def _observations(self, agents: List[str]) -> _PerAgent:
         of_teams = [self.batch.observations(team) for team in range(len(self.batch.teams))]
