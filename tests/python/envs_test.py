@@ -403,6 +403,21 @@ class Checkers(unittest.TestCase):
                 env.step(np.zeros(2) if isinstance(env, gymnasium.Env) else {})
 
 
+    def test_a_step_during_a_step_says_so(self):
+        class nested(troupe.Controller):  # in place of another thread, whose step might begin too late
+            robots = "prey"
+
+            def decide(self, robots):
+                if robots.tick > 1:
+                    env.step(np.zeros(2))
+
+        env = troupe.envs.Env(troupe.envs.Pursuit(robots=1), controllers=nested)
+        env.reset(seed=1)
+        with self.assertRaises(troupe.StepError) as raised:
+            env.step(np.zeros(2))
+        self.assertIn("this batch is being stepped by another thread", str(raised.exception.__cause__))
+
+
 class Vector(unittest.TestCase):
     def same_as_sync(self, make_task, mode, steps=70):
         names = troupe.envs.ParallelEnv(make_task()).possible_agents

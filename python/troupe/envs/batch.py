@@ -138,9 +138,10 @@ class Batch:
         return flags
 
     def require_reset(self) -> None:
-        """Raises RuntimeError if the copies cannot make a step, because they have not begun an episode or because an
-        exception, such as KeyboardInterrupt, has ended a step."""
+        """Raises RuntimeError if the copies cannot make a step, because they have not begun an episode, because an
+        exception, such as KeyboardInterrupt, has ended a step, or because another thread steps them."""
         if self._needs_reset.any():
+            self.core.tick(0)  # raises RuntimeError if another thread steps the copies
             raise RuntimeError(
                 "step(): call reset() before the first step, and after a step or reset that an exception has ended "
                 f"({self._needs_reset.sum()} of {self.copies} copies need a reset)"
