@@ -506,4 +506,18 @@ class BatchEnv:
     def step(self, begins: Optional[npt.NDArray[np.bool_]] = ...) -> None: ...
     def tick(self, copy: int = ...) -> int: ...
     def state_hash(self, copy: int = ...) -> int: ...
-    def picture(self, copy: int = ..., width: SupportsIndex = ..., height: SupportsIndex = ...) -> npt.NDArray[np.uint8]: ...
+    def picture(
+        self,
+        copy: int = ...,
+        width: SupportsIndex = ...,
+        height: SupportsIndex = ...,
+        *,
+        camera: str = ...,
+        layers: str = ...,
+        center_m: _Two = ...,
+        angle_rad: _Two = ...,
+        across_m: Optional[SupportsFloat] = ...,
+        color_by: str = ...,
+        color_range: _Two = ...,
+        background: str = ...,
+    ) -> npt.NDArray[np.uint8]: ...

@@ -183,6 +183,32 @@ class Checkers(unittest.TestCase):
                 )
             self.assertEqual(make(Short(2), render_size=np.array([64, 48])).renderer.size, (64, 48))
 
+    def test_pictures_have_the_options_of_those_of_simulations(self):
+        makers = (
+            troupe.envs.Env,
+            troupe.envs.ParallelEnv,
+            lambda task, **options: troupe.envs.VectorEnv(task, 4, **options),
+        )
+        single = troupe.Simulation(Short(2).world, threads=1, seed=1)
+        single.step()  # the tick with which an episode begins
+        for look in ({}, {"camera": "perspective", "layers": "scans"}, {"center_m": (0, 0), "across_m": 2.0, "background": "dark"}):
+            for make in makers:
+                env = make(Short(2), render_mode="rgb_array", render_size=(64, 48), render_look=look)
+                env.reset(seed=1)
+                drawn = env.render()
+                drawn = drawn[0] if isinstance(drawn, tuple) else drawn
+                with self.subTest(look):
+                    self.assertTrue(np.array_equal(drawn, single.picture(64, 48, **look)))
+        for look in ({"kamera": "top"}, ["top"], "top"):
+            for make in makers:
+                with self.assertRaises(TypeError) as raised:
+                    make(Short(2), render_look=look)
+                self.assertEqual(
+                    str(raised.exception),
+                    f"render_look={look!r}: give a dict of options of pictures; known: camera, layers, center_m, angle_rad, across_m, "
+                    "color_by, color_range, background",
+                )
+
     def test_missing_libraries_for_pictures_are_reported_at_once(self):
         """Pictures need OSMesa, which a wheel does not contain. The error comes with the environment, not with a picture."""
 

@@ -26,6 +26,7 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
     render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
                  that the first reset() prints
     render_size  width and height of pictures, pixels
+    render_look  keyword arguments of Simulation.picture(), a dict such as {"camera": "perspective"}
     options      keyword arguments of troupe.Simulation, except threads, and max_episode_steps, as in VectorEnv
     episodes     an episode ends for all agents after task.seconds, and for a single agent when its robot is finished
                  (by Team.ends, Task.terminated() or the world's `stop_when`) or dies. A robot that is born during an
@@ -49,13 +50,14 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         *,
         render_mode: Optional[str] = None,
         render_size: Tuple[int, int] = RENDER_SIZE,
+        render_look: Optional[Dict[str, Any]] = None,
         **options: Any,
     ) -> None:
-        EzPickle.__init__(self, task, render_mode=render_mode, render_size=render_size, **options)
+        EzPickle.__init__(self, task, render_mode=render_mode, render_size=render_size, render_look=render_look, **options)
         require_task(task)
         self.task = task
         self.render_mode = render_mode
-        self.renderer = Renderer(render_mode, render_size)
+        self.renderer = Renderer(render_mode, render_size, render_look)
         self._batch = one_copy(task, **options)
         self.metadata = {**self.metadata, **render_metadata(self._batch)}
         self._places: Dict[str, Tuple[int, int]] = {}  # team and row of each agent

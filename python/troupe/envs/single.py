@@ -46,6 +46,7 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
     render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
                  that the first reset() prints
     render_size  width and height of pictures, pixels
+    render_look  keyword arguments of Simulation.picture(), a dict such as {"camera": "perspective"}
     options      keyword arguments of troupe.Simulation, except threads, and max_episode_steps, as in VectorEnv
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
@@ -66,13 +67,15 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
         robot: Optional[str] = None,
         render_mode: Optional[str] = None,
         render_size: Tuple[int, int] = RENDER_SIZE,
+        render_look: Optional[Dict[str, Any]] = None,
         **options: Any,
     ) -> None:
-        EzPickle.__init__(self, task, robot=robot, render_mode=render_mode, render_size=render_size, **options)
+        EzPickle.__init__(
+            self, task, robot=robot, render_mode=render_mode, render_size=render_size, render_look=render_look, **options)
         require_one_team(task, "Env")
         self.task = task
         self.render_mode = render_mode
-        self.renderer = Renderer(render_mode, render_size)
+        self.renderer = Renderer(render_mode, render_size, render_look)
         if robot is None:
             robot = one_copy(task, **options).names[0][0]
         self._batch = one_copy(task, robot=robot, **options)

@@ -31,6 +31,7 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
     render_mode     rgb_array: render() returns pictures. human: the first copy runs in real time in a browser, at the
                     address that the first reset() prints
     render_size     width and height of pictures, pixels
+    render_look     keyword arguments of Simulation.picture(), a dict such as {"camera": "perspective"}
     options         keyword arguments of troupe.Simulation, except threads
     episodes        the episodes of all robots of a copy end together, when all robots are finished (by Team.ends,
                     Task.terminated(), the world's `stop_when` or death) or task.seconds have passed. If several robots
@@ -61,11 +62,13 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         threads: int = 0,
         render_mode: Optional[str] = None,
         render_size: Tuple[int, int] = RENDER_SIZE,
+        render_look: Optional[Dict[str, Any]] = None,
         **options: Any,
     ) -> None:
         EzPickle.__init__(
             self, task, num_envs, robot=robot, autoreset_mode=autoreset_mode, max_episode_steps=max_episode_steps,
-            threads=threads, render_mode=render_mode, render_size=render_size, **options)
+            threads=threads, render_mode=render_mode, render_size=render_size,
+            render_look=render_look, **options)
         require_one_team(task, "VectorEnv")
         try:
             mode = AutoresetMode(autoreset_mode)
@@ -87,7 +90,7 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         self.copies = num_envs // robots
         self.robots = robots
         self.render_mode = render_mode
-        self.renderer = Renderer(render_mode, render_size)
+        self.renderer = Renderer(render_mode, render_size, render_look)
         self.autoreset_mode = mode
         self.metadata = {**render_metadata(self._batch), "autoreset_mode": self.autoreset_mode}
         self.single_observation_space = self._batch.observation_spaces[0]
@@ -232,12 +235,9 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         return seeds[:: self.robots]
 
     def render(self) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
-        """Returns a tuple of one picture per copy, from above: height x width x 3, uint8, RGB. None unless the render
-        mode is rgb_array."""
-        core = self.batch.core  # an error after close() in all modes
-        if self.render_mode != "rgb_array":
-            return None
-        return tuple(core.picture(copy, *self.renderer.size) for copy in range(self.copies))
+        """Returns a tuple of one picture per copy, with the options `render_look`: height x width x 3, uint8, RGB. None
+        unless the render mode is rgb_array."""
+        return self.renderer.pictures(self.batch)
 
     def close_extras(self, **kwargs: Any) -> None:
         self.release()
