@@ -441,32 +441,33 @@ class Recording:
     def __enter__(self) -> Recording: ...
     def __exit__(self, *args: Any) -> None: ...
 
+# No code of an error in the comments: mypy 1.7 gave the error of these overloads another code.
 @overload
-def sin(radians: float) -> float: ...  # type: ignore[misc]
+def sin(radians: float) -> float: ...  # type: ignore
 @overload
 def sin(radians: npt.ArrayLike) -> _Doubles: ...
 @overload
-def cos(radians: float) -> float: ...  # type: ignore[misc]
+def cos(radians: float) -> float: ...  # type: ignore
 @overload
 def cos(radians: npt.ArrayLike) -> _Doubles: ...
 @overload
-def atan2(y: float, x: float) -> float: ...  # type: ignore[misc]
+def atan2(y: float, x: float) -> float: ...  # type: ignore
 @overload
 def atan2(y: npt.ArrayLike, x: npt.ArrayLike) -> _Doubles: ...
 @overload
-def exp(x: float) -> float: ...  # type: ignore[misc]
+def exp(x: float) -> float: ...  # type: ignore
 @overload
 def exp(x: npt.ArrayLike) -> _Doubles: ...
 @overload
-def log(x: float) -> float: ...  # type: ignore[misc]
+def log(x: float) -> float: ...  # type: ignore
 @overload
 def log(x: npt.ArrayLike) -> _Doubles: ...
 @overload
-def sqrt(x: float) -> float: ...  # type: ignore[misc]
+def sqrt(x: float) -> float: ...  # type: ignore
 @overload
 def sqrt(x: npt.ArrayLike) -> _Doubles: ...
 @overload
-def wrap_angle(radians: float) -> float: ...  # type: ignore[misc]
+def wrap_angle(radians: float) -> float: ...  # type: ignore
 @overload
 def wrap_angle(radians: npt.ArrayLike) -> _Doubles: ...
 def sincos(radians: npt.ArrayLike) -> Tuple[_Doubles, _Doubles]: ...
