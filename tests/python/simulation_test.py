@@ -325,6 +325,29 @@ class Running(InAFolder):
         with self.assertRaisesRegex(troupe.InputError, "^bad.h5: error: "):
             troupe.Simulation.resume("bad.h5")
 
+    def test_a_checkpoint_in_memory_gives_the_same_bits(self):
+        world = troupe.Simulation(ROOM, threads=1)
+        world.swarm("bot").set_speeds(0.3, 0.5)
+        world.step(10)
+        with skipped_where_lacking():
+            data = world.to_bytes()
+        middle = world.state_hash()
+        world.step(10)
+        for copied in (data, bytearray(data), memoryview(data)):
+            later = troupe.Simulation.from_bytes(copied, threads=2)
+            self.assertEqual((later.tick, later.threads, later.state_hash()), (10, 2, middle))
+            later.step(10)
+            self.assertEqual(later.state_hash(), world.state_hash())
+        self.assertEqual(os.listdir(), [])
+        for wrong, text in ((b"", "data: error: this is not a checkpoint: the file is empty"),
+                            (data[:1000], "data: error: "), (b"abc", "data: error: this is not a checkpoint")):
+            with self.assertRaises(troupe.InputError) as raised:
+                troupe.Simulation.from_bytes(wrong)
+            self.assertEqual(str(raised.exception)[:len(text)], text)
+        with self.assertRaises(TypeError) as raised:
+            troupe.Simulation.from_bytes("c.h5")
+        self.assertEqual(str(raised.exception), "data: found 'c.h5': give the bytes that to_bytes() has returned")
+
     def test_ranks_give_the_same_bits(self):
         def drive(world):
             swarm = world.swarm("r")
