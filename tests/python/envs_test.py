@@ -286,6 +286,10 @@ class Checkers(unittest.TestCase):
         parallel.reset(seed=1)
         with self.assertRaisesRegex(ValueError, r"action of r1: must consist of whole numbers, found 1.9"):
             parallel.step({"r1": 1.9})
+        for wrong in (None, [0, 1, 2]):
+            with self.assertRaises(TypeError) as raised:
+                parallel.step(wrong)
+            self.assertEqual(str(raised.exception), f"actions: found {wrong!r}: give a dict with one action per agent")
 
     def test_actions_of_agents_are_not_rounded(self):
         parallel, vector = troupe.envs.ParallelEnv(Short(2)), troupe.envs.VectorEnv(Short(2), 2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Mapping
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
@@ -101,13 +102,16 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         """Advances the world by one step. actions: a dict with one action per agent; the action of a missing agent is
         all zeros (in a discrete space the action with the index 0). Returns (observations, rewards, terminations,
         truncations, infos), dicts by agent, of the robots that were agents before the step and of robots born in the
-        step; all dicts are empty if there are no agents. Raises ValueError for a name that is not in `agents`, and for
-        an action of a wrong shape or, in a discrete space, that is not a whole number, and RuntimeError before the first
-        reset(), and before the next reset() after a step that an exception has ended."""
+        step; all dicts are empty if there are no agents. Raises TypeError for actions that are not a dict, ValueError for
+        a name that is not in `agents` and for an action of a wrong shape or, in a discrete space, that is not a whole
+        number, and RuntimeError before the first reset(), and before the next reset() after a step that an exception
+        has ended."""
         batch = self.batch
         batch.require_reset()
         if not self.agents:
             return {}, {}, {}, {}, {}
+        if not isinstance(actions, Mapping):
+            raise TypeError(f"actions: found {actions!r}: give a dict with one action per agent")
         strangers = sorted(map(str, set(actions) - set(self.agents)))
         if strangers:
             raise ValueError(f"actions: found actions of {', '.join(strangers)}, which are not agents at this time; agents: {', '.join(self.agents)}")
