@@ -197,7 +197,10 @@ void bind_observers(py::module_& module) {
            "One number per column for the current state; NaN if a measure has no value.")
       .def("__getitem__", &HeldMeasures::value, py::arg("name"),
            "The value of one column for the current state, as in values(). The name may omit the unit. "
-           "Raises LookupError for an\nunknown column.");
+           "Raises LookupError for an\nunknown column.")
+      .def("keys", &HeldMeasures::names,
+           "The names in `columns`; dict(measures) is a dict from these names to the values.")
+      .def("__iter__", [](const HeldMeasures& measures) { return py::iter(py::cast(measures.names())); });
 
   py::class_<Event>(module, "Event",
                     "An event of a robot or another body in a tick. type: what happened, such as "

@@ -47,6 +47,11 @@ struct Table {
     }
     throw std::out_of_range(unknown_name("field of " + given(), name, known));
   }
+  std::vector<std::string> field_names() const {
+    std::vector<std::string> names;
+    for (const StateField& field : table->fields()) names.push_back(field.name);
+    return names;
+  }
   std::string given() const { return std::string(engine::given_name(table->component())); }
   /// Whether the values of all rows exist: false if the table has readings of a sensor that does not run.
   bool runs() const { return engine::SensedRows(held->use().world(), *table).all_exist(); }
@@ -188,6 +193,9 @@ void bind_tables(py::module_& module, SimulationClass& simulation) {
                                            t.table->ids().data(), t.held);
                              })
       .def("__getitem__", &Table::field, py::arg("field"))
+      .def("keys", &Table::field_names,
+           "Names of the fields; dict(table) is a dict from these names to the fields.")
+      .def("__iter__", [](const Table& t) { return py::iter(py::cast(t.field_names())); })
       .def("__len__", [](const Table& t) { return t.table->rows(); })
       .def("__repr__", [](const Table& t) {
         return fmt::format("<Table {}: {} rows{}>", t.given(), t.table->rows(),

@@ -207,6 +207,11 @@ BatchEnv::Impl::Column BatchEnv::Impl::find(const TeamData& team, const BatchCol
     if (const std::optional<Measures>& known = copies.front()->measures)
       if (const std::optional<std::size_t> m = known->find(column.measure))
         return {.column = *m, .of_measure = true};
+    if (column.measure.empty())
+      refuse(
+          fmt::format("{} of team \"{}\": has neither an array nor a measure: give the name of an array and "
+                      "a column, or the name of a measure",
+                      what, team.spec->name));
     const std::vector<std::string_view> listed(measure_columns.begin(), measure_columns.end());
     throw std::out_of_range(fmt::format(
         "{} of team \"{}\": the measure \"{}\" is not in the list `measures` of the task, which {}{}: add it "
@@ -290,6 +295,9 @@ std::vector<BodyId> BatchEnv::Impl::targets_of(const TeamData& team, const Batch
     const std::size_t digits = engine::without_number(name).size();
     const std::string target = part.name + name.substr(digits);
     const BodyId own = digits < name.size() ? world.find(target) : BodyId();
+    if (!own.valid() && part.name.empty())
+      refuse(fmt::format("team \"{}\": a part \"target\" has no name: give the name of its target",
+                         team.spec->name));
     if (!own.valid())
       throw std::out_of_range(fmt::format(
           "team \"{}\": there is no model \"{}\", which would be the target of robot \"{}\"; give the "

@@ -30,7 +30,7 @@ except ModuleNotFoundError as missing:
         "troupe_python), and import the package from build/release/lib/python3/dist-packages or from the folder in "
         "which it is installed") from missing
 
-from . import _show, math
+from . import _checkpoint, _show, math
 from ._core import (
     BatchEnv,
     BatchView,

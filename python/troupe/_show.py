@@ -137,8 +137,12 @@ def show(self: Simulation, width: int = 960, height: int = 540, **look: Any) -> 
 
 
 def _repr_html_(self: Simulation) -> str:
-    """What a notebook displays for a simulation: a picture of the world and a line of text, as HTML."""
-    picture = base64.b64encode(_png(self, 640, 360)).decode()
+    """What a notebook displays for a simulation: a picture of the world and a line of text, as HTML. If no picture can be
+    drawn, for example because a step has failed or OSMesa is not installed, it is a text with the reason."""
+    try:
+        picture = base64.b64encode(_png(self, 640, 360)).decode()
+    except RuntimeError as error:  # the notebook would show a traceback of the functions of this package
+        return html.escape(f"A simulation of which no picture can be drawn: {error}")
     text = f"{self.title}: {self.robots} robots, {self.time_s:g} s, state {self.state_hash():016x}"
     return f'<img src="data:image/png;base64,{picture}" width="640" height="360"><br>{html.escape(text)}'
 

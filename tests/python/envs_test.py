@@ -126,6 +126,23 @@ class Births(troupe.envs.Task):
         return np.ones((batch.copies, 5), np.bool_) if self.finishes else None
 
 
+class Telling(Short):
+    """A task with infos. An option sets the number that `begin` gives the robots of the copies that begin an episode."""
+
+    def begin(self, batch, copies):
+        numbers = batch.memory.setdefault("numbers", np.zeros((batch.copies, 2), np.int64))
+        numbers[copies] = batch.options.get("number", 7)
+
+    def info(self, batch, team):
+        robots = len(batch.names[team])
+        return {
+            "reward": batch.core.rewards(team),
+            "is_close": batch.array("goal", team)[..., 2] < 1,
+            "number": batch.memory["numbers"][:, :robots],
+            "goal": batch.array("goal", team)[..., :2],
+        }
+
+
 def fixed_actions(space, step):
     """Returns actions that depend only on the step, so that all environments get the same actions."""
     space.seed(step)
@@ -166,6 +183,32 @@ class Checkers(unittest.TestCase):
                 )
             self.assertEqual(make(Short(2), render_size=np.array([64, 48])).renderer.size, (64, 48))
 
+    def test_pictures_have_the_options_of_those_of_simulations(self):
+        makers = (
+            troupe.envs.Env,
+            troupe.envs.ParallelEnv,
+            lambda task, **options: troupe.envs.VectorEnv(task, 4, **options),
+        )
+        single = troupe.Simulation(Short(2).world, threads=1, seed=1)
+        single.step()  # the tick with which an episode begins
+        for look in ({}, {"camera": "perspective", "layers": "scans"}, {"center_m": (0, 0), "across_m": 2.0, "background": "dark"}):
+            for make in makers:
+                env = make(Short(2), render_mode="rgb_array", render_size=(64, 48), render_look=look)
+                env.reset(seed=1)
+                drawn = env.render()
+                drawn = drawn[0] if isinstance(drawn, tuple) else drawn
+                with self.subTest(look):
+                    self.assertTrue(np.array_equal(drawn, single.picture(64, 48, **look)))
+        for look in ({"kamera": "top"}, ["top"], "top"):
+            for make in makers:
+                with self.assertRaises(TypeError) as raised:
+                    make(Short(2), render_look=look)
+                self.assertEqual(
+                    str(raised.exception),
+                    f"render_look={look!r}: give a dict of options of pictures; known: camera, layers, center_m, angle_rad, across_m, "
+                    "color_by, color_range, background",
+                )
+
     def test_missing_libraries_for_pictures_are_reported_at_once(self):
         """Pictures need OSMesa, which a wheel does not contain. The error comes with the environment, not with a picture."""
 
@@ -201,6 +244,32 @@ class Checkers(unittest.TestCase):
                 pettingzoo.test.parallel_seed_test(lambda task=task: troupe.envs.ParallelEnv(task), num_cycles=50)
 
 
+    def test_the_state_has_the_observations_of_all_agents(self):
+        for make in (Short, Carts, Births, Looker):
+            with self.subTest(make.__name__):
+                env = troupe.envs.ParallelEnv(make())
+                aec = pettingzoo.utils.parallel_to_aec(troupe.envs.ParallelEnv(make()))
+                with warnings.catch_warnings(record=True):  # of spaces with infinite bounds
+                    warnings.simplefilter("always")
+                    pettingzoo.test.state_test(aec, env)
+        env = troupe.envs.ParallelEnv(Births())
+        self.assertEqual({*env.observation_spaces}, {*env.action_spaces}, {*env.possible_agents})
+        observations, _ = env.reset(seed=1)
+        rows = env.state().reshape(5, 12)
+        for row, agent in zip(rows, ("r0", "r1", "r2")):
+            self.assertEqual(row.tolist(), observations[agent].tolist())
+        self.assertFalse(rows[3:].any(), "r3 and r4 are not in the world")
+        finished = troupe.envs.ParallelEnv(Births(finishes=True))
+        finished.reset(seed=1)
+        last, *_ = finished.step({})
+        self.assertEqual(finished.agents, [])
+        self.assertEqual(finished.state()[:12].tolist(), last["r0"].tolist())
+        walkers = troupe.envs.ParallelEnv(Walkers())
+        observations, _ = walkers.reset(seed=1)
+        row, cart = walkers.state(), observations["cart"]
+        self.assertEqual(row.shape, (8 * 4 + 5 + 4,))
+        self.assertTrue(np.array_equal(row[-9:], np.concatenate([cart["eye"], cart["where"]])))
+
     def test_actions_have_the_shape_of_the_space(self):
         env = troupe.envs.Env(Short(2))
         env.reset(seed=1)
@@ -217,6 +286,10 @@ class Checkers(unittest.TestCase):
         parallel.reset(seed=1)
         with self.assertRaisesRegex(ValueError, r"action of r1: must consist of whole numbers, found 1.9"):
             parallel.step({"r1": 1.9})
+        for wrong in (None, [0, 1, 2]):
+            with self.assertRaises(TypeError) as raised:
+                parallel.step(wrong)
+            self.assertEqual(str(raised.exception), f"actions: found {wrong!r}: give a dict with one action per agent")
 
     def test_actions_of_agents_are_not_rounded(self):
         parallel, vector = troupe.envs.ParallelEnv(Short(2)), troupe.envs.VectorEnv(Short(2), 2)
@@ -259,6 +332,24 @@ class Checkers(unittest.TestCase):
         env.reset(seed=1)
         env.agents = Unsearched(env.agents)
         self.assertEqual([*env.step({"r1": np.zeros(2)})[0]], ["r0", "r1", "r2"])
+
+    def test_arrays_are_read_once_for_all_agents(self):
+        class Counting:
+            def __init__(self, core):
+                self.core, self.reads = core, 0
+
+            def __getattr__(self, name):
+                self.reads += 1
+                return getattr(self.core, name)
+
+        reads = []
+        for robots in (2, 6):
+            env = troupe.envs.ParallelEnv(Short(robots))
+            env.batch.core = Counting(env.batch.core)
+            env.reset(seed=1)
+            env.step({})
+            reads.append(env.batch.core.reads)
+        self.assertEqual(reads[0], reads[1])
 
     def test_an_older_gymnasium_is_an_error_that_names_the_version(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -342,6 +433,21 @@ class Checkers(unittest.TestCase):
                 env.step(np.zeros(2) if isinstance(env, gymnasium.Env) else {})
 
 
+    def test_a_step_during_a_step_says_so(self):
+        class nested(troupe.Controller):  # in place of another thread, whose step might begin too late
+            robots = "prey"
+
+            def decide(self, robots):
+                if robots.tick > 1:
+                    env.step(np.zeros(2))
+
+        env = troupe.envs.Env(troupe.envs.Pursuit(robots=1), controllers=nested)
+        env.reset(seed=1)
+        with self.assertRaises(troupe.StepError) as raised:
+            env.step(np.zeros(2))
+        self.assertIn("this batch is being stepped by another thread", str(raised.exception.__cause__))
+
+
 class Vector(unittest.TestCase):
     def same_as_sync(self, make_task, mode, steps=70):
         names = troupe.envs.ParallelEnv(make_task()).possible_agents
@@ -386,6 +492,63 @@ class Vector(unittest.TestCase):
                             return made
 
                         self.same_as_sync(make, mode)
+
+    def test_infos_are_those_of_the_single_environment(self):
+        for mode in AutoresetMode:
+            with self.subTest(mode):
+                self.same_as_sync(Telling, mode)
+
+    def test_options_of_a_reset_reach_the_task(self):
+        env = troupe.envs.VectorEnv(Telling(), 6)
+        _, infos = env.reset(seed=1, options={"number": 2})
+        self.assertEqual(infos["number"].tolist(), [2] * 6)
+        mask = np.repeat([False, True, False], 2)
+        _, infos = env.reset(options={"reset_mask": mask, "number": 3})
+        self.assertEqual(infos["number"].tolist(), [0, 0, 3, 3, 0, 0])
+        self.assertEqual(infos["_number"].tolist(), mask.tolist())
+        _, rewards, _, _, infos = env.step(env.action_space.sample())
+        self.assertEqual(infos["number"].tolist(), [2, 2, 3, 3, 2, 2])
+        self.assertEqual(infos["reward"].tolist(), rewards.tolist())
+        self.assertEqual(infos["goal"].shape, (6, 2))
+        for _ in range(40):  # at least one more episode
+            infos = env.step(np.zeros((6, 2)))[4]
+        self.assertEqual(infos["number"].tolist(), [7] * 6, "an episode that begins in a step has no options")
+        parallel = troupe.envs.ParallelEnv(Telling())
+        for options, number in (({"number": 4}, 4), (None, 7)):
+            _, infos = parallel.reset(options=options)
+            self.assertEqual([infos[agent]["number"] for agent in ("r0", "r1")], [number, number])
+        _, rewards, _, _, infos = parallel.step({})
+        self.assertEqual({agent: info["reward"] for agent, info in infos.items()}, rewards)
+        single = troupe.envs.Env(Telling())
+        self.assertEqual(single.reset(options={"number": 5})[1]["number"], 5)
+        for env in (env, parallel, single):
+            with self.assertRaises(TypeError) as raised:
+                env.reset(options=3)
+            self.assertEqual(str(raised.exception), "options: found 3: give a dict")
+
+    def test_infos_are_not_broadcast(self):
+        class Wrong(Short):
+            def info(self, batch, team):
+                return self.infos
+
+        task = Wrong(2)
+        batch = troupe.envs.Batch(task, 3, threads=1)
+        batch.reset()
+        of = 'Wrong.info(), team "team0": '
+        for infos, error, text in (
+            ({"x": np.zeros(2)}, ValueError, 'must return an array of the shape (3, 2) (copies, robots of "x"), found (2,)'),
+            ({"x": 1.0}, ValueError, 'must return an array of the shape (3, 2) (copies, robots of "x"), found ()'),
+            ({"x": np.full((3, 2), "a")}, ValueError, "must return real numbers, found elements of the type <U1"),
+            ([1], TypeError, "must return a dict from names to arrays, found [1]"),
+            ({"_x": np.zeros((3, 2))}, ValueError, "found the name '_x': give a text that does not begin with an underscore and is "
+                                                   "none of finished, alive, final_obs, final_info"),
+            ({"alive": np.zeros((3, 2))}, ValueError, "found the name 'alive': give a text that does not begin with an underscore "
+                                                      "and is none of finished, alive, final_obs, final_info"),
+        ):
+            task.infos = infos
+            with self.subTest(text), self.assertRaises(error) as raised:
+                batch.infos()
+            self.assertEqual(str(raised.exception), of + text)
 
     def test_threads_do_not_show(self):
         runs = []
@@ -838,6 +1001,26 @@ class Vector(unittest.TestCase):
         envs = gymnasium.make_vec("troupe/Navigation-v0", num_envs=4, vectorization_mode="vector_entry_point", robots=3)
         self.assertIsInstance(envs.unwrapped, troupe.envs.VectorEnv)
         self.assertEqual(envs.reset(seed=1)[0].shape, (4, 18))
+        for steps in (3, np.int64(3)):  # the argument that gymnasium.make() has, too
+            short = gymnasium.make_vec("troupe/Navigation-v0", num_envs=2, max_episode_steps=steps)
+            short.reset(seed=1)
+            self.assertEqual([short.step(np.zeros((2, 2)))[3].tolist() for _ in range(4)], [[False] * 2] * 2 + [[True] * 2, [False] * 2])
+        task = Short(2)
+        task.ticks = 2  # 15 steps
+        for steps, last in ((7, 7), (100, 15)):
+            envs = troupe.envs.VectorEnv(task, 2, max_episode_steps=steps)
+            envs.reset(seed=1)
+            ends = [bool(envs.step(np.zeros((2, 2)))[3].all()) for _ in range(16)]
+            self.assertEqual(ends.index(True) + 1, last)
+            single, parallel = troupe.envs.Env(task, max_episode_steps=steps), troupe.envs.ParallelEnv(task, max_episode_steps=steps)
+            single.reset(seed=1)
+            parallel.reset(seed=1)
+            for step in range(1, last + 1):
+                self.assertEqual(single.step(np.zeros(2))[3], step == last)
+                self.assertEqual(set(parallel.step({})[3].values()), {step == last})
+        for steps in (0, -1, 2.5, "3"):
+            with self.assertRaisesRegex(ValueError, "^" + re.escape(f"max_episode_steps={steps!r}: give a whole number above 0, or None")):
+                troupe.envs.VectorEnv(task, 2, max_episode_steps=steps)
         self.assertEqual(set(troupe.envs.TASKS), {name[7:-3] for name in gymnasium.registry if name.startswith("troupe/")})
 
     def test_says_what_is_wrong(self):
@@ -853,7 +1036,10 @@ class Vector(unittest.TestCase):
             (lambda: troupe.envs.VectorEnv(Short(2), 2).reset(seed=2**64), "seed: found 18446744073709551616: give a whole number from 0 to"),
             (lambda: troupe.envs.Env(Short(2)).reset(seed=2**64), "seed: found 18446744073709551616: give a whole number from 0 to"),
             (lambda: troupe.envs.VectorEnv(Short(2), 3), "2 robots learn in each copy: give a multiple of 2"),
-            (lambda: troupe.envs.VectorEnv(Walkers(), 2), "needs a task with one team, but Walkers has 2"),
+            (lambda: troupe.envs.VectorEnv(Walkers(), 2), "^VectorEnv needs a task with one team, but Walkers has 2: set"),
+            (lambda: troupe.envs.Env(Walkers()), "^Env needs a task with one team, but Walkers has 2: set"),
+            (lambda: troupe.envs.VectorEnv(Short(2), 2, autoreset_mode="next"),
+             "^unknown autoreset_mode 'next'; known: NextStep, SameStep, Disabled$"),
             (lambda: troupe.envs.VectorEnv(Short(2), 2, render_mode="ansi"), 'unknown render_mode "ansi"; known: human, rgb_array'),
         ):
             with self.assertRaisesRegex(ValueError, text):
@@ -1220,6 +1406,16 @@ class Benchmark(unittest.TestCase):
 
 
 class Tasks(unittest.TestCase):
+    def test_observations_are_bounded(self):
+        for name, task in troupe.envs.TASKS.items():
+            with self.subTest(name):
+                env = troupe.envs.VectorEnv(task(robots=4, size=3.0), 4 * 4)
+                self.assertTrue(env.single_observation_space.is_bounded(), env.single_observation_space)
+                observations, _ = env.reset(seed=1)
+                for step in range(300):
+                    self.assertTrue(env.observation_space.contains(observations), step)
+                    observations, *_ = env.step(fixed_actions(env.action_space, step // 20))
+
     def test_robots_begin_inside_the_room(self):
         for task in (troupe.envs.Flocking(robots=12, size=6.0), troupe.envs.Dispersion(robots=12, size=6.0)):
             simulation = troupe.Simulation(task.world)

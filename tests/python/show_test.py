@@ -187,6 +187,21 @@ class Notebook(InAFolder):
         self.assertTrue(picture.startswith(b"\x89PNG"))
         self.assertTrue(text.endswith(f"A room: 7 robots, 0.6 s, state {simulation.state_hash():016x}"), text[-80:])
 
+    def test_says_why_there_is_no_picture(self):
+        class broken(troupe.Controller):
+            robots = "r"
+
+            def decide(self, robots):
+                raise ValueError("<mine>")
+
+        simulation = troupe.Simulation(ROOM, threads=1, controllers=broken)
+        with self.assertRaises(troupe.StepError):
+            simulation.step()
+        reason = "tick 1: a step, a birth or a reset failed and left an incomplete state: call reset() before anything else"
+        self.assertEqual(simulation._repr_html_(), f"A simulation of which no picture can be drawn: {reason}")
+        simulation.reset()
+        self.assertIn("<img", simulation._repr_html_())
+
     def test_a_title_is_text(self):
         simulation = troupe.Simulation({**ROOM, "title": "<b>R & D</b>"}, threads=1)
         self.assertIn("<br>&lt;b&gt;R &amp; D&lt;/b&gt;: 7 robots", simulation._repr_html_())

@@ -325,6 +325,29 @@ class Running(InAFolder):
         with self.assertRaisesRegex(troupe.InputError, "^bad.h5: error: "):
             troupe.Simulation.resume("bad.h5")
 
+    def test_a_checkpoint_in_memory_gives_the_same_bits(self):
+        world = troupe.Simulation(ROOM, threads=1)
+        world.swarm("bot").set_speeds(0.3, 0.5)
+        world.step(10)
+        with skipped_where_lacking():
+            data = world.to_bytes()
+        middle = world.state_hash()
+        world.step(10)
+        for copied in (data, bytearray(data), memoryview(data)):
+            later = troupe.Simulation.from_bytes(copied, threads=2)
+            self.assertEqual((later.tick, later.threads, later.state_hash()), (10, 2, middle))
+            later.step(10)
+            self.assertEqual(later.state_hash(), world.state_hash())
+        self.assertEqual(os.listdir(), [])
+        for wrong, text in ((b"", "data: error: this is not a checkpoint: the file is empty"),
+                            (data[:1000], "data: error: "), (b"abc", "data: error: this is not a checkpoint")):
+            with self.assertRaises(troupe.InputError) as raised:
+                troupe.Simulation.from_bytes(wrong)
+            self.assertEqual(str(raised.exception)[:len(text)], text)
+        with self.assertRaises(TypeError) as raised:
+            troupe.Simulation.from_bytes("c.h5")
+        self.assertEqual(str(raised.exception), "data: found 'c.h5': give the bytes that to_bytes() has returned")
+
     def test_ranks_give_the_same_bits(self):
         def drive(world):
             swarm = world.swarm("r")
@@ -1133,6 +1156,15 @@ class Tables(InAFolder):
         with self.assertRaisesRegex(LookupError, 'unknown field of pose "q"; known: '):
             pose["q"]
 
+    def test_is_a_mapping_from_the_names_of_its_fields(self):
+        pose = troupe.Simulation(ROOM).table("pose")
+        names = ["x", "y", "z", "heading"]
+        self.assertEqual((pose.keys(), [*pose]), (names, names))
+        self.assertTrue("x" in pose and "q" not in pose and 0 not in pose)
+        fields = dict(pose)
+        self.assertEqual([*fields], names)
+        np.testing.assert_array_equal(fields["y"], pose["y"])
+
     def test_of_one_name_are_told_apart_by_their_types(self):
         world = troupe.Simulation(ROOM)
         world.step()
@@ -1303,6 +1335,9 @@ class Looking(InAFolder):
         world.run_for(1, lambda _: measures.see())
         self.assertGreater(measures["displacement:r"], 0.1)
         self.assertEqual(measures.values()[0], measures["displacement:r"])
+        self.assertEqual(dict(measures), dict(zip(measures.columns, measures.values())))
+        self.assertTrue([*measures] == measures.keys() == measures.columns)
+        self.assertTrue("near" in measures and "far" not in measures)
         with self.assertRaisesRegex(LookupError, "unknown measure"):
             measures["far"]
         with self.assertRaises(troupe.InputError):

@@ -43,11 +43,15 @@ world = troupe.Simulation("worlds/hospital.json", robots=np.int64(5), seed=np.ui
 world.picture(np.int64(64), center_m=swarm.poses()[0, :2], across_m=np.float64(3))
 troupe.Measures(world, [lambda robots: np.float64(len(robots))])
 world.on_tick(None)
+values: dict[str, float] = dict(troupe.Measures(world, ["stalls"]))
+columns = dict(world.table("pose"))["x"].sum()
 color = world.find("r0").readings("ranges", "ir").sum()
 hash: int = world.hashes()["pose"]
 picture = world.picture()[:, :, 0]
 env = VectorEnv(Navigation(robots=2), 8, threads=1)
 copies: int = env.batch.core.copies
+observations, infos = env.reset(seed=1, options={"level": 2})
+env.batch.core.picture(0, camera="perspective")
 
 
 class Roam(troupe.Controller):

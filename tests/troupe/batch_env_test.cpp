@@ -546,6 +546,9 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       k_name, [](auto&, auto& t) { t.arrays[2].parts[0].name = "gaol"; },
       "there is no model \"gaol0\", which would be the target of robot \"r0\"; give the name of one model");
   is_wrong(
+      k_argument, [](auto&, auto& t) { t.arrays[2].parts[0].name.clear(); },
+      "team \"bots\": a part \"target\" has no name: give the name of its target");
+  is_wrong(
       k_name, [](auto&, auto& t) { t.actions[0].command = "forwards"; },
       "an action without a device commands the drive: unknown command \"forwards\"");
   is_wrong(
@@ -562,6 +565,10 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   is_wrong(
       k_name, [](auto&, auto& t) { t.rewards[0].of.array = "gold"; },
       "team \"bots\": unknown array \"gold\"");
+  is_wrong(
+      k_argument, [](auto&, auto& t) { t.rewards[0].of = {}; },
+      "reward of team \"bots\": has neither an array nor a measure: give the name of an array and a column, "
+      "or the name of a measure");
   is_wrong(
       k_argument, [](auto&, auto& t) { t.rewards[0].of.column = 4; },
       "there is no column 4 in array \"goal\", which has 4 columns");

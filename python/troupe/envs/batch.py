@@ -12,13 +12,14 @@ import numpy.typing as npt
 from gymnasium import spaces
 
 from .._core import BatchEnv, Simulation, _seed_of
-from .task import Task, Team, action_space, check_task, check_team, commands_of, require_task
+from .task import Task, Team, action_space, check_task, check_team, commands_of, is_whole, require_task
 
 Flags = npt.NDArray[np.bool_]
 FlagsLike = Union[Flags, Sequence[bool]]
 _ONLY = "observation"  # name of the array of a team whose observation is a single Box
 _OF_SPACE = ("low", "high", "shape")  # members of a part that define its observation space
 _BOOLS, _NUMBERS = "b", "biuf"  # kinds of NumPy's types
+_OWN_INFOS = ("finished", "alive", "final_obs", "final_info")  # names that VectorEnv uses
 _KINDS = {_BOOLS: "bools", _NUMBERS: "real numbers"}
 
 
@@ -29,14 +30,27 @@ class Batch:
     threads  number of threads; 0: one per processor that the process may use. The number changes no result
     robot    name of a robot: only this robot learns, and the others run the controllers of the world file. None: all
              robots of the teams learn
+    max_episode_steps
+             number of steps after which an episode is truncated, if it has not reached task.seconds before
     options  keyword arguments of troupe.Simulation, except threads
-    errors   TypeError or ValueError for an invalid task or number of copies; LookupError for an unknown robot and for
+    errors   TypeError or ValueError for an invalid task or number of copies or steps; LookupError for an unknown robot and for
              unknown names in the task; InputError for an invalid world
     """
 
-    def __init__(self, task: Task, copies: int, *, threads: int = 0, robot: Optional[str] = None, **options: Any) -> None:
+    def __init__(
+        self,
+        task: Task,
+        copies: int,
+        *,
+        threads: int = 0,
+        robot: Optional[str] = None,
+        max_episode_steps: Optional[int] = None,
+        **options: Any,
+    ) -> None:
         require_task(task)
         check_task(task)
+        if max_episode_steps is not None and not is_whole(max_episode_steps):
+            raise ValueError(f"max_episode_steps={max_episode_steps!r}: give a whole number above 0, or None")
         self.task = task
         if not task.teams:
             raise ValueError(f"{type(task).__name__} has no teams: set its member `teams` to a list of Teams")
@@ -56,11 +70,14 @@ class Batch:
         if isinstance(task.world, dict):
             options.setdefault("name", f"{type(task).__name__}.json")
         simulation = Simulation(copy.deepcopy(task.world), threads=1, **options)
+        seconds = float(task.seconds)
+        if max_episode_steps is not None:
+            seconds = min(seconds, int(max_episode_steps) * task.ticks * simulation.tick_s)
         spec = {
             "copies": copies,
             "threads": threads,
             "ticks": task.ticks,
-            "seconds": float(task.seconds),
+            "seconds": seconds,
             "measures": list(task.measures),
             "teams": [_team_spec(team, robot or "") for team in self.teams],
         }
@@ -69,6 +86,8 @@ class Batch:
         self.step_s = task.ticks * simulation.tick_s  #: simulated time of a step, s
         #: Data that a task stores about the copies, such as which robots have a load. State hashes do not cover them.
         self.memory: Dict[str, Any] = {}
+        #: Options for Task.begin(): those that the last reset() was given; empty after a step that has begun episodes.
+        self.options: Dict[str, Any] = {}
         self.names = [self.core.names(index) for index in range(len(self.teams))]
         self._columns_added: Dict[Tuple[int, str], int] = {}  # by Task.observe(), for each team and observed array
         self.observation_spaces: List[spaces.Space[Any]] = [
@@ -85,20 +104,29 @@ class Batch:
         Team.observation is a list. Raises LookupError for an unknown name."""
         return self.core.array(name, team)
 
-    def reset(self, which: Optional[FlagsLike] = None, seeds: Sequence[Optional[int]] = ()) -> None:
+    def reset(
+        self,
+        which: Optional[FlagsLike] = None,
+        seeds: Sequence[Optional[int]] = (),
+        options: Optional[Dict[str, Any]] = None,
+    ) -> None:
         """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all copies.
         seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
         derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy).
-        Raises TypeError for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1 and
+        options: a dict that Task.begin() finds as batch.options. Raises TypeError for options that are not a dict and
+        for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1 and
         for a list of another length than the number of copies; the copies then remain as they are."""
         if isinstance(seeds, str) or not hasattr(seeds, "__iter__"):
             raise TypeError(f"seeds: found {seeds!r}: give a list with one seed or None per copy")
         own_seeds = [None if seed is None else _seed_of(seed) for seed in seeds]
         if own_seeds and len(own_seeds) != self.copies:
             raise ValueError(f"seeds: found a list of {len(own_seeds)} seeds: give {self.copies}, one per copy")
+        if options is not None and not isinstance(options, dict):
+            raise TypeError(f"options: found {options!r}: give a dict")
         begins = np.ones(self.copies, np.bool_) if which is None else self._flags_of("which", which)
         self._needs_reset |= begins
         self.core.reset(begins, own_seeds)
+        self.options = dict(options or {})
         self.task.begin(self, begins)
         self._needs_reset &= ~begins
 
@@ -110,9 +138,10 @@ class Batch:
         return flags
 
     def require_reset(self) -> None:
-        """Raises RuntimeError if the copies cannot make a step, because they have not begun an episode or because an
-        exception, such as KeyboardInterrupt, has ended a step."""
+        """Raises RuntimeError if the copies cannot make a step, because they have not begun an episode, because an
+        exception, such as KeyboardInterrupt, has ended a step, or because another thread steps them."""
         if self._needs_reset.any():
+            self.core.tick(0)  # raises RuntimeError if another thread steps the copies
             raise RuntimeError(
                 "step(): call reset() before the first step, and after a step or reset that an exception has ended "
                 f"({self._needs_reset.sum()} of {self.copies} copies need a reset)"
@@ -165,6 +194,7 @@ class Batch:
                 self._check_result("terminated", team, ends, counts.shape, "copies, robots", _BOOLS)
                 self.core.terminated(index)[...] |= ends & counts
         if marks is not None and marks.any():
+            self.options = {}
             self.task.begin(self, marks)
         self._needs_reset[:] = False
 
@@ -199,6 +229,26 @@ class Batch:
         if isinstance(observation, dict):
             return {name: self._observed(name, parts, team) for name, parts in observation.items()}
         return self._observed(_ONLY, observation, team)
+
+    def infos(self, team: int = 0) -> Dict[str, npt.NDArray[Any]]:
+        """Returns the values of Task.info() after the last step, as new arrays; an empty dict if it returns None."""
+        given = self.task.info(self, team)
+        if given is None:
+            return {}
+        of = f'{type(self.task).__name__}.info(), team "{self.teams[team].name}"'
+        if not isinstance(given, dict):
+            raise TypeError(f"{of}: must return a dict from names to arrays, found {given!r}")
+        infos = {}
+        for name, values in given.items():
+            if not isinstance(name, str) or name.startswith("_") or name in _OWN_INFOS:
+                raise ValueError(
+                    f"{of}: found the name {name!r}: give a text that does not begin with an underscore and is none of "
+                    f"{', '.join(_OWN_INFOS)}"
+                )
+            shape = (self.copies, len(self.names[team])) + (None,) * (np.ndim(values) - 2)
+            self._check_result("info", self.teams[team], values, shape, f'copies, robots of "{name}"', _NUMBERS)
+            infos[name] = np.array(values)
+        return infos
 
     def _observed(self, name: str, parts: List[Dict[str, Any]], team: int) -> npt.NDArray[Any]:
         own = self.core.array(name, team)

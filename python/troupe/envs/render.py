@@ -15,6 +15,8 @@ from .task import is_whole
 
 RENDER_MODES = ["human", "rgb_array"]
 RENDER_SIZE = (480, 480)
+#: Keyword arguments of Simulation.picture() that the argument `render_look` of environments may have.
+_LOOK = ("camera", "layers", "center_m", "angle_rad", "across_m", "color_by", "color_range", "background")
 
 
 def render_metadata(batch: Batch) -> Dict[str, Any]:
@@ -40,21 +42,30 @@ def _checked_size(size: Any) -> Tuple[int, int]:
     return int(sides[0]), int(sides[1])
 
 
+def _checked_look(look: Any) -> Dict[str, Any]:
+    """Returns the argument `render_look` as a dict. Raises TypeError unless it is None or a dict with names in _LOOK."""
+    if look is not None and (not isinstance(look, dict) or not set(look) <= set(_LOOK)):
+        raise TypeError(f"render_look={look!r}: give a dict of options of pictures; known: {', '.join(_LOOK)}")
+    return dict(look or {})
+
+
 class Renderer:
     """Renders the copies of the world of a batch.
 
     mode  rgb_array: picture() returns pictures. human: from the first episode on, the first copy is shown in a browser
           and runs in real time. None: nothing is rendered
     size  width and height of pictures, pixels
+    look  keyword arguments of Simulation.picture(), such as camera; None: none
 
-    Raises ValueError for an unknown mode or a wrong size, and RuntimeError, which names the package to install, if the mode is
-    rgb_array and pictures cannot be drawn.
+    Raises ValueError for an unknown mode or a wrong size, TypeError for a look with unknown names, and RuntimeError, which
+    names the package to install, if the mode is rgb_array and pictures cannot be drawn.
     """
 
-    def __init__(self, mode: Optional[str], size: Tuple[int, int]) -> None:
+    def __init__(self, mode: Optional[str], size: Tuple[int, int], look: Optional[Dict[str, Any]]) -> None:
         if mode is not None and mode not in RENDER_MODES:
             raise ValueError(f'unknown render_mode "{mode}"; known: {", ".join(RENDER_MODES)}')
         self.size = _checked_size(size)
+        self.look = _checked_look(look)
         if mode == "rgb_array":
             _check_pictures()
         self.mode = mode
@@ -77,10 +88,11 @@ class Renderer:
         self._view = batch.core.view(out=self._sessions.name)
         print(f"troupe: the world is shown at {self.address}", file=sys.stderr, flush=True)
 
-    def picture(self, batch: Batch) -> Optional[npt.NDArray[np.uint8]]:
-        """Returns a picture of the first copy from above, height x width x 3, uint8, RGB, or None if the mode is not
-        rgb_array."""
-        return batch.core.picture(0, *self.size) if self.mode == "rgb_array" else None
+    def pictures(self, batch: Batch) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
+        """Returns one picture per copy, height x width x 3, uint8, RGB, or None if the mode is not rgb_array."""
+        if self.mode != "rgb_array":
+            return None
+        return tuple(batch.core.picture(copy, *self.size, **self.look) for copy in range(batch.copies))
 
     def close(self) -> None:
         if self._view is not None:
@@ -114,9 +126,10 @@ class OneCopy(Copies):
     """The members that the environments with one copy of the world share."""
 
     def render(self) -> Optional[npt.NDArray[np.uint8]]:
-        """Returns a picture of the world from above: height x width x 3, uint8, RGB. None unless the render mode is
-        rgb_array."""
-        return self.renderer.picture(self.batch)
+        """Returns a picture of the world, with the options `render_look`: height x width x 3, uint8, RGB. None unless the
+        render mode is rgb_array."""
+        pictures = self.renderer.pictures(self.batch)
+        return None if pictures is None else pictures[0]
 
     def close(self) -> None:
         self.release()

@@ -12,7 +12,7 @@ from gymnasium.utils import EzPickle
 from .._core import _seed_of
 from .batch import one_copy
 from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer, render_metadata
-from .task import Task, require_task
+from .task import Task, require_one_team
 
 
 def first_of(observations: Any, *index: int) -> Any:
@@ -20,6 +20,11 @@ def first_of(observations: Any, *index: int) -> Any:
     if isinstance(observations, dict):
         return {name: array[index] for name, array in observations.items()}
     return observations[index]
+
+
+def info_of(infos: Dict[str, npt.NDArray[Any]], *index: int) -> Dict[str, Any]:
+    """Returns the elements at `index` of the arrays of Batch.infos(): numbers and bools of Python, or arrays."""
+    return {name: array[index].item() if array.ndim == len(index) else array[index] for name, array in infos.items()}
 
 
 def checked(action: Any, space: "gymnasium.Space[Any]", what: str) -> npt.NDArray[Any]:
@@ -41,11 +46,14 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
     render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
                  that the first reset() prints
     render_size  width and height of pictures, pixels
-    options      keyword arguments of troupe.Simulation, except threads
+    render_look  keyword arguments of Simulation.picture(), a dict such as {"camera": "perspective"}
+    options      keyword arguments of troupe.Simulation, except threads, and max_episode_steps, as in VectorEnv
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
     pickle       a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
                  needs a reset()
+    options and  a dict `options` that reset() is given is passed to Task.begin(), as batch.options; the infos of reset() and
+    infos        step() have the values that Task.info() returns
     errors       TypeError if `task` is not a Task; ValueError if the task has several teams; LookupError if no robot has
                  the name `robot`; RuntimeError after close()
     """
@@ -59,13 +67,15 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
         robot: Optional[str] = None,
         render_mode: Optional[str] = None,
         render_size: Tuple[int, int] = RENDER_SIZE,
+        render_look: Optional[Dict[str, Any]] = None,
         **options: Any,
     ) -> None:
-        EzPickle.__init__(self, task, robot=robot, render_mode=render_mode, render_size=render_size, **options)
-        require_task(task)
+        EzPickle.__init__(
+            self, task, robot=robot, render_mode=render_mode, render_size=render_size, render_look=render_look, **options)
+        require_one_team(task, "Env")
         self.task = task
         self.render_mode = render_mode
-        self.renderer = Renderer(render_mode, render_size)
+        self.renderer = Renderer(render_mode, render_size, render_look)
         if robot is None:
             robot = one_copy(task, **options).names[0][0]
         self._batch = one_copy(task, robot=robot, **options)
@@ -78,9 +88,9 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
         if seed is not None:
             seed = _seed_of(seed)  # first, because Gymnasium has other errors for wrong seeds, and rejects NumPy's integers
         super().reset(seed=seed)
-        self.batch.reset(seeds=[seed])
+        self.batch.reset(seeds=[seed], options=options)
         self.renderer.begin(self.batch)
-        return first_of(self.batch.observations(), 0, 0), {}
+        return first_of(self.batch.observations(), 0, 0), info_of(self.batch.infos(), 0, 0)
 
     def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
         batch = self.batch
@@ -90,5 +100,5 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
             float(batch.core.rewards()[0, 0]),
             bool(batch.core.terminated()[0, 0]),
             bool(batch.core.truncated[0]),
-            {},
+            info_of(batch.infos(), 0, 0),
         )

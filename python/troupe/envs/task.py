@@ -80,7 +80,8 @@ class Task:
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
         """Called after some copies have begun an episode. copies: one bool per copy, True for the copies that have
-        begun one. By default it does nothing."""
+        begun one. batch.options has the options that reset() of the environment was given. By default it does
+        nothing."""
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
@@ -109,6 +110,15 @@ class Task:
         and any result but None for an array whose part has a "shape", raises ValueError."""
         return None
 
+    def info(self, batch: "Batch", team: int) -> Optional[Dict[str, npt.NDArray[Any]]]:
+        """Returns values that the environments return in their infos, such as the terms of a reward: a dict from names to
+        arrays of numbers or bools, copies x robots or copies x robots x further axes, or None for no values. Called by
+        each reset, after begin(), and by each step, after terminated(). Robots that are not in the world also have elements. A
+        result of another shape or type makes the reset or the step raise ValueError or TypeError, and so does a name
+        that the environments use themselves: `finished`, `alive`, `final_obs`, `final_info` and names that begin with
+        an underscore."""
+        return None
+
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
         """Returns the actions of a hand-written policy, with which learned policies can be compared: one row of actions
         per row of the observations. Raises NotImplementedError if the task defines no such policy."""
@@ -129,6 +139,17 @@ def require_task(task: Any) -> None:
         raise TypeError(f"task: must be a troupe.envs.Task, found {task!r}")
     if task.teams and not (isinstance(task.teams, (list, tuple)) and all(isinstance(team, Team) for team in task.teams)):
         raise TypeError(f"{type(task).__name__}.teams: must be a list of troupe.envs.Team, found {task.teams!r}")
+
+
+def require_one_team(task: Any, environment: str) -> None:
+    """Raises TypeError if the argument `task` of an environment is not a Task, and ValueError if the task has several teams.
+    environment: the class, for the error text."""
+    require_task(task)
+    if task.teams and len(task.teams) != 1:
+        raise ValueError(
+            f"{environment} needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
+            "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
+        )
 
 
 def check_task(task: Task) -> None:

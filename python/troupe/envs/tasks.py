@@ -93,6 +93,18 @@ def lidar(scale: float = 1 / LIDAR_RANGE) -> Dict[str, Any]:
     return {"field": "ranges", "device": "lidar", "scale": scale}
 
 
+def located(target: Dict[str, Any], size: float) -> Dict[str, Any]:
+    """Returns a part of an observation: a part "target" of the task, whose lengths are divided by the side of the room, size
+    (m). Two bodies in the room are at most sqrt(2) * size apart."""
+    return {**target, "scale": 1 / size, "low": -1.5, "high": 1.5}
+
+
+def own_speed() -> Dict[str, Any]:
+    """Returns a part of an observation: the speeds of the robot in m/s and rad/s. The drive of robot_type() limits them to
+    0.5 m/s and, by default, pi / 2 rad/s."""
+    return {"of": "speed", "low": -2.0, "high": 2.0}
+
+
 def steer(x: Floats, y: Floats, speed: Floats) -> Floats:
     """Returns actions (forward, turn), numbers from -1 to 1 in the last axis, that turn the robot towards the direction
     (x, y) in its frame. The forward speed is proportional to the cosine of the direction's angle, and 0 if the
@@ -146,7 +158,7 @@ class Navigation(Task):
         self.teams = [
             Team(
                 robots="r",
-                observation=[lidar(), {**goal, "scale": 1 / size}, {"of": "speed"}],
+                observation=[lidar(), located(goal, size), own_speed()],
                 arrays={"goal": [goal], "stalled": [{"of": "stalled"}]},
                 rewards=[
                     {"array": "goal", "column": 2, "weight": -1.0, "change": True},
@@ -249,7 +261,7 @@ class Flocking(Task):
         self.teams = [
             Team(
                 robots="r",
-                observation=[lidar(), near, {"of": "speed"}],
+                observation=[lidar(), near, own_speed()],
                 arrays={"near": [near], "speed": [{"of": "speed"}], "stalled": [{"of": "stalled"}]},
                 rewards=[
                     *({"array": "near", "column": 5 * k + 2, "weight": 0.05 / self.nearest} for k in range(self.nearest)),
@@ -295,7 +307,7 @@ class Foraging(Task):
         self.teams = [
             Team(
                 robots="r",
-                observation=[lidar(), {**source, "scale": 1 / size}, {**nest, "scale": 1 / size}],
+                observation=[lidar(), located(source, size), located(nest, size)],
                 arrays={"source": [source], "nest": [nest]},
             )
         ]
@@ -360,7 +372,7 @@ class Pursuit(Task):
         self.teams = [
             Team(
                 robots="r",
-                observation=[lidar(), {**target, "scale": 1 / size}, near],
+                observation=[lidar(), located(target, size), near],
                 arrays={"prey": [target]},
                 rewards=[{"array": "prey", "column": 2, "weight": -1.0, "change": True}],
                 ends=[{"array": "prey", "column": 2, "below": 0.6, "reward": 5.0}],

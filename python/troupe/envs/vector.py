@@ -15,7 +15,7 @@ from .._core import _seed_of
 from .batch import Batch, Flags
 from .render import RENDER_SIZE, Copies, Renderer, render_metadata
 from .single import checked
-from .task import Task, is_whole, require_task
+from .task import Task, is_whole, require_one_team
 
 
 class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
@@ -25,10 +25,13 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
     robot           name of a robot: only this robot learns in each copy, the others run the controllers of the world
                     file, and num_envs is the number of copies. None: all robots of the team learn
     autoreset_mode  when a copy whose episode has ended begins the next one: an AutoresetMode of Gymnasium
+    max_episode_steps
+                    number of steps after which an episode is truncated, if it has not reached task.seconds before
     threads         number of threads; 0: one per processor that the process may use. The number changes no result
     render_mode     rgb_array: render() returns pictures. human: the first copy runs in real time in a browser, at the
                     address that the first reset() prints
     render_size     width and height of pictures, pixels
+    render_look     keyword arguments of Simulation.picture(), a dict such as {"camera": "perspective"}
     options         keyword arguments of troupe.Simulation, except threads
     episodes        the episodes of all robots of a copy end together, when all robots are finished (by Team.ends,
                     Task.terminated(), the world's `stop_when` or death) or task.seconds have passed. If several robots
@@ -37,7 +40,7 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
                     the robot. Its rewards in the steps after that step are 0. With AutoresetMode.SAME_STEP, the step
                     that ends an episode returns these two infos of the ended episode in infos["final_info"]. If a robot
                     has not been born yet, infos["alive"] is False for the robot, its observation and its rewards are 0,
-                    and its episode ends with that of its copy
+                    and its episode ends with that of its copy. The infos also have the values that Task.info() returns
     seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
                     with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
                     the same seed. The seeds of later episodes of the copy are derived from this seed
@@ -55,20 +58,23 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         *,
         robot: Optional[str] = None,
         autoreset_mode: Union[str, AutoresetMode] = AutoresetMode.NEXT_STEP,
+        max_episode_steps: Optional[int] = None,
         threads: int = 0,
         render_mode: Optional[str] = None,
         render_size: Tuple[int, int] = RENDER_SIZE,
+        render_look: Optional[Dict[str, Any]] = None,
         **options: Any,
     ) -> None:
         EzPickle.__init__(
-            self, task, num_envs, robot=robot, autoreset_mode=autoreset_mode, threads=threads, render_mode=render_mode,
-            render_size=render_size, **options)
-        require_task(task)
-        if task.teams and len(task.teams) != 1:
-            raise ValueError(
-                f"VectorEnv needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
-                "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
-            )
+            self, task, num_envs, robot=robot, autoreset_mode=autoreset_mode, max_episode_steps=max_episode_steps,
+            threads=threads, render_mode=render_mode, render_size=render_size,
+            render_look=render_look, **options)
+        require_one_team(task, "VectorEnv")
+        try:
+            mode = AutoresetMode(autoreset_mode)
+        except ValueError:
+            known = ", ".join(each.value for each in AutoresetMode)
+            raise ValueError(f"unknown autoreset_mode {autoreset_mode!r}; known: {known}") from None
         if not is_whole(num_envs):
             raise ValueError(f"num_envs={num_envs!r}: give a whole number above 0")
         num_envs = int(num_envs)
@@ -77,14 +83,15 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
             robots = len(Batch(task, 1, threads=1, **options).names[0])
         if num_envs % robots:
             raise ValueError(f"num_envs={num_envs}: {robots} robots learn in each copy: give a multiple of {robots}")
-        self._batch = Batch(task, num_envs // robots, threads=threads, robot=robot, **options)
+        self._batch = Batch(
+            task, num_envs // robots, threads=threads, robot=robot, max_episode_steps=max_episode_steps, **options)
         self.task = task
         self.num_envs = num_envs
         self.copies = num_envs // robots
         self.robots = robots
         self.render_mode = render_mode
-        self.renderer = Renderer(render_mode, render_size)
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.renderer = Renderer(render_mode, render_size, render_look)
+        self.autoreset_mode = mode
         self.metadata = {**render_metadata(self._batch), "autoreset_mode": self.autoreset_mode}
         self.single_observation_space = self._batch.observation_spaces[0]
         self.single_action_space = self._batch.action_spaces[0]
@@ -98,19 +105,25 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         seed: Union[None, int, Sequence[Optional[int]]] = None,
         options: Optional[Dict[str, Any]] = None,
     ) -> Tuple[Any, Dict[str, Any]]:
-        """Begins an episode in some copies, and returns (observations, {}), one row of observations per environment.
-        seed: see the class. options: {"reset_mask": array of one bool per environment}, True for all environments of
-        the copies that begin an episode; without a mask, all copies begin one. Raises TypeError for a mask that is not
-        a NumPy array of bool; ValueError for a mask of a wrong shape or that marks no environment or only some robots
+        """Begins an episode in some copies, and returns (observations, infos), one row of observations per environment. The
+        infos have the values that Task.info() returns, for the copies that begin an episode. seed: see the class.
+        options: a dict. Its entry "reset_mask" is an array of one bool per environment, True for all environments of
+        the copies that begin an episode; without a mask, all copies begin one. Task.begin() finds the other entries in
+        batch.options. Raises TypeError for options that are not a dict and for a mask that is not a NumPy array of bool;
+        ValueError for a mask of a wrong shape or that marks no environment or only some robots
         of a copy, and for a list of seeds of a wrong length or with different seeds for one copy."""
         seeds = self._seeds_of(seed)  # first, because Gymnasium has other errors for wrong seeds
         if seed is None or isinstance(seed, (int, np.integer)):
             super().reset(seed=None if seed is None else int(seed))
-        which = None if options is None or "reset_mask" not in options else self._copies_of(options["reset_mask"])
-        self.batch.reset(which, seeds)
+        which = None
+        if isinstance(options, dict) and "reset_mask" in options:
+            which = self._copies_of(options["reset_mask"])
+            options = {name: option for name, option in options.items() if name != "reset_mask"}
+        self.batch.reset(which, seeds, options)
         self.renderer.begin(self.batch)
         self._is_over[slice(None) if which is None else which] = False
-        return self._rows(self.batch.observations()), {}
+        begun = np.ones(self.num_envs, np.bool_) if which is None else np.repeat(which, self.robots)
+        return self._rows(self.batch.observations()), self._task_infos(begun)
 
     def step(self, actions: Any) -> Tuple[Any, npt.NDArray[np.float64], Flags, Flags, Dict[str, Any]]:
         batch = self.batch
@@ -136,16 +149,27 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
             final = self._final(np.repeat(over, self.robots))
             batch.reset(over)
             self._is_over = np.zeros_like(over)
-        infos = self._robot_infos(np.ones(self.num_envs, np.bool_)) | final
+        infos = self._infos(np.ones(self.num_envs, np.bool_)) | final
         return self._rows(batch.observations()), rewards, terminations, truncations, infos
 
-    def _robot_infos(self, which: Flags) -> Dict[str, Any]:
-        """Returns the infos `finished` and `alive` of the environments marked in `which`, in the format of
-        gymnasium.vector.SyncVectorEnv: False for the other environments. Empty if one robot learns in each copy."""
+    def _task_infos(self, which: Flags) -> Dict[str, Any]:
+        """Returns the infos of the task of the environments marked in `which`, in the format of
+        gymnasium.vector.SyncVectorEnv: 0 or False for the other environments."""
+        infos: Dict[str, Any] = {}
+        for name, array in self.batch.infos().items():
+            infos[name] = self._rows(array)
+            infos[name][~which] = 0
+            infos[f"_{name}"] = which.copy()
+        return infos
+
+    def _infos(self, which: Flags) -> Dict[str, Any]:
+        """Returns the infos of the task and, if several robots learn in each copy, `finished` and `alive`, in the format of
+        _task_infos()."""
+        infos = self._task_infos(which)
         if self.robots == 1:
-            return {}
+            return infos
         core = self.batch.core
-        return {
+        return infos | {
             "finished": core.terminated().reshape(-1) & which,
             "_finished": which.copy(),
             "alive": core.alive().reshape(-1) & which,
@@ -163,7 +187,7 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
             else:
                 final[env] = observations[env].copy()
         infos = {"final_obs": final, "_final_obs": done.copy()}
-        return infos | {"final_info": self._robot_infos(done), "_final_info": done.copy()}
+        return infos | {"final_info": self._infos(done), "_final_info": done.copy()}
 
     def _rows(self, observations: Any) -> Any:
         """Reshapes observations of copies x robots to one row per environment."""
@@ -211,12 +235,9 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         return seeds[:: self.robots]
 
     def render(self) -> Optional[Tuple[npt.NDArray[np.uint8], ...]]:
-        """Returns a tuple of one picture per copy, from above: height x width x 3, uint8, RGB. None unless the render
-        mode is rgb_array."""
-        core = self.batch.core  # an error after close() in all modes
-        if self.render_mode != "rgb_array":
-            return None
-        return tuple(core.picture(copy, *self.renderer.size) for copy in range(self.copies))
+        """Returns a tuple of one picture per copy, with the options `render_look`: height x width x 3, uint8, RGB. None
+        unless the render mode is rgb_array."""
+        return self.renderer.pictures(self.batch)
 
     def close_extras(self, **kwargs: Any) -> None:
         self.release()
