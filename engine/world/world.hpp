@@ -264,8 +264,9 @@ class World {
   }
   /// Sets the callback that each step calls in the phase `intervene`, after it has applied the interventions
   /// and faults of the world file, and before any sensor runs. The callback may change the world in all ways
-  /// that are allowed between two steps. The exceptions of the callback propagate from step(). A second call
-  /// of before_tick() replaces the callback. Call before_tick() between steps.
+  /// that are allowed between two steps, but must not call before_tick(), which would destroy the callback.
+  /// The exceptions of the callback propagate from step(). A second call of before_tick() replaces the
+  /// callback. Call before_tick() between steps.
   void before_tick(std::function<void()> callback) { before_tick_ = std::move(callback); }
   /// A callback that step() calls in place of a controller, once per batch: the robots of one type that one
   /// call of the controller handles. The callback must itself call controller.kind->decide(controller.data,
