@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
