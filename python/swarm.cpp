@@ -87,18 +87,12 @@ void command_device(HeldSwarm& held, const std::string& device, const Where& whe
   Swarm& swarm = held.use();
   const std::span<const engine::StateField> fields = swarm.command_fields(device);
   const std::vector<std::uint8_t> mask = mask_of(where, swarm.size());
-  std::vector<std::pair<std::string, py::array>> set;
-  for (const auto& [key, value] : values) {
-    const std::string name = key.cast<std::string>();
-    const engine::StateField& field = command_field(fields, name, fmt::format("device \"{}\"", device));
-    set.emplace_back(name, rows_for(field, value, held.size()));
-    refuse_nan(field, set.back().second, mask);
-  }
-  for (const auto& [name, rows] : set) {  // checks every device before the first change
+  const CommandRows set = command_rows(fields, device, values, held.size(), mask);
+  for (const auto& [field, rows] : set) {  // checks every device before the first change
     std::vector<std::byte> ignored(static_cast<std::size_t>(rows.nbytes()));
-    swarm.commands(ignored, name, device);
+    swarm.commands(ignored, field->name, device);
   }
-  for (const auto& [name, rows] : set) swarm.set_commands(const_bytes_of(rows), name, device, mask);
+  for (const auto& [field, rows] : set) swarm.set_commands(const_bytes_of(rows), field->name, device, mask);
 }
 
 std::string radio_named(HeldSwarm& held, const std::string& name) {
