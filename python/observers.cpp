@@ -170,9 +170,7 @@ class HeldRecording {
   bool is_closed_ = false;
 };
 
-}  // namespace
-
-void bind_observers(py::module_& module) {
+void bind_measures(py::module_& module) {
   py::class_<HeldMeasures>(module, "Measures",
                            "Numbers that are computed from the state of a simulation, such as the covered "
                            "area (docs/measures.md). wanted: a list\n"
@@ -197,7 +195,9 @@ void bind_observers(py::module_& module) {
       .def("__getitem__", &HeldMeasures::value, py::arg("name"),
            "The value of one column for the current state, as in values(). The name may omit the unit. "
            "Raises LookupError for an\nunknown column.");
+}
 
+void bind_events(py::module_& module) {
   py::class_<Event>(module, "Event",
                     "An event of a robot or another body in a tick. type: what happened, such as "
                     "\"stall_begins\" (docs/measures.md); robot and\nid: name and id of this body; other: "
@@ -228,7 +228,9 @@ void bind_observers(py::module_& module) {
       .def("see", &HeldEvents::see,
            "Returns the list of events of the last tick, sorted by id. Call it after every step: after a "
            "longer interval, or after a\nreset, the list is empty.");
+}
 
+void bind_recordings(py::module_& module) {
   py::class_<HeldRecording>(
       module, "Recording",
       "A recording of a simulation: an HDF5 file (docs/recordings.md). fields: names of components of the "
@@ -265,6 +267,14 @@ void bind_observers(py::module_& module) {
            "Writes the frames that are still in memory and closes the file. All HDF5 tools can then read it.")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](HeldRecording& r, const py::args&) { r.close(); });
+}
+
+}  // namespace
+
+void bind_observers(py::module_& module) {
+  bind_measures(module);
+  bind_events(module);
+  bind_recordings(module);
 }
 
 }  // namespace troupe::python
