@@ -19,7 +19,7 @@
 namespace troupe::apps {
 
 /// Thrown if an output file cannot be written or must not be replaced. Commands that run a world throw it
-/// before the first tick (simulation step).
+/// before the first tick (time step).
 class OutputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

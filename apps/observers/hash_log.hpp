@@ -13,7 +13,7 @@
 
 namespace troupe::apps {
 
-/// Writes a hash log: a text file with one line per tick (simulation step). A line contains the hashes of the
+/// Writes a hash log: a text file with one line per tick (time step). A line contains the hashes of the
 /// state after the tick, and is written to the file at the end of the tick.
 class HashLog : public Observer {
  public:
