@@ -138,7 +138,7 @@ ExitCode run_command(const CLI::App& app, std::vector<ProgramCommand>& commands,
 
 /// Flushes standard output and returns `code`, the exit code of a command. Throws std::runtime_error if
 /// output was lost (full disk, closed stream), unless `code` already reports bad input.
-int told(int code) {
+int flush_output(int code) {
   const bool flushed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.flush().good();
   if (!flushed && code != k_bad_input)
     throw std::runtime_error(
@@ -182,14 +182,14 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
       if (python_is_wanted()) run_in_python(argc, argv);
     } catch (const CLI::ParseError& error) {
       const bool is_help = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
-      if (is_help) return prints_for_all_ranks() ? told(app.exit(error)) : k_finished;
+      if (is_help) return prints_for_all_ranks() ? flush_output(app.exit(error)) : k_finished;
       print_usage_error(usage_text(app, error));
       return k_bad_input;
     } catch (const InputError& error) {
       print_usage_error(fmt::format("{}\n", error.what()));
       return k_bad_input;
     }
-    return told(run_command(app, commands, limit));
+    return flush_output(run_command(app, commands, limit));
   } catch (const InputError& error) {
     print_message(fmt::format("{}\n", error.what()));
     return k_bad_input;

@@ -14,7 +14,7 @@ namespace troupe::apps {
 
 /// A table that a run writes line by line, as comma-separated values (CSV). pandas can read the file without
 /// options. The first line has the names of the columns. The first column is the tick (number of the
-/// simulation step).
+/// time step).
 ///
 /// The constructors write nothing: open() creates the file. add() appends a cell to the current line, and
 /// end_line() ends the line. The lines stay in memory until flush() writes them, so the file contains only

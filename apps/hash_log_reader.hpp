@@ -18,7 +18,7 @@ namespace troupe::apps {
 inline constexpr std::string_view k_hash_log_mark = "# troupe hash log 1";
 
 /// Reads a hash log (troupe run --hash-log), a text file with hashes of the simulation state after every tick
-/// (simulation step). Reads the file line by line, because it may be gigabytes long. An error in the file is
+/// (time step). Reads the file line by line, because it may be gigabytes long. An error in the file is
 /// thrown as InputError, with file and line: `run.log:31: error: ...`.
 class HashLogReader {
  public:
@@ -29,7 +29,7 @@ class HashLogReader {
   /// Returns the header lines `# key: value`, with their line numbers.
   const RunHeader& header() const { return header_; }
 
-  /// The hashes of one tick (simulation step).
+  /// The hashes of one tick (time step).
   struct Line {
     std::size_t number;   ///< line number in the file, from 1
     std::string text;     ///< the whole line, without its line break

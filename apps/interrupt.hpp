@@ -6,7 +6,7 @@
 namespace troupe::apps {
 
 /// Installs the signal handlers of the program. The first Ctrl-C or SIGTERM only makes stop_requested()
-/// return true; runs then end after their current tick (simulation step). The second one ends the program
+/// return true; runs then end after their current tick (time step). The second one ends the program
 /// immediately. SIGHUP, which the program gets when its terminal is closed, also makes stop_requested()
 /// return true, but does not count as the first or second signal; if SIGHUP is ignored, as under nohup, it
 /// remains so. SIGPIPE is ignored: if the reader of a pipe ends, writing to the pipe is an error, after which

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <string>
 
 namespace troupe::apps {
 namespace {

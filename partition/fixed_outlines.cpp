@@ -1,7 +1,6 @@
 #include "partition/fixed_outlines.hpp"
 
 #include "base/geometry.hpp"
-#include "base/math.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -4,7 +4,6 @@
 #include "partition/ranging.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 

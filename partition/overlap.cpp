@@ -1,6 +1,5 @@
 #include "partition/overlap.hpp"
 
-#include "base/assert.hpp"
 #include "partition/placed_shape.hpp"
 
 #include <limits>

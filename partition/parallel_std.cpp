@@ -3,7 +3,6 @@
 #include "base/fp_environment.hpp"
 #include "partition/job_thread.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>

@@ -8,7 +8,6 @@
 #include <benchmark/benchmark.h>
 
 #include <cstddef>
-#include <memory>
 #include <utility>
 
 namespace troupe {

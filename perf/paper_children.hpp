@@ -10,7 +10,7 @@
 
 namespace troupe::perf {
 
-/// Measurements of a child process that loads one world and runs it for some ticks (simulation steps).
+/// Measurements of a child process that loads one world and runs it for some ticks (time steps).
 struct ChildReport {
   std::size_t robots = 0;
   double read_s = 0;       ///< wall time to read the file, s

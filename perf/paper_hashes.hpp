@@ -10,7 +10,7 @@
 namespace troupe::perf {
 
 /// The recorded state hashes with which results are compared. A state hash is computed from the whole state
-/// of a simulation after a tick (simulation step). The file, by default perf/paper_hashes.txt, has one line
+/// of a simulation after a tick (time step). The file, by default perf/paper_hashes.txt, has one line
 /// per hash, with the name of the scene, the tick and the hash in hexadecimal digits.
 class HashBook {
  public:

@@ -71,7 +71,7 @@ void write_between_marks(const std::filesystem::path& file, const std::string& t
 /// Checks the state hashes of a report and returns one line of text for each error. It is an error if the
 /// repetitions of a row (a measured run) ended with different hashes.
 ///
-/// If `record` is false, it is also an error if `book` has no hash for the scene and tick (simulation step)
+/// If `record` is false, it is also an error if `book` has no hash for the scene and tick (time step)
 /// of a row, or a different one.
 ///
 /// If `record` is true, the function stores hashes in `book`: for each scene and tick, that of the first row.

@@ -14,7 +14,7 @@
 
 namespace troupe::perf {
 
-/// Measurements of a run. A tick is a simulation step. Members have the values of the last repetition, unless
+/// Measurements of a run. A tick is a time step. Members have the values of the last repetition, unless
 /// their comments say otherwise.
 struct Timing {
   Run run;

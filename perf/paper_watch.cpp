@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 #include <unistd.h>
-#include <algorithm>
 
 #include <filesystem>
 #include <string>

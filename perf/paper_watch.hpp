@@ -8,7 +8,7 @@
 
 namespace troupe::perf {
 
-/// The observer of a run, which reads the state after every tick (simulation step):
+/// The observer of a run, which reads the state after every tick (time step):
 /// - `nothing`: there is no observer.
 /// - `hashes` computes a hash of the whole state, as `troupe run --hash-log` does.
 /// - `recording` records the poses of every tick in a file, as `troupe run --record` does.

@@ -102,7 +102,7 @@ class Held {
 
   /// Returns the simulation. Throws std::logic_error while step() or work() runs.
   Simulation& use();
-  /// Makes `ticks` ticks (simulation steps) without the interpreter's lock. to_its_end: if true, the function
+  /// Makes `ticks` ticks (time steps) without the interpreter's lock. to_its_end: if true, the function
   /// returns earlier if a stop condition of the world ends the run. Ctrl-C raises KeyboardInterrupt between
   /// two ticks. Throws as use() does, and if a tick fails.
   void step(std::uint64_t ticks, bool to_its_end = false);

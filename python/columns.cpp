@@ -159,6 +159,18 @@ py::array rows_for(const engine::StateField& field, const py::handle& value, py:
   return numpy.attr("ascontiguousarray")(numpy.attr("broadcast_to")(made, py::make_tuple(robots, columns)));
 }
 
+CommandRows command_rows(std::span<const engine::StateField> fields, const std::string& device,
+                         const py::kwargs& values, py::ssize_t robots, std::span<const std::uint8_t> mask) {
+  CommandRows set;
+  for (const auto& [key, value] : values) {
+    const std::string name = key.cast<std::string>();
+    const engine::StateField& field = command_field(fields, name, fmt::format("device \"{}\"", device));
+    set.emplace_back(&field, rows_for(field, value, robots));
+    refuse_nan(field, set.back().second, mask);
+  }
+  return set;
+}
+
 std::string_view default_radio(std::span<const std::string_view> radios) {
   constexpr std::string_view k_usual = "radio";
   if (radios.empty() || std::ranges::find(radios, k_usual) != radios.end()) return k_usual;

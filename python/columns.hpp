@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 /// Conversions between NumPy arrays and the data of a group of robots. Unless stated otherwise, element i of
@@ -93,6 +94,13 @@ void refuse_nan(const engine::StateField& field, const py::array& rows,
 /// Throws ValueError if the value has another shape or if a `bytes` object is too long, and the exceptions of
 /// converted().
 py::array rows_for(const engine::StateField& field, const py::handle& value, py::ssize_t robots);
+/// Fields of a command of a device, with their new values as rows_for() returns them.
+using CommandRows = std::vector<std::pair<const engine::StateField*, py::array>>;
+/// Converts the keyword arguments of a command: the names of fields and their new values. fields: all fields
+/// of the command; they must outlive the result. device: name of the device, for the text of errors. mask: as
+/// mask_of() returns it. Throws as command_field(), rows_for() and refuse_nan() do.
+CommandRows command_rows(std::span<const engine::StateField> fields, const std::string& device,
+                         const py::kwargs& values, py::ssize_t robots, std::span<const std::uint8_t> mask);
 
 /// The field of the command of a radio by which say() and heard() recognise radios.
 inline constexpr const char* k_payload = "payload";

@@ -6,7 +6,6 @@
 
 #include <cstring>
 #include <functional>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,32 +86,12 @@ py::dict dict_of(const Model::Energy& energy) {
                   "charging"_a = energy.charging);
 }
 
-void bind_models(py::module_& module) {
-  bind_random(module);
-  py::class_<HeldModel>(
-      module, "Model",
-      "A model of a simulation: a body, or a part that is mounted on a body, such as a sensor. It keeps its "
-      "simulation alive\nand stays valid after reset(). Poses are in m and rad. Two models are equal if they "
-      "are the same body or part of one\nsimulation.")
-      .def_property_readonly("name", [](const HeldModel& m) { return m.model.name(); })
-      .def_property_readonly("id", [](const HeldModel& m) { return m.model.id().value; })
-      .def("__repr__", [](const HeldModel& m) { return fmt::format("<Model {}>", m.model.name()); })
-      .def(
-          "__eq__", [](const HeldModel& a, const HeldModel& b) { return a.model == b.model; },
-          py::is_operator())
-      .def("__hash__",
-           [](const HeldModel& m) { return std::hash<const Held*>()(m.held.get()) + m.model.id().value; })
-      .def(
-          "pose", [](HeldModel& m) { return m.use().pose(); },
-          "Pose in the world frame, m and rad. A body that was removed keeps its last pose; all numbers are "
-          "NaN for a body that is\nnot yet born.")
-      .def(
-          "size",
-          [](HeldModel& m) {
-            const Eigen::Vector3d size = m.use().size();
-            return py::make_tuple(size.x(), size.y(), size.z());
-          },
-          "The tuple (x, y, z): size as declared in the world file, m.")
+namespace {
+
+using ModelClass = py::class_<HeldModel>;
+
+void bind_model_motion(ModelClass& model) {
+  model
       .def(
           "set_speed",
           [](HeldModel& m, double forward, double turn, double left) {
@@ -170,7 +149,11 @@ void bind_models(py::module_& module) {
           "is_free", [](HeldModel& m, const Pose& pose) { return m.use().is_free(pose); }, py::arg("pose"),
           "Whether the body would fit at this pose in the world frame: its origin would be inside the bounds "
           "of the world, and\nthe body would not overlap a wall or another body that is an obstacle. Raises "
-          "RuntimeError for a part of a body and\nfor static geometry.")
+          "RuntimeError for a part of a body and\nfor static geometry.");
+}
+
+void bind_model_devices(ModelClass& model) {
+  model
       .def(
           "sensors", [](HeldModel& m) { return m.use().sensors(); },
           "Names of the sensors of this model, in the order of the world file: for a body those of all its "
@@ -232,6 +215,38 @@ void bind_models(py::module_& module) {
           "Number of flags (coloured tokens that bodies exchange, docs/energy.md) that the device of the "
           "kind `flags` on this part\nholds; 0 if the part has no such device. Devices on other parts of the "
           "body do not count.");
+}
+
+}  // namespace
+
+void bind_models(py::module_& module) {
+  bind_random(module);
+  ModelClass model(
+      module, "Model",
+      "A model of a simulation: a body, or a part that is mounted on a body, such as a sensor. It keeps its "
+      "simulation alive\nand stays valid after reset(). Poses are in m and rad. Two models are equal if they "
+      "are the same body or part of one\nsimulation.");
+  model.def_property_readonly("name", [](const HeldModel& m) { return m.model.name(); })
+      .def_property_readonly("id", [](const HeldModel& m) { return m.model.id().value; })
+      .def("__repr__", [](const HeldModel& m) { return fmt::format("<Model {}>", m.model.name()); })
+      .def(
+          "__eq__", [](const HeldModel& a, const HeldModel& b) { return a.model == b.model; },
+          py::is_operator())
+      .def("__hash__",
+           [](const HeldModel& m) { return std::hash<const Held*>()(m.held.get()) + m.model.id().value; })
+      .def(
+          "pose", [](HeldModel& m) { return m.use().pose(); },
+          "Pose in the world frame, m and rad. A body that was removed keeps its last pose; all numbers are "
+          "NaN for a body that is\nnot yet born.")
+      .def(
+          "size",
+          [](HeldModel& m) {
+            const Eigen::Vector3d size = m.use().size();
+            return py::make_tuple(size.x(), size.y(), size.z());
+          },
+          "The tuple (x, y, z): size as declared in the world file, m.");
+  bind_model_motion(model);
+  bind_model_devices(model);
 }
 
 }  // namespace troupe::python

@@ -12,7 +12,6 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -171,9 +170,7 @@ class HeldRecording {
   bool is_closed_ = false;
 };
 
-}  // namespace
-
-void bind_observers(py::module_& module) {
+void bind_measures(py::module_& module) {
   py::class_<HeldMeasures>(module, "Measures",
                            "Numbers that are computed from the state of a simulation, such as the covered "
                            "area (docs/measures.md). wanted: a list\n"
@@ -201,7 +198,9 @@ void bind_observers(py::module_& module) {
       .def("keys", &HeldMeasures::names,
            "The names in `columns`; dict(measures) is a dict from these names to the values.")
       .def("__iter__", [](const HeldMeasures& measures) { return py::iter(py::cast(measures.names())); });
+}
 
+void bind_events(py::module_& module) {
   py::class_<Event>(module, "Event",
                     "An event of a robot or another body in a tick. type: what happened, such as "
                     "\"stall_begins\" (docs/measures.md); robot and\nid: name and id of this body; other: "
@@ -232,7 +231,9 @@ void bind_observers(py::module_& module) {
       .def("see", &HeldEvents::see,
            "Returns the list of events of the last tick, sorted by id. Call it after every step: after a "
            "longer interval, or after a\nreset, the list is empty.");
+}
 
+void bind_recordings(py::module_& module) {
   py::class_<HeldRecording>(
       module, "Recording",
       "A recording of a simulation: an HDF5 file (docs/recordings.md). fields: names of components of the "
@@ -269,6 +270,14 @@ void bind_observers(py::module_& module) {
            "Writes the frames that are still in memory and closes the file. All HDF5 tools can then read it.")
       .def("__enter__", [](py::object self) { return self; })
       .def("__exit__", [](HeldRecording& r, const py::args&) { r.close(); });
+}
+
+}  // namespace
+
+void bind_observers(py::module_& module) {
+  bind_measures(module);
+  bind_events(module);
+  bind_recordings(module);
 }
 
 }  // namespace troupe::python

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -124,14 +123,7 @@ void RobotBatch::command(const std::string& device, const Where& where, const py
   const std::size_t d = device_named(device, true);
   const std::vector<engine::StateField>& fields = prepared_.devices[d].command;
   const std::vector<std::uint8_t> mask = mask_of(where, batch().size());
-  std::vector<std::pair<const engine::StateField*, py::array>> set;
-  for (const auto& [key, value] : values) {
-    const std::string name = key.cast<std::string>();
-    const engine::StateField& field = command_field(fields, name, fmt::format("device \"{}\"", device));
-    set.emplace_back(&field, rows_for(field, value, size()));
-    refuse_nan(field, set.back().second, mask);
-  }
-  for (const auto& [field, rows] : set) {
+  for (const auto& [field, rows] : command_rows(fields, device, values, size(), mask)) {
     const std::span<const std::byte> from = const_bytes_of(rows);
     const std::size_t bytes = from.size() / std::max<std::size_t>(batch().size(), 1);
     for (std::size_t i = 0; i < batch().size(); ++i)

@@ -188,15 +188,6 @@ engine::Element element_of(const py::dtype& type) {
 
 std::string_view symbol_of(engine::Unit unit) { return engine::unit_suffixes(unit).front().symbol; }
 
-/// All units but Unit::none.
-std::vector<engine::Unit> units() {
-  std::vector<engine::Unit> all;
-  for (auto unit = engine::Unit::meters; unit <= engine::Unit::watts;
-       unit = static_cast<engine::Unit>(static_cast<int>(unit) + 1))
-    all.push_back(unit);
-  return all;
-}
-
 /// Returns the field of a parameter, whose type follows from its default value (_script.py). The characters
 /// of `name` must live as long as the field.
 engine::Field parameter_of(std::string_view name, const py::handle& usual) {
@@ -281,7 +272,7 @@ std::shared_ptr<const Script> script_of(const py::dict& described) {
 }  // namespace
 
 engine::Unit unit_of(const std::string& symbol) {
-  for (const engine::Unit unit : units())
+  for (const engine::Unit unit : engine::all_units())
     if (symbol_of(unit) == symbol) return unit;
   return engine::Unit::none;
 }
@@ -304,7 +295,7 @@ void bind_scripts(py::module_& module) {
       "_units",
       [] {
         std::vector<std::string> symbols;
-        for (const engine::Unit unit : units()) symbols.emplace_back(symbol_of(unit));
+        for (const engine::Unit unit : engine::all_units()) symbols.emplace_back(symbol_of(unit));
         return symbols;
       },
       "The units that a measure may have.");

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -88,18 +87,12 @@ void command_device(HeldSwarm& held, const std::string& device, const Where& whe
   Swarm& swarm = held.use();
   const std::span<const engine::StateField> fields = swarm.command_fields(device);
   const std::vector<std::uint8_t> mask = mask_of(where, swarm.size());
-  std::vector<std::pair<std::string, py::array>> set;
-  for (const auto& [key, value] : values) {
-    const std::string name = key.cast<std::string>();
-    const engine::StateField& field = command_field(fields, name, fmt::format("device \"{}\"", device));
-    set.emplace_back(name, rows_for(field, value, held.size()));
-    refuse_nan(field, set.back().second, mask);
-  }
-  for (const auto& [name, rows] : set) {  // checks every device before the first change
+  const CommandRows set = command_rows(fields, device, values, held.size(), mask);
+  for (const auto& [field, rows] : set) {  // checks every device before the first change
     std::vector<std::byte> ignored(static_cast<std::size_t>(rows.nbytes()));
-    swarm.commands(ignored, name, device);
+    swarm.commands(ignored, field->name, device);
   }
-  for (const auto& [name, rows] : set) swarm.set_commands(const_bytes_of(rows), name, device, mask);
+  for (const auto& [field, rows] : set) swarm.set_commands(const_bytes_of(rows), field->name, device, mask);
 }
 
 std::string radio_named(HeldSwarm& held, const std::string& name) {
@@ -118,34 +111,10 @@ py::tuple heard(HeldSwarm& held, const py::object& type, const std::string& devi
                      readings_of(held, k_payload, radio));
 }
 
-}  // namespace
+using SwarmClass = py::class_<HeldSwarm>;
 
-void bind_swarm(py::module_& module, SimulationClass& simulation) {
-  static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Model::Speed) == 3 * sizeof(double));
-  py::class_<HeldSwarm>(
-      module, "Swarm",
-      "A group of n robots of one simulation, in ascending order of their ids. Most functions do for all "
-      "robots, in one call,\nwhat the function of Model with the same name (in the singular) does for one "
-      "robot. Except for bearings() and\nrange_bound(), which describe one ranger, functions that read "
-      "values return them in new arrays with one row per robot,\nalso for robots that are not in the world. "
-      "The functions with the parameter `where` command or place robots: `where`\nselects robots by one bool "
-      "per robot; None selects all. These functions skip robots that are not in the world.\nset_speeds(), "
-      "accelerate() and go_to() take one number for all robots or one number per robot. Arrays whose shape "
-      "does\nnot fit, and numbers that are not finite, raise ValueError; texts raise TypeError.")
-      .def("__len__", [](const HeldSwarm& s) { return s.read().size(); })
-      .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
-      .def_property_readonly("ids",
-                             [](const HeldSwarm& s) {
-                               py::array_t<std::uint32_t> out(s.size());
-                               for (std::size_t i = 0; i < s.swarm.size(); ++i)
-                                 out.mutable_at(i) = s.read().ids()[i].value;
-                               return out;
-                             })
-      .def_property_readonly("names", [](const HeldSwarm& s) { return s.read().names(); })
-      .def_property_readonly("tick", [](const HeldSwarm& s) { return s.read().tick(); })
-      .def_property_readonly("time_s", [](const HeldSwarm& s) { return s.read().time_s(); })
-      .def_property_readonly("types", [](const HeldSwarm& s) { return s.read().types(); })
-      .def(
+void bind_swarm_state(SwarmClass& type) {
+  type.def(
           "alive", [](HeldSwarm& s) { return flags_of(s, &Swarm::alive); },
           "One bool per robot: whether it is in the world.")
       .def(
@@ -199,8 +168,11 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
           "subscribe", [](HeldSwarm& s) { s.use().subscribe(); },
           "Makes all sensors of the robots of this group run, also sensors that the world file makes "
           "inactive (see\nSimulation.subscribe()). Call it before the first step: later calls raise "
-          "RuntimeError.")
-      .def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward"), py::arg("turn"), py::kw_only(),
+          "RuntimeError.");
+}
+
+void bind_swarm_commands(SwarmClass& type) {
+  type.def("set_speeds", &command<&Swarm::set_speeds>, py::arg("forward"), py::arg("turn"), py::kw_only(),
            py::arg("left") = 0.0, py::arg("where") = py::none(),
            "Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the "
            "steering angle, rad).\nThey apply from the next tick on, until another command replaces them.")
@@ -254,6 +226,37 @@ void bind_swarm(py::module_& module, SimulationClass& simulation) {
            "Places the robots at poses in the world frame, n x 4: x, y, z (m), heading (rad). If the pose of "
            "a selected robot is not\nfinite or outside the bounds of the world, or if another body carries "
            "the robot, the function raises ValueError and\nmoves no robot.");
+}
+
+}  // namespace
+
+void bind_swarm(py::module_& module, SimulationClass& simulation) {
+  static_assert(sizeof(Pose) == 4 * sizeof(double) && sizeof(Model::Speed) == 3 * sizeof(double));
+  SwarmClass swarm(
+      module, "Swarm",
+      "A group of n robots of one simulation, in ascending order of their ids. Most functions do for all "
+      "robots, in one call,\nwhat the function of Model with the same name (in the singular) does for one "
+      "robot. Except for bearings() and\nrange_bound(), which describe one ranger, functions that read "
+      "values return them in new arrays with one row per robot,\nalso for robots that are not in the world. "
+      "The functions with the parameter `where` command or place robots: `where`\nselects robots by one bool "
+      "per robot; None selects all. These functions skip robots that are not in the world.\nset_speeds(), "
+      "accelerate() and go_to() take one number for all robots or one number per robot. Arrays whose shape "
+      "does\nnot fit, and numbers that are not finite, raise ValueError; texts raise TypeError.");
+  swarm.def("__len__", [](const HeldSwarm& s) { return s.read().size(); })
+      .def("__repr__", [](const HeldSwarm& s) { return fmt::format("<Swarm of {} robots>", s.swarm.size()); })
+      .def_property_readonly("ids",
+                             [](const HeldSwarm& s) {
+                               py::array_t<std::uint32_t> out(s.size());
+                               for (std::size_t i = 0; i < s.swarm.size(); ++i)
+                                 out.mutable_at(i) = s.read().ids()[i].value;
+                               return out;
+                             })
+      .def_property_readonly("names", [](const HeldSwarm& s) { return s.read().names(); })
+      .def_property_readonly("tick", [](const HeldSwarm& s) { return s.read().tick(); })
+      .def_property_readonly("time_s", [](const HeldSwarm& s) { return s.read().time_s(); })
+      .def_property_readonly("types", [](const HeldSwarm& s) { return s.read().types(); });
+  bind_swarm_state(swarm);
+  bind_swarm_commands(swarm);
 
   simulation.def(
       "swarm",

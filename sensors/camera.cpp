@@ -8,10 +8,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <memory>
-#include <string>
 #include <tuple>
 
 namespace troupe::sensors {

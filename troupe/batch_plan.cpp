@@ -14,7 +14,6 @@
 #include <set>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
 // The start of a BatchEnv: checks the spec, and looks up what its names refer to.
 

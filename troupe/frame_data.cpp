@@ -15,7 +15,6 @@
 #include <set>
 #include <span>
 #include <string_view>
-#include <utility>
 
 namespace troupe {
 namespace {

@@ -4,7 +4,6 @@
 #include "worldio/files.hpp"
 #include "worldio/images/ros_map.hpp"
 
-#include <optional>
 #include <system_error>
 #include <utility>
 

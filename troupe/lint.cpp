@@ -340,23 +340,21 @@ void Lint::check_periods() {
 
 /// Warns of power supplies that can hold no energy and therefore stop everything that they serve.
 void Lint::check_supplies() {
-  for (std::size_t t = 0; t < spec_.types.size(); ++t)
-    for (std::size_t d = 0; d < world_.types()[t].devices.size() && !levels_[t].empty(); ++d) {
-      const engine::BodyType::Device& device = world_.types()[t].devices[d];
-      const engine::DeviceKind& kind = *device.kind;
-      if (!kind.is_spent || !kind.energy) continue;
-      engine::StateTable state("", engine::HashGroup::sensor, engine::StateTable::Layout::rows,
-                               device.prepared.percepts, {BodyId(0)}, device.prepared.percept_bytes);
-      if (kind.start) kind.start(device.prepared.data, state, 0);
-      if (!kind.is_spent(device.prepared.data, state, 0) || kind.energy(state, 0).capacity_j > 0) continue;
-      const std::string& type = world_.types()[t].name;
-      const std::string called = device.name.empty() ? device_text(kind.name, device.name, type)
-                                                     : fmt::format("\"{}\" of \"{}\"", device.name, type);
-      diagnostics_.warning(spec_.types[t].devices[d].where,
-                           fmt::format("{} can hold no energy: its capacity is 0 J, so everything that it "
-                                       "supplies is stopped for the whole run",
-                                       called));
-    }
+  for_devices([&](std::uint32_t t, const engine::DeviceSpec& given, const engine::BodyType::Device& device) {
+    const engine::DeviceKind& kind = *device.kind;
+    if (!kind.is_spent || !kind.energy) return;
+    engine::StateTable state("", engine::HashGroup::sensor, engine::StateTable::Layout::rows,
+                             device.prepared.percepts, {BodyId(0)}, device.prepared.percept_bytes);
+    if (kind.start) kind.start(device.prepared.data, state, 0);
+    if (!kind.is_spent(device.prepared.data, state, 0) || kind.energy(state, 0).capacity_j > 0) return;
+    const std::string& type = world_.types()[t].name;
+    const std::string called = device.name.empty() ? device_text(kind.name, device.name, type)
+                                                   : fmt::format("\"{}\" of \"{}\"", device.name, type);
+    diagnostics_.warning(given.where,
+                         fmt::format("{} can hold no energy: its capacity is 0 J, so everything that it "
+                                     "supplies is stopped for the whole run",
+                                     called));
+  });
 }
 
 /// Warns of power contacts that can exchange no energy.
@@ -365,9 +363,10 @@ void Lint::check_contacts() {
   for (const engine::InterventionSpec& at : spec_.experiment.at)
     if (at.setting) changed.insert(at.setting->type.value);
   const auto for_contacts = [&](auto&& visit) {
-    for_devices([&](std::uint32_t t, const engine::DeviceSpec& device, const std::any& data) {
-      if (const std::optional<models::Contact> contact = models::power_contact(data))
-        visit(t, device, contact->give > 0, contact->take > 0 || changed.contains(t), contact->has_outline);
+    for_devices([&](std::uint32_t t, const engine::DeviceSpec& given,
+                    const engine::BodyType::Device& device) {
+      if (const std::optional<models::Contact> contact = models::power_contact(device.prepared.data))
+        visit(t, given, contact->give > 0, contact->take > 0 || changed.contains(t), contact->has_outline);
     });
   };
   std::vector<std::uint32_t> givers;  // types with such a contact
@@ -461,16 +460,11 @@ void Lint::check_sensors() {
   visible.sort();
   const std::vector<std::uint32_t> lifting = lifting_types();
   std::map<std::int32_t, Marks> marks = this->marks();
-  for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
-    for (std::size_t s = 0; s < world_.types()[t].devices.size(); ++s) {
-      if (levels_[t].empty()) continue;
-      const engine::DeviceSpec& sensor = spec_.types[t].devices[s];
-      check_ranger(t, world_.types()[t].devices[s], sensor.where, visible, lifting,
-                   is_set(sensor.params, {"transducers"}));
-      if (const auto& sought = world_.types()[t].devices[s].prepared.seeks;
-          sought && !is_set(sensor.params, {"key", "ignore_zloc"}))
-        check_finder(t, sensor, *sought, marks[sought->key]);
-    }
+  for_devices([&](std::uint32_t t, const engine::DeviceSpec& given, const engine::BodyType::Device& device) {
+    check_ranger(t, device, given.where, visible, lifting, is_set(given.params, {"transducers"}));
+    if (const auto& sought = device.prepared.seeks; sought && !is_set(given.params, {"key", "ignore_zloc"}))
+      check_finder(t, given, *sought, marks[sought->key]);
+  });
 }
 
 /// Returns the fiducial marks of all bodies, by their fiducial_key.
@@ -490,12 +484,13 @@ std::map<std::int32_t, Lint::Marks> Lint::marks() const {
   return marks;
 }
 
-/// Calls visit(type, device, data) for each device of each type that has bodies. data: its prepared data
+/// Calls visit(type, given, device) for each device of each type that has bodies. given: the device in the
+/// spec
 template <class Visit>
 void Lint::for_devices(Visit&& visit) const {
   for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
     for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d)
-      visit(t, spec_.types[t].devices[d], world_.types()[t].devices[d].prepared.data);
+      visit(t, spec_.types[t].devices[d], world_.types()[t].devices[d]);
 }
 
 /// Returns the types of bodies with an outline that a joint, such as a lift, may raise.
@@ -617,10 +612,10 @@ void Lint::check_lights() {
   std::vector<std::uint32_t> lit;  // types with a light
   for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
     if (bodies_[t] > 0 && std::ranges::any_of(world_.types()[t].devices, is_light)) lit.push_back(t);
-  for_devices([&](std::uint32_t t, const engine::DeviceSpec& sensor, const std::any& data) {
-    if (sensors::is_light_sensor(data) && !has_others(lit, t))
-      diagnostics_.warning(sensor.where, called_text(sensor.name, spec_.types[t].name) +
-                                             "no other body has a light, such as a \"blinkenlight\"");
+  for_devices([&](std::uint32_t t, const engine::DeviceSpec& given, const engine::BodyType::Device& device) {
+    if (sensors::is_light_sensor(device.prepared.data) && !has_others(lit, t))
+      diagnostics_.warning(given.where, called_text(given.name, spec_.types[t].name) +
+                                            "no other body has a light, such as a \"blinkenlight\"");
   });
 }
 
@@ -636,19 +631,19 @@ void Lint::check_ground() {
            });
   };
   std::map<double, std::vector<std::uint32_t>> zones;  // per height: the types that can be ground
-  for_devices([&](std::uint32_t t, const engine::DeviceSpec& sensor, const std::any& data) {
-    const std::optional<double> height = sensors::ground_height(data);
-    if (!height || is_set(sensor.params, {"height"})) return;
+  for_devices([&](std::uint32_t t, const engine::DeviceSpec& given, const engine::BodyType::Device& device) {
+    const std::optional<double> height = sensors::ground_height(device.prepared.data);
+    if (!height || is_set(given.params, {"height"})) return;
     const auto [found, is_new] = zones.try_emplace(*height);
     for (std::uint32_t other = 0; is_new && other < spec_.types.size(); ++other)
       if (is_ground(other, *height)) found->second.push_back(other);
     if (!has_others(found->second, t))
       diagnostics_.warning(
-          sensor.where,
+          given.where,
           fmt::format(
               "{} sees only the bare floor: no other body has a part whose top is at most {:.4g} m above the "
               "floor, its \"height\"",
-              device_text("sensor", sensor.name, spec_.types[t].name), *height));
+              device_text("sensor", given.name, spec_.types[t].name), *height));
   });
 }
 
@@ -665,16 +660,16 @@ void Lint::check_blobs() {
   for (const engine::BodySpec& body : spec_.bodies)
     for (const engine::PartSpec& part : spec_.types[body.type.index()].parts)
       if (!part.solids.empty()) shown.insert(part.color.value_or(body.color));
-  for_devices([&](std::uint32_t t, const engine::DeviceSpec& sensor, const std::any& data) {
-    const std::vector<Color>* sought = sensors::sought_colors(data);
-    if (sought == nullptr || sought->empty() || is_set(sensor.params, {"colors"})) return;
+  for_devices([&](std::uint32_t t, const engine::DeviceSpec& given, const engine::BodyType::Device& device) {
+    const std::vector<Color>* sought = sensors::sought_colors(device.prepared.data);
+    if (sought == nullptr || sought->empty() || is_set(given.params, {"colors"})) return;
     const auto is_sought = [&](const Color& color) {
       return std::ranges::any_of(*sought,
                                  [&](const Color& one) { return sensors::is_same_color(one, color); });
     };
     if (std::ranges::none_of(shown, is_sought))
-      diagnostics_.warning(sensor.where, called_text(sensor.name, spec_.types[t].name) +
-                                             "no body has one of the colours in its \"colors\"");
+      diagnostics_.warning(given.where, called_text(given.name, spec_.types[t].name) +
+                                            "no body has one of the colours in its \"colors\"");
   });
 }
 
@@ -682,10 +677,11 @@ void Lint::check_blobs() {
 void Lint::check_radios() {
   std::map<std::string, std::vector<std::uint32_t>> channels;  // the types with a radio on each channel
   const auto for_each_radio = [&](auto&& visit) {
-    for (std::uint32_t t = 0; t < spec_.types.size(); ++t)
-      for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d)
-        if (const std::string* channel = sensors::radio_channel(world_.types()[t].devices[d].prepared.data))
-          visit(t, spec_.types[t].devices[d], *channel);
+    for_devices(
+        [&](std::uint32_t t, const engine::DeviceSpec& given, const engine::BodyType::Device& device) {
+          if (const std::string* channel = sensors::radio_channel(device.prepared.data))
+            visit(t, given, *channel);
+        });
   };
   for_each_radio([&](std::uint32_t t, const engine::DeviceSpec&, const std::string& channel) {
     channels[channel].push_back(t);
@@ -716,16 +712,13 @@ void Lint::check_grippers() {
   std::size_t held = 0;  // number of bodies that some gripper can hold
   for (std::size_t t = 0; t < spec_.types.size(); ++t)
     if (engine::can_be_gripped(spec_.types[t])) held += bodies_[t];
-  for (std::size_t t = 0; t < spec_.types.size(); ++t)
-    for (std::size_t d = 0; d < spec_.types[t].devices.size() && !levels_[t].empty(); ++d) {
-      const engine::BodyType::Device& device = world_.types()[t].devices[d];
-      const std::size_t own = engine::can_be_gripped(spec_.types[t]) ? 1 : 0;
-      if (device.kind->carries && held == own)
-        diagnostics_.warning(
-            spec_.types[t].devices[d].where,
-            fmt::format("{} can hold nothing: no other body has \"gripper_return\"",
-                        device_text(device.kind->name, device.name, world_.types()[t].name)));
-    }
+  for_devices([&](std::uint32_t t, const engine::DeviceSpec& given, const engine::BodyType::Device& device) {
+    const std::size_t own = engine::can_be_gripped(spec_.types[t]) ? 1 : 0;
+    if (device.kind->carries && held == own)
+      diagnostics_.warning(given.where,
+                           fmt::format("{} can hold nothing: no other body has \"gripper_return\"",
+                                       device_text(device.kind->name, device.name, world_.types()[t].name)));
+  });
 }
 
 /// Returns success if a floor plan can block a robot, else an error that states why it cannot. body: the

@@ -15,7 +15,6 @@
 #include <exception>
 #include <stdexcept>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 namespace troupe {

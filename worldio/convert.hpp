@@ -35,7 +35,7 @@ struct ConvertedWorld {
 /// - bounds (the box in which bodies must stay) that follow from floor plans or from an arena with walls,
 ///   because a `.world` file has no bounds.
 ///
-/// If there is none of these warnings, runs of both worlds have the same state hash at every tick (simulation
+/// If there is none of these warnings, runs of both worlds have the same state hash at every tick (time
 /// step).
 ///
 /// registry  the kinds (sorts) of drives, devices, controllers, measures and faults that both worlds may use

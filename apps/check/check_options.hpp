@@ -12,7 +12,7 @@ namespace troupe::apps {
 /// other options add variants.
 ///
 /// Tiles are squares of the world, by which robots are grouped into tasks for the worker threads. Ranks are
-/// groups of threads; each rank computes some of the robots. A tick is a simulation step.
+/// groups of threads; each rank computes some of the robots. A tick is a time step.
 struct CheckOptions : WorldOptions {
   std::vector<unsigned> threads{1, 2, 8};  ///< numbers of worker threads per rank to compare
   /// Edge lengths of the tiles to compare, m. 0 means that the program chooses the edge length. The default

@@ -11,7 +11,7 @@ class App;
 namespace troupe::apps {
 
 /// Options of `troupe diff`, which compares two files. A hash log is a text file with hashes of the state
-/// after each tick (simulation step). A recording is an HDF5 file with fields of the state over time.
+/// after each tick (time step). A recording is an HDF5 file with fields of the state over time.
 struct DiffOptions {
   std::filesystem::path first;   ///< a hash log or a recording; argument A
   std::filesystem::path second;  ///< another file of the same type; argument B

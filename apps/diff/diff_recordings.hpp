@@ -11,7 +11,7 @@ namespace troupe::apps {
 bool is_hdf5(const std::filesystem::path& file);
 
 /// `troupe diff` for two recordings, which are HDF5 files with fields of the state over time. Compares the
-/// ticks (simulation steps) that both files contain: the hash of the state, and the fields that both files
+/// ticks (time steps) that both files contain: the hash of the state, and the fields that both files
 /// contain. Stops at the first tick that differs, and prints the result.
 ///
 /// Returns k_failed if a tick differs, or if one recording ends too early; else k_finished. For example, a

@@ -23,7 +23,7 @@ void add_info_options(CLI::App& command, InfoOptions& options);
 /// standard output. Throws InputError if the file cannot be read, or if it is not one of these:
 ///
 /// - a world, in Stage's syntax or in JSON
-/// - a hash log: hashes of the state after each tick (simulation step)
+/// - a hash log: hashes of the state after each tick (time step)
 /// - a recording: fields of the state over time
 /// - a checkpoint: saved state of a run
 /// - a table of measures (numbers computed from the state) or of events

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -53,7 +52,7 @@ Summary summary_of_study(const std::filesystem::path& file, const std::string& t
 /// Adds the number of runs in the table of results of a sweep, and how many of them failed, to a summary.
 void add_runs(std::size_t runs, std::size_t failed, Summary& summary);
 
-/// Returns a range of ticks (simulation steps) and of simulated times as text, such as "0 to 20, 0 to 2 s".
+/// Returns a range of ticks (time steps) and of simulated times as text, such as "0 to 20, 0 to 2 s".
 /// first_s, last_s: the simulated times of the ticks `first` and `last`, s.
 std::string ticks_text(std::uint64_t first, std::uint64_t last, double first_s, double last_s);
 

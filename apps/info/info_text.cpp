@@ -4,7 +4,6 @@
 #include "apps/hash_log_reader.hpp"
 #include "apps/info/info_kinds.hpp"
 #include "apps/observers/tables.hpp"
-#include "apps/options.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "base/number_text.hpp"

@@ -11,7 +11,7 @@
 namespace troupe::apps {
 
 /// Writes the images of robots' cameras into a folder, as PNG files. Images are written at each tick
-/// (simulation step) above 0 that is a multiple of `every_ticks`. Each running camera then has two files.
+/// (time step) above 0 that is a multiple of `every_ticks`. Each running camera then has two files.
 /// `r0.eye-000012.300s-color.png` has the colours, and `r0.eye-000012.300s-depth.png` the depths
 /// (docs/sensing.md). In these names, `r0` is the robot, `eye` the camera, and 12.3 s the simulated time.
 ///

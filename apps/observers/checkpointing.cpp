@@ -11,7 +11,6 @@
 #include "worldio/partial_file.hpp"
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
 #include <stdexcept>
 #include <string>

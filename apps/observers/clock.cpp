@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-
 namespace troupe::apps {
 
 ClockLines::ClockLines(std::uint64_t every_ticks, const Simulation& simulation)

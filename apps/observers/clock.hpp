@@ -7,7 +7,7 @@
 
 namespace troupe::apps {
 
-/// Prints the progress of a run on standard error, one line for every tick (simulation step) that is a
+/// Prints the progress of a run on standard error, one line for every tick (time step) that is a
 /// multiple of `every_ticks`. An example is `arena: 60 s, 812.4 x real time`: the title of the world, the
 /// simulated time, and the mean speed since the run began. The line for the tick at which the run begins has
 /// no speed.

@@ -37,7 +37,7 @@ class RunSpeed {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Writes pictures of single ticks (simulation steps) of a run. A separate thread draws them while the run
+/// Writes pictures of single ticks (time steps) of a run. A separate thread draws them while the run
 /// continues.
 class Snapshots : public Observer {
  public:

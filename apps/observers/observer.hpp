@@ -8,7 +8,7 @@
 
 namespace troupe::apps {
 
-/// Base class of objects that are notified during each tick (simulation step), for example to measure times.
+/// Base class of objects that are notified during each tick (time step), for example to measure times.
 /// A phase is a part of the tick, such as sense or move. A task is a part of a parallel loop; one thread runs
 /// the task. A run calls phase() whenever Simulation::on_phase() reports a phase, and task() whenever
 /// Simulation::on_task() reports a task.
@@ -22,7 +22,7 @@ class TickWatcher {
   virtual void task(std::size_t index, bool begins) = 0;
 };
 
-/// Base class of objects that observe a run between ticks (simulation steps). Most observers write a file,
+/// Base class of objects that observe a run between ticks (time steps). Most observers write a file,
 /// such as a log, a recording or a profile. An observer must not change the state. If writing fails, an
 /// observer throws std::runtime_error, whose text names the file; the run then ends.
 class Observer {

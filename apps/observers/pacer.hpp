@@ -7,7 +7,7 @@
 
 namespace troupe::apps {
 
-/// Limits the speed of a run to `rate` times real time: after each tick (simulation step), observe() waits
+/// Limits the speed of a run to `rate` times real time: after each tick (time step), observe() waits
 /// until the wall time at which this tick is due. A run that is slower than its rate never waits. If a run
 /// has fallen behind by more than one second, for example because the process was suspended, it does not
 /// catch up: from then on it continues at its rate.

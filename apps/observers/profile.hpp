@@ -24,7 +24,7 @@ namespace troupe::apps {
 /// The first bytes of every profile.
 inline constexpr std::string_view k_profile_mark = "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n";
 
-/// The ticks (simulation steps) that a profile contains, counted from 1, and limits on the size of its file.
+/// The ticks (time steps) that a profile contains, counted from 1, and limits on the size of its file.
 struct ProfileLimits {
   std::uint64_t first_tick = 1;                 ///< first tick in the profile
   std::uint64_t last_tick = ~std::uint64_t{0};  ///< last tick in the profile
@@ -38,7 +38,7 @@ struct ProfileLimits {
 /// Writes the timing of a run in the Trace Event Format, which the trace viewers of browsers read. The file
 /// has several tracks:
 ///
-/// - One track shows the ticks (simulation steps) and their phases, such as sense and move.
+/// - One track shows the ticks (time steps) and their phases, such as sense and move.
 /// - Each worker thread has a track for its tasks. A task is a part of a parallel loop; in the phase sense,
 ///   it is a batch of neighbouring robots. The argument `task` is the index of the task in its loop. A phase
 ///   may run several loops.

@@ -9,7 +9,6 @@
 
 #include <filesystem>
 #include <stdexcept>
-#include <string>
 #include <system_error>
 
 namespace troupe::apps {

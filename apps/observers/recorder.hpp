@@ -29,7 +29,7 @@ std::filesystem::path recording_file(const RunOptions& options, const Simulation
 /// fields, but the run is not recorded.
 OpenOutput prepare_recorder(const RunOptions& options, const Simulation& simulation);
 
-/// Writes the recording of a run: an HDF5 file with one frame per recorded tick (simulation step). A frame
+/// Writes the recording of a run: an HDF5 file with one frame per recorded tick (time step). A frame
 /// contains the chosen fields of the state. About every 2 s of wall time, the new frames are flushed to the
 /// disk. Programs that read the growing file then see recent frames, and a killed run loses few frames.
 class Recorder : public Observer {

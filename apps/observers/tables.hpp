@@ -17,7 +17,7 @@ namespace troupe::apps {
 
 /// Writes the table of the option --measures. A measure is a number that is computed from the state. The
 /// columns are `tick`, `time_s` (simulated time) and the measures, as in `tick,time_s,coverage`. There is one
-/// line for every tick (simulation step) that is a multiple of `every`. A resumed run continues the count of
+/// line for every tick (time step) that is a multiple of `every`. A resumed run continues the count of
 /// ticks, so it writes the same lines as an uninterrupted run.
 class MeasuresTable : public Observer {
  public:
@@ -49,7 +49,7 @@ class MeasuresTable : public Observer {
 };
 
 /// Writes the table of the option --events, with one line per event. An event is, for example, that a robot
-/// stalls, is born or dies. The lines are sorted by tick (simulation step), and then by the id of the robot.
+/// stalls, is born or dies. The lines are sorted by tick (time step), and then by the id of the robot.
 /// The columns are:
 ///
 /// - `tick`: the tick

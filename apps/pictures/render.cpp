@@ -28,7 +28,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 
 namespace troupe::apps {
 namespace fs = std::filesystem;

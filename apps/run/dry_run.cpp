@@ -12,7 +12,6 @@
 #include <cmath>
 #include <iterator>
 #include <string_view>
-#include <vector>
 
 namespace troupe::apps {
 namespace {

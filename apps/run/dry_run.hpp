@@ -10,7 +10,7 @@
 namespace troupe::apps {
 
 /// What a run would need, as the option --dry-run prints it. Ranks are processes, or groups of threads, that
-/// compute the world together. A tick is a simulation step. A row is the entry of a body in the state tables.
+/// compute the world together. A tick is a time step. A row is the entry of a body in the state tables.
 ///
 /// A world is *distributed* if each rank has only some of the rows. Each rank then has a region of the world,
 /// and owns the rows of the bodies in this region: its own rows. A ghost is a copy of a row that another rank

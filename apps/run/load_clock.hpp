@@ -7,7 +7,7 @@
 
 namespace troupe::apps {
 
-/// Measures how evenly the ticks (simulation steps) of a run load the worker threads. A task is a part of a
+/// Measures how evenly the ticks (time steps) of a run load the worker threads. A task is a part of a
 /// parallel loop; one thread runs the task. A run calls tick(), loop() and task() from its callbacks of
 /// Simulation::on_phase(), on_loop() and on_task(). Loops between ticks, such as those for hashes and
 /// measures, are not counted.

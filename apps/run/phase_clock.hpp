@@ -9,7 +9,7 @@
 
 namespace troupe::apps {
 
-/// Measures how much wall time each phase of the ticks takes. A tick is a simulation step; a phase is a part
+/// Measures how much wall time each phase of the ticks takes. A tick is a time step; a phase is a part
 /// of a tick, such as sense or move. A callback of Simulation::on_phase() must call operator() with each
 /// value that the callback receives: the phase that begins, or std::nullopt when a tick ends.
 class PhaseClock {

@@ -12,7 +12,7 @@
 namespace troupe::apps {
 
 /// Results of a run, from which summary_text() and summary_json() make the summary. A tick is a
-/// simulation step; a phase is a part of a tick, such as sense or move. Observers are objects that read the
+/// time step; a phase is a part of a tick, such as sense or move. Observers are objects that read the
 /// state after each tick, for example to write a file.
 ///
 /// Several ranks can compute a world together; a rank is a process or a group of threads. The own bodies of a

@@ -19,7 +19,7 @@ struct RunOptions;
 
 using Observers = std::vector<std::unique_ptr<Observer>>;
 /// A function that opens the files of an output. It makes the observers that write these files, and appends
-/// them to its argument. An observer is an object that reads the state after each tick (simulation step).
+/// them to its argument. An observer is an object that reads the state after each tick (time step).
 using OpenOutput = std::function<void(Observers&)>;
 /// Returns a function that calls open() of a prepared observer and appends it to the other observers. Call
 /// the function once.

@@ -3,9 +3,9 @@
 #include "apps/observers/camera_pictures.hpp"
 #include "apps/observers/checkpointing.hpp"
 #include "apps/observers/filming.hpp"
+#include "apps/observers/hash_log.hpp"
 #include "apps/observers/profile.hpp"
 #include "apps/observers/tables.hpp"
-#include "apps/outputs.hpp"
 #include "apps/run/record_output.hpp"
 #include "apps/run/run_output.hpp"
 

@@ -14,7 +14,7 @@ namespace troupe::apps {
 struct SweepOutcome {
   std::size_t run = 0;      ///< index of the run in the study
   std::uint64_t seed = 0;   ///< seed of the run
-  std::uint64_t ticks = 0;  ///< number of ticks (simulation steps) of the run
+  std::uint64_t ticks = 0;  ///< number of ticks (time steps) of the run
   double time_s = 0;        ///< simulated time at the end, s
   std::string stopped_by;   ///< the condition of the world's `stop_when` that ended the run; empty: none
   /// The results of the run: statistics of measures. A measure is a number that is computed from the state at

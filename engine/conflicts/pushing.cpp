@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -49,6 +48,7 @@ struct Conflicts::Resolver::Place {
   Transform at;
   double z;
 };
+
 bool Conflicts::Resolver::is_pushable(std::uint32_t row) const {
   return crowd_.pushables.is_pushable[row] != 0 && !crowd_.shapes[row]->empty();
 }

@@ -78,6 +78,13 @@ std::span<const UnitSuffix> unit_suffixes(Unit unit) {
   return bare;
 }
 
+std::vector<Unit> all_units() {
+  std::vector<Unit> units;
+  for (auto unit = Unit::meters; unit <= Unit::watts; unit = static_cast<Unit>(static_cast<int>(unit) + 1))
+    units.push_back(unit);
+  return units;
+}
+
 const FieldTable& pose_fields() { return described<Pose>(); }
 
 }  // namespace troupe::engine

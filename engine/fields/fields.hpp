@@ -191,6 +191,8 @@ struct UnitSuffix {
 /// Returns the key suffixes for a unit. The first one is the suffix for the SI unit. For Unit::none, the list
 /// has one suffix with empty strings. The list has static storage.
 std::span<const UnitSuffix> unit_suffixes(Unit unit);
+/// Returns all units except Unit::none, in the order of their declarations.
+std::vector<Unit> all_units();
 
 /// Returns the value of the field with this name. `record` must be a record of `table`, and the table must
 /// have the field; neither is checked.

@@ -4,6 +4,7 @@
 #include "base/random.hpp"
 #include "engine/interventions/groups.hpp"
 #include "engine/ranks/replica.hpp"
+#include "engine/spec/placement.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/kind_errors.hpp"
 #include "engine/world/world.hpp"
@@ -28,8 +29,6 @@ namespace {
 
 using Action = InterventionSpec::Action;
 using FaultEvent = Experiment::FaultEvent;
-
-constexpr std::uint32_t k_trials = 1000;  // random positions per added body, as when a world is loaded
 
 /// Whether event `a` comes after event `b`: by tick, then by the order of the faults in the file, then by the
 /// id of the body. A heap with this order has the earliest event on top.
@@ -430,10 +429,11 @@ std::span<const Experiment::Candidate> World::choose(const GroupSpec& group) {
 }
 
 /// Adds the bodies of an intervention `add`. Ends early if the pose of the intervention is not free, or if
-/// none of k_trials random poses for a body is free. Returns whether any body was added.
+/// none of the random poses that are tried for a body is free (PlacementRule::trials, as when a world is
+/// loaded). Returns whether any body was added.
 bool World::add(const Experiment::Intervention& intervention) {
   const InterventionSpec& spec = state_.spec.experiment.at[intervention.spec];
-  const std::uint32_t trials = spec.pose ? 1 : k_trials;
+  const std::uint32_t trials = spec.pose ? 1 : PlacementRule().trials;
   const std::int64_t left = static_cast<std::int64_t>(unborn(intervention.reserve));
   const auto count = static_cast<std::uint32_t>(std::min(spec.whom.count.value_or(left), left));
   for (std::uint32_t i = 0; i < count; ++i) {

@@ -295,11 +295,9 @@ void ControllerCheck::for_outputs(const BodyType& type, const Watched& watched, 
   }
 }
 
-/// Repeats the stored decisions of `watched`, which are of robots of `type`, with a controller, from the
-/// stored inputs. Writes the outputs to commands_ and written_. Undoes changes of these by decisions of other
-/// robots, and reports them if `about` is about the first repetition.
-void ControllerCheck::repeat(const BodyType& type, const BodyType::Controller& controller, Watched& watched,
-                             const Finding& about, std::vector<Finding>& findings) {
+/// Copies the stored inputs of `watched` to commands_, estimates_, written_ and percepts_. Returns the stored
+/// batch, changed so that it reads these copies, and writes its outputs to commands_ and written_.
+DecideBatch ControllerCheck::restore_inputs(const Watched& watched) {
   const Decisions& taken = watched.taken;
   DecideBatch batch = taken.given;
   std::size_t slots = 0;
@@ -334,10 +332,18 @@ void ControllerCheck::repeat(const BodyType& type, const BodyType::Controller& c
       std::copy_n(taken.percepts[s].data() + i * then.row_bytes(), then.row_bytes(),
                   then.row(batch.slots[taken.rows[i].index()]));
   }
+  return batch;
+}
 
+/// Repeats the stored decisions of `watched`, which are of robots of `type`, with a controller, from the
+/// stored inputs. Writes the outputs to commands_ and written_. Undoes changes of these by decisions of other
+/// robots, and reports them if `about` is about the first repetition.
+void ControllerCheck::repeat(const BodyType& type, const BodyType::Controller& controller,
+                             const Watched& watched, const Finding& about, std::vector<Finding>& findings) {
+  DecideBatch batch = restore_inputs(watched);
   // A collective controller gets the same batch again, because its result may depend on the whole batch.
   const bool is_collective = controller.kind->is_collective;
-  std::vector<Row> backwards = taken.rows;
+  std::vector<Row> backwards = watched.taken.rows;
   if (!is_collective) std::ranges::sort(backwards, std::ranges::greater{});
   const std::span<const Row> rows = backwards;
   const bool is_first = about.repeat == Finding::Repeat::again;

@@ -156,7 +156,8 @@ class ControllerCheck {
   void follow_settings(std::uint64_t tick);
   Watched watch(const BodyType& type, const BodyType::Controller& controller) const;
   void record(const BodyType& type, const BodyType::Controller& controller, const DecideBatch& batch);
-  void repeat(const BodyType& type, const BodyType::Controller& controller, Watched& watched,
+  DecideBatch restore_inputs(const Watched& watched);
+  void repeat(const BodyType& type, const BodyType::Controller& controller, const Watched& watched,
               const Finding& about, std::vector<Finding>& findings);
   template <class Visit>
   void for_outputs(const BodyType& type, const Watched& watched, Row row, Visit&& visit);

@@ -2,7 +2,6 @@
 
 #include "base/diagnostics.hpp"
 
-#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 #include <vector>

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <optional>
-#include <utility>
 
 namespace troupe::engine {
 namespace {

@@ -1,7 +1,5 @@
 #include "engine/ranks/orders.hpp"
 
-#include <utility>
-
 namespace troupe::engine {
 
 partition::MessageWriter begin_message(Order order, std::uint32_t world) {

@@ -20,7 +20,9 @@
 namespace troupe::engine {
 namespace {
 
-std::string_view asked_for(ControlMode mode) {
+/// Returns what is wrong with a command that is_command() rejects. Continues the words `robot "NAME" was
+/// commanded`.
+std::string_view wrong_command_text(ControlMode mode) {
   switch (mode) {
     case ControlMode::velocity: break;
     case ControlMode::acceleration: return "an acceleration that is not a finite number";
@@ -207,7 +209,7 @@ void World::actuate() {
     const std::string wrong =
         is_command(command)
             ? fmt::format("the drive of robot \"{}\" computed a velocity that is not a finite number", name)
-            : fmt::format("robot \"{}\" was commanded {}", name, asked_for(command.mode));
+            : fmt::format("robot \"{}\" was commanded {}", name, wrong_command_text(command.mode));
     throw StepError(fmt::format("tick {}: {}", state_.now.tick, wrong), id);
   }
   check_effects();

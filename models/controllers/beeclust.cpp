@@ -11,7 +11,6 @@
 #include "sensors/ground.hpp"
 #include "sensors/radio.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace troupe::models {

@@ -15,7 +15,6 @@ namespace troupe::models {
 namespace {
 
 using sensors::k_light_brightness;
-using sensors::payload_of;
 using sensors::RadioPort;
 
 constexpr std::size_t k_least_directions = 3;  // fewer cannot give the direction of a light
@@ -79,10 +78,7 @@ struct BrazilNut {
     const double heading = devices[choice.chosen().front()].pose.heading;
     for (std::size_t k = 0; k < count; ++k)
       directions.push_back(sincos(heading + 2 * k_pi * static_cast<double>(k) / static_cast<double>(count)));
-    const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
-      return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
-    });
-    if (!has_radio) return choice.missing("radio", "needs a radio with a payload of 4 bytes or more");
+    if (const Result<> radio = choice.take_radio(sizeof(float)); !radio) return radio.error();
     radio_heading = devices[choice.chosen().back()].pose.heading;
     return choice.chosen();
   }

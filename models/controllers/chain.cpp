@@ -21,7 +21,6 @@
 namespace troupe::models {
 namespace {
 
-using sensors::payload_of;
 using sensors::RadioPort;
 
 constexpr std::uint8_t k_prey = 255;
@@ -101,10 +100,7 @@ struct Chain {
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
-    const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
-      return device.kind == "radio" && payload_of(device.prepared) >= 2;
-    });
-    if (!has_radio) return choice.missing("radio", "needs a radio with a payload of 2 bytes or more");
+    if (const Result<> radio = choice.take_radio(2); !radio) return radio.error();
     radio_heading = devices[choice.chosen().front()].pose.heading;
     if (params.role == Role::robot) {
       const Result<Scanner> taken = choice.take_scanner(4);

@@ -1,6 +1,5 @@
 #include "models/controllers/collector.hpp"
 
-#include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/names.hpp"
 #include "engine/spec/world_spec.hpp"
@@ -19,7 +18,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace troupe::models {

@@ -1,5 +1,7 @@
 #include "models/controllers/device_choice.hpp"
 
+#include "sensors/radio.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +9,15 @@
 #include <utility>
 
 namespace troupe::models {
+
+Result<> DeviceChoice::take_radio(std::size_t bytes) {
+  const bool has_radio = take([bytes](const engine::DeviceInfo& device) {
+    return device.kind == "radio" && sensors::payload_of(device.prepared) >= bytes;
+  });
+  if (!has_radio)
+    return missing("radio", fmt::format("needs a radio with a payload of {} bytes or more", bytes));
+  return {};
+}
 
 Result<Scanner> DeviceChoice::take_scanner(std::size_t share) {
   Scanner scanner;

@@ -41,6 +41,9 @@ class DeviceChoice {
   bool take_kind(std::string_view kind) {
     return take([kind](const engine::DeviceInfo& device) { return device.kind == kind; });
   }
+  /// Claims the first unclaimed radio whose messages can contain a payload of `bytes` bytes. Returns an error
+  /// if there is no such radio. bytes: 2 or more
+  Result<> take_radio(std::size_t bytes);
   /// Claims an unclaimed ranger (range sensor), and returns a Scanner, which detects obstacles in the
   /// readings of this ranger. Only rangers that see ahead (Scanner::is_usable()) are considered. If one of
   /// them has a transducer (fan of beams) with k_least_samples or more beams, the function takes the first

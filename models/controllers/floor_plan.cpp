@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <queue>
-#include <stdexcept>
 #include <tuple>
 
 namespace troupe::models {

@@ -1,6 +1,5 @@
 #include "models/controllers/forager.hpp"
 
-#include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"

@@ -13,7 +13,6 @@
 namespace troupe::models {
 namespace {
 
-using sensors::payload_of;
 using sensors::RadioPort;
 
 // Weights. The mean heading has the weight 1.
@@ -57,10 +56,7 @@ struct RadioFlocking {
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo> devices,
                                           std::vector<bool>& claimed) {
     DeviceChoice choice(devices, claimed);
-    const bool has_radio = choice.take([](const engine::DeviceInfo& device) {
-      return device.kind == "radio" && payload_of(device.prepared) >= sizeof(float);
-    });
-    if (!has_radio) return choice.missing("radio", "needs a radio with a payload of 4 bytes or more");
+    if (const Result<> radio = choice.take_radio(sizeof(float)); !radio) return radio.error();
     radio_heading = devices[choice.chosen().front()].pose.heading;
     if (choice.take([](const engine::DeviceInfo& device) { return !device.prepared.bearings.empty(); }))
       beams = beams_of(devices[choice.chosen().back()]);

@@ -10,7 +10,7 @@ namespace troupe::models {
 ///
 /// timed  The parameter `legs` is a list of periods with constant speeds. A leg lasts until its time `until`
 ///        (simulated time, s). After the last leg, the robot stands still. A drive may run only once per
-///        period of several ticks (simulation steps); the speeds then change at the run of the drive that is
+///        period of several ticks (time steps); the speeds then change at the run of the drive that is
 ///        nearest to `until`.
 /// wave   forward 0.2 + 0.1 * ((n / 7) % 3) m/s, turn 0.4 * (((n / 11) % 5) - 2) rad/s
 /// line   forward 0.5 m/s

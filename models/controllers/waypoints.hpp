@@ -12,7 +12,7 @@ namespace troupe::models {
 /// Returns the definition of the controller `waypoints`: a robot drives from goal to goal. A goal is a pose
 /// in the frame in which the robot estimates its own pose. After the last goal, the robot stays there; if the
 /// parameter `again` is true, it starts again with the first goal. Before it leaves a goal, it waits there
-/// for the time `wait` (s) of the goal. A tick is a simulation step. There are two sorts of goals.
+/// for the time `wait` (s) of the goal. A tick is a time step. There are two sorts of goals.
 ///
 /// plain  A goal without a time (`at`) and without a `speed`. The drive determines the path and the speed.
 ///        The goal is reached when the estimated position of the robot is within the parameter `near` (m) of

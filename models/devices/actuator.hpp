@@ -23,7 +23,7 @@ struct ActuatorCommand {
   }
 };
 
-/// State of an actuator, a joint that moves the parts mounted on it. A tick is a simulation step.
+/// State of an actuator, a joint that moves the parts mounted on it. A tick is a time step.
 struct ActuatorState {
   /// Position of the joint: m along its axis (linear joint), or rad about the vertical axis (rotational
   /// joint), counter-clockwise. At 0, the moved parts are where the world file places them.
@@ -43,7 +43,7 @@ struct ActuatorState {
 };
 
 /// Returns the definition of the device `actuator`: a joint that moves the parts mounted on it, along an axis
-/// (linear) or about a vertical axis (rotational). A tick is a simulation step.
+/// (linear) or about a vertical axis (rotational). A tick is a time step.
 ///
 /// parameters  type (linear or rotational), axis (x, y, z, frame of the actuator; only for linear),
 ///             min_position, max_position (m or rad), max_speed (m/s or rad/s), start_position (m or rad)

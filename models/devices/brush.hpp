@@ -9,7 +9,7 @@
 namespace troupe::models {
 
 /// The command of a brush, a device that paints zones (flat coloured bodies on the floor). It holds until the
-/// controller replaces it. Without a command, the brush does not paint. A tick is a simulation step.
+/// controller replaces it. Without a command, the brush does not paint. A tick is a time step.
 struct BrushCommand {
   std::uint8_t paints = 0;  ///< 1: paints the zone below the brush in each tick; 0: does not paint
   float red = 0;            ///< amount of red, from 0 to 1; other values are clamped, NaN to 0

@@ -19,7 +19,7 @@ inline constexpr Flag k_yellow_flag{0xffff00ff, 0.25f};  ///< a yellow flag of 0
 
 /// The command of the device `flags`, a list of flags: one operation on the list. A controller gives a
 /// command by calling ask(), which increases `request`. The new value tells the device to carry out the
-/// operation once, in the next tick (simulation step). If a controller calls ask() twice in a tick, only the
+/// operation once, in the next tick (time step). If a controller calls ask() twice in a tick, only the
 /// second operation is carried out.
 struct FlagCommand {
   /// An operation. "This list" is the list of the device that gets the command.

@@ -10,7 +10,7 @@ namespace troupe::models {
 /// The command holds until the controller replaces it. A motion that has begun continues to its end, even
 /// after another command, unless this is the opposite command (`open` and `close`, `up` and `down`). So a
 /// controller can make the paddles and the lift move at the same time: it commands `close`, and in the next
-/// tick (simulation step) `up`.
+/// tick (time step) `up`.
 struct GripperCommand {
   /// The motion that the gripper starts.
   enum Order : std::uint8_t {
@@ -28,7 +28,7 @@ struct GripperCommand {
 };
 
 /// State of a gripper: its motions and its readings. A body "with gripper_return" is one whose parameter
-/// gripper_return is set in the world file: grippers can detect and grip it. A tick is a simulation step.
+/// gripper_return is set in the world file: grippers can detect and grip it. A tick is a time step.
 struct GripperState {
   /// State of the two paddles.
   enum Paddles : std::uint8_t {
@@ -89,7 +89,7 @@ struct GripperState {
 
 /// Returns the definition of the device `gripper`: a base with two paddles, which close on a body, hold it
 /// and lift it. The body must have gripper_return, a parameter in the world file. x points from the base to
-/// the tips of the paddles, y to the left. A tick is a simulation step.
+/// the tips of the paddles, y to the left. A tick is a time step.
 ///
 /// parameters  size (x, y, z of the base and the open paddles together, m), paddle_size (x, y, z of a paddle
 ///             as fractions of size), paddles (open or closed at the start), lift (down or up at the start),

@@ -11,7 +11,7 @@ namespace troupe::models {
 
 /// The command of an LED: the colour that it shows. It holds until the controller replaces it.
 struct LedCommand {
-  /// 1: in each tick (simulation step), the LED takes the colour of this command; 0: it keeps its colour.
+  /// 1: in each tick (time step), the LED takes the colour of this command; 0: it keeps its colour.
   std::uint8_t shows = 0;
   float red = 0;    ///< amount of red, from 0 to 1; other values are clamped, NaN to 0
   float green = 0;  ///< amount of green, from 0 to 1; other values are clamped, NaN to 0
@@ -48,7 +48,7 @@ struct LedState {
 /// and pictures of the world show it.
 ///
 /// parameters  shows: the colour at the start, white by default
-/// when        A commanded colour is visible from the next tick (simulation step) on.
+/// when        A commanded colour is visible from the next tick (time step) on.
 engine::DeviceKind led_kind();
 
 }  // namespace troupe::models

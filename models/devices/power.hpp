@@ -11,7 +11,7 @@
 namespace troupe::models {
 
 /// State of a power pack (battery). Packs exchange energy through power contacts, which are devices that
-/// touch one another. All energies are in J. Tick 0 is the start of the run; a tick is a simulation step.
+/// touch one another. All energies are in J. Tick 0 is the start of the run; a tick is a time step.
 struct PowerPackState {
   double stored = 0;          ///< energy that the pack holds
   double capacity = 0;        ///< greatest energy that the pack can hold
@@ -50,7 +50,7 @@ struct PowerPackState {
 /// Returns the definition of the device `power_pack`: an energy store (battery) on a part of a body. It
 /// supplies this part and the parts mounted on it, except parts that have a power pack of their own. A pack
 /// on the main part, on which all other parts are mounted, also supplies the drive of the body. A tick is a
-/// simulation step.
+/// time step.
 ///
 /// draw      In each tick, the pack loses the sum of these powers, in W, times the length of the tick:
 ///           - the parameter `draw`
@@ -87,7 +87,7 @@ struct PowerContactState {
 
 /// Returns the definition of the device `power_contact`. Two touching contacts transfer energy between the
 /// power packs that supply them. One contact gives: its parameter `give` (W) is above 0. The other takes: its
-/// parameter `take` (W) is above 0. A tick is a simulation step.
+/// parameter `take` (W) is above 0. A tick is a time step.
 ///
 /// touching  Two contacts touch if the outlines of their parts, seen from above, overlap or are at most
 ///           k_contact_m apart. Heights make no difference. It also makes no difference whether the bodies
@@ -118,7 +118,7 @@ std::optional<Contact> power_contact(const std::any& prepared);
 /// Two power contacts touch if their outlines are at most this far apart, m. The value is the width of the
 /// grid cells with which Stage detects that bodies touch.
 inline constexpr double k_contact_m = 0.02;
-/// A power contact gives energy to at most this number of other contacts in a tick (simulation step).
+/// A power contact gives energy to at most this number of other contacts in a tick (time step).
 inline constexpr std::size_t k_most_takers = 16;
 
 }  // namespace troupe::models

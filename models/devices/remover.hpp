@@ -11,7 +11,7 @@ namespace troupe::models {
 /// State of a remover, a device that removes bodies (robots or objects) from the world.
 struct RemoverState {
   /// Number of bodies that the remover has removed since its own body came into the world. If several
-  /// removers remove the same body in the same tick (simulation step), the body counts for each of them.
+  /// removers remove the same body in the same tick (time step), the body counts for each of them.
   std::uint64_t removed = 0;
 
   static constexpr void describe(engine::Description<RemoverState>& d) {
@@ -28,12 +28,12 @@ struct RemoverState {
 ///        above. The remover removes robots (bodies with a drive) or, if the parameter `of` names a type of
 ///        the world file, the bodies of this type; a type of static bodies is an error. The remover does not
 ///        remove its own body or bodies that another body carries. Of the bodies that are near in a tick
-///        (simulation step), it removes at most k_most_removed: those with the lowest ids.
+///        (time step), it removes at most k_most_removed: those with the lowest ids.
 /// when   A body that is near at the end of a tick dies at the end of the next tick (docs/lives.md).
 /// state  RemoverState; no commands
 engine::DeviceKind remover_kind();
 
-/// Greatest number of bodies that one remover removes in a tick (simulation step).
+/// Greatest number of bodies that one remover removes in a tick (time step).
 inline constexpr std::size_t k_most_removed = 16;
 
 }  // namespace troupe::models

@@ -62,7 +62,7 @@ struct SpawnerState {
 ///           never
 ///         - for each request of a controller (SpawnerCommand)
 ///         `every` and `per_flags` are parameters.
-/// when    In each tick (simulation step) in which a birth is due, the spawner tries one birth. The birth
+/// when    In each tick (time step) in which a birth is due, the spawner tries one birth. The birth
 ///         stays due until it succeeds.
 /// where   The new body gets the pose of the spawner. If the parameter `within` (m) is above 0, it gets a
 ///         random position in the circle with this radius around the spawner, and a random heading; each try

@@ -119,7 +119,7 @@ struct CarParams {
 /// Return the definitions of the drives `diff` (differential), `omni` (omnidirectional) and `car` (front
 /// wheels steer). A drive computes the velocity v (forward, left; m/s) and the turn rate (rad/s,
 /// counter-clockwise) of the robot from a command, and clamps them to its limits (MotionParams). If the
-/// command is NaN, so is the result. A tick is a simulation step.
+/// command is NaN, so is the result. A tick is a time step.
 ///
 /// A command has the members x, y and turn. Their meaning depends on the mode of the command
 /// (engine::ControlMode). docs/driving.md has the details.

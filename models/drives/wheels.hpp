@@ -10,7 +10,7 @@
 namespace troupe::models {
 
 /// State of the device `wheels`, a drive that moves one part of a body relative to the body. A tick is a
-/// simulation step. All members are 0 before the drive runs for the first time.
+/// time step. All members are 0 before the drive runs for the first time.
 ///
 /// x, y, z and heading are the pose of the part at the start of the tick in which the drive last ran.
 /// forward, left and turn are the velocity that the drive commands in that tick, even if the motion is
@@ -44,7 +44,7 @@ struct WheelsState {
 
 /// Returns the definition of the device `wheels`: a drive for one part of a body, like a `position` model
 /// inside another model of Stage. The part on which the device is mounted moves relative to the part that
-/// carries it, and also moves along with it. A tick is a simulation step.
+/// carries it, and also moves along with it. A tick is a time step.
 ///
 /// parameters  drive (diff, omni or car), and the parameters of that kind of drive, except `pushes`, the
 ///             start velocities (start_x, start_y, start_turn) and the parameters of localization

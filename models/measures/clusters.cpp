@@ -9,7 +9,6 @@
 #include <numeric>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
 namespace troupe::models {
 namespace {

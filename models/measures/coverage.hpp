@@ -9,7 +9,7 @@ namespace troupe::models {
 ///
 /// The ground is divided into square cells; the parameter `cell` (m) is their edge length. A cell is free if
 /// its centre is on the ground and in no static obstacle. A free cell is visited if, since measuring began,
-/// it has contained the origin of a robot at the end of a tick (simulation step). The value is the number of
+/// it has contained the origin of a robot at the end of a tick (time step). The value is the number of
 /// visited free cells divided by the number of free cells. NaN if no cell is free.
 ///
 /// The ground is the bounds of the world. If the world has no bounds, the ground is the box around the static

@@ -3,7 +3,7 @@
 #include "engine/kinds/measure_kind.hpp"
 
 /// Definitions of measures that are counts, means, fractions or variances. A measure is a number that is
-/// computed from the state of the simulation after a tick (simulation step). A robot is a body that has a
+/// computed from the state of the simulation after a tick (time step). A robot is a body that has a
 /// drive. Bodies can be born and can die during a run. All measures but `deaths` cover only robots that are
 /// in the world: those that have been born and have not died. The mean, fraction or variance over no robots
 /// is NaN. The command `troupe describe NAME` prints the definition of a measure.

@@ -148,6 +148,61 @@ def _thread_count(threads: Any) -> int:
     return count or len(os.sched_getaffinity(0))
 
 
+def _read(study: Any, name: Union[str, "os.PathLike[str]"], options: Mapping[str, Any]) -> Tuple[Any, Any, str]:
+    """Reads the arguments `study`, `name` and `options` of sweep(). Returns the study, its world (a dict or the name of a
+    file), and the name of its file; for a dict, this is `name`."""
+    world: Any = None
+    kinds = {option: options[option] for option in ("plugin_path", "controllers") if option in options}
+    if isinstance(study, Mapping):
+        document = dict(study)
+        file = os.fspath(name)
+        if isinstance(document.get("world"), Mapping):
+            world = document["world"]
+            document["world"] = file
+        world_text = None if world is None else text_of(dict(world), "/world")
+        try:
+            read = _core._read_study(file, text_of(document), world_text, **kinds)
+        except _core.InputError as error:
+            raise _without_lines(error, file) from None
+    elif isinstance(study, (str, bytes, os.PathLike)):
+        file = os.fsdecode(study)
+        read = _core._read_study(file, **kinds)
+    else:
+        raise TypeError(f"study: found {study!r}: give a dict or a path")
+    return read, read["world"] if world is None else world, file
+
+
+def _make_all(world: Any, name: str, read: Any, options: Dict[str, Any], runs_at_once: int
+              ) -> Tuple[List[Dict[str, Any]], List[Dict[str, Any]], Dict[int, Exception]]:
+    """Makes all runs. Returns the rows of sweep(), its rows with `series`, and the exceptions of failed runs by index."""
+    rows: List[Dict[str, Any]] = []
+    looks: List[Dict[str, Any]] = []
+    failed: Dict[int, Exception] = {}
+    with concurrent.futures.ThreadPoolExecutor(runs_at_once) as pool:
+        has_ended = threading.Event()
+        futures: List["concurrent.futures.Future[Rows]"] = []
+        try:
+            for index in range(len(read["runs"])):
+                futures.append(pool.submit(_make, world, name, read, index, options, has_ended))
+            for index, future in enumerate(futures):
+                try:
+                    row, made = future.result()
+                    rows.append({**row, "error": ""})
+                    looks += made
+                except Exception as error:  # a plug-in may raise anything
+                    failed[index] = error
+                    texts, seed = read["runs"][index]
+                    values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}
+                    rows.append({"run": index, **values, "seed": seed, "ticks": 0, "stopped_by": "", "state_hash": "",
+                                 "error": str(error)})
+        except BaseException:
+            has_ended.set()  # else Ctrl-C would wait for the end of the running runs
+            for future in futures:
+                future.cancel()
+            raise
+    return rows, looks, failed
+
+
 def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: Optional[bool] = None,
           threads: Optional[int] = None, name: Union[str, "os.PathLike[str]"] = "dict.json",
           **options: Any) -> "pandas.DataFrame":
@@ -182,28 +237,9 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     except ImportError as missing:
         raise ImportError("troupe.sweep() needs pandas (Debian, Ubuntu: apt install python3-pandas; pip install pandas)") from missing
     runs_at_once = _thread_count(threads)
-    world: Any = None
-    kinds = {option: options[option] for option in ("plugin_path", "controllers") if option in options}
-    if isinstance(study, Mapping):
-        document = dict(study)
-        name = os.fspath(name)
-        if isinstance(document.get("world"), Mapping):
-            world = document["world"]
-            document["world"] = name
-        world_text = None if world is None else text_of(dict(world), "/world")
-        try:
-            read = _core._read_study(name, text_of(document), world_text, **kinds)
-        except _core.InputError as error:
-            raise _without_lines(error, name) from None
-    elif isinstance(study, (str, bytes, os.PathLike)):
-        name = os.fsdecode(study)
-        read = _core._read_study(name, **kinds)
-    else:
-        raise TypeError(f"study: found {study!r}: give a dict or a path")
+    read, world, name = _read(study, name, options)
     if series is not None:
         read["series"] = series
-    if world is None:
-        world = read["world"]
 
     # Errors of the study or of the worlds of all runs are raised here, as `troupe sweep` does before its first run;
     # errors of single runs become rows.
@@ -212,31 +248,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     _end_time_s(world, name, read, first)
     read["check_columns"](columns)
     del first
-    rows: List[Dict[str, Any]] = []
-    looks: List[Dict[str, Any]] = []
-    failed: Dict[int, Exception] = {}
-    with concurrent.futures.ThreadPoolExecutor(runs_at_once) as pool:
-        has_ended = threading.Event()
-        futures: List["concurrent.futures.Future[Rows]"] = []
-        try:
-            for index in range(len(read["runs"])):
-                futures.append(pool.submit(_make, world, name, read, index, options, has_ended))
-            for index, future in enumerate(futures):
-                try:
-                    row, made = future.result()
-                    rows.append({**row, "error": ""})
-                    looks += made
-                except Exception as error:  # a plug-in may raise anything
-                    failed[index] = error
-                    texts, seed = read["runs"][index]
-                    values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}
-                    rows.append({"run": index, **values, "seed": seed, "ticks": 0, "stopped_by": "", "state_hash": "",
-                                 "error": str(error)})
-        except BaseException:
-            has_ended.set()  # else Ctrl-C would wait for the end of the running runs
-            for future in futures:
-                future.cancel()
-            raise
+    rows, looks, failed = _make_all(world, name, read, options, runs_at_once)
     # Without `columns`, the first row would determine the order, and other worlds could add measures.
     head = ["run", *(parameter for parameter, _ in read["parameters"]), "seed"]
     if read["series"]:

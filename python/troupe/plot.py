@@ -18,7 +18,7 @@ import shutil
 import sys
 import textwrap
 import warnings
-from typing import Dict, List, Mapping, Optional, Sequence, Set, TextIO, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, TextIO, Tuple, Union
 
 _File = Union[str, "os.PathLike[str]"]
 _Key = Tuple[str, ...]
@@ -309,6 +309,33 @@ def _write(file: str, content: bytes) -> None:
         raise
 
 
+def _file_of_plot(folder: _File, out: Optional[_File], measure: str, over: Optional[str]) -> str:
+    """Returns the name of the file that draw() writes. Raises PlotError if it may not write a file of this name."""
+    default = f"{measure}.png" if over is None else f"{measure}-over-{over}.png".replace(os.sep, "-")
+    file = os.fspath(out) if out else os.path.join(folder, default)
+    if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):
+        raise PlotError(f'error: "{file}" is not the name of a picture: it must end in .png, .svg or .pdf')
+    tables = [os.path.join(folder, name) for name in ("table.csv", "series.csv")]
+    if any(os.path.exists(file) and os.path.exists(table) and os.path.samefile(file, table) for table in tables):
+        raise PlotError(f"{file}: error: cannot be written: it is a table of the sweep: choose another file name")
+    return file
+
+
+def _save(figure: Any, file: str, title: Optional[str]) -> None:
+    """Writes a figure with this title into a file. Raises PlotError if this fails."""
+    picture = io.BytesIO()
+    try:
+        figure.savefig(picture, dpi=150, format=os.path.splitext(file)[1][1:])
+        _write(file, picture.getvalue())
+    except OSError as error:
+        into = os.path.dirname(file)
+        reason = f"there is no folder {into}" if into and not os.path.exists(into) else error.strerror
+        raise PlotError(f"{file}: error: cannot be written: {reason}") from None
+    except ValueError:  # all other texts are literal
+        raise PlotError(f'error: the title "{title}" has dollar signs, but matplotlib cannot draw the text between them as a '
+                        r"formula: write \$ for a dollar sign") from None
+
+
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
          title: Optional[str] = None, over: Optional[str] = None) -> str:
     """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter
@@ -331,13 +358,7 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         ticks = None if are_numbers else positions
     lines = _finite(lines, measure)
     _warn_of_failed_runs(folder)
-    default = f"{measure}.png" if over is None else f"{measure}-over-{over}.png".replace(os.sep, "-")
-    file = os.fspath(out) if out else os.path.join(folder, default)
-    if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):
-        raise PlotError(f'error: "{file}" is not the name of a picture: it must end in .png, .svg or .pdf')
-    tables = [os.path.join(folder, name) for name in ("table.csv", "series.csv")]
-    if any(os.path.exists(file) and os.path.exists(table) and os.path.samefile(file, table) for table in tables):
-        raise PlotError(f"{file}: error: cannot be written: it is a table of the sweep: choose another file name")
+    file = _file_of_plot(folder, out, measure, over)
     import matplotlib
 
     matplotlib.use("Agg")
@@ -377,17 +398,8 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         axes.legend(frameon=False, title=None if most == 1 else title_of_legend)
     if title:
         axes.set_title("\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines()))
-    picture = io.BytesIO()
     try:
-        figure.savefig(picture, dpi=150, format=os.path.splitext(file)[1][1:])
-        _write(file, picture.getvalue())
-    except OSError as error:
-        into = os.path.dirname(file)
-        reason = f"there is no folder {into}" if into and not os.path.exists(into) else error.strerror
-        raise PlotError(f"{file}: error: cannot be written: {reason}") from None
-    except ValueError:  # all other texts are literal
-        raise PlotError(f'error: the title "{title}" has dollar signs, but matplotlib cannot draw the text between them as a '
-                        r"formula: write \$ for a dollar sign") from None
+        _save(figure, file, title)
     finally:
         pyplot.close(figure)
     return file

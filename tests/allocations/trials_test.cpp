@@ -9,9 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
-#include <string>
 #include <string_view>
-#include <vector>
 
 namespace troupe {
 namespace {

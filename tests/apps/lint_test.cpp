@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <ostream>
 #include <utility>
 
 namespace troupe::apps {

@@ -5,7 +5,6 @@
 #include <sched.h>
 
 #include <string>
-#include <vector>
 
 namespace troupe::apps {
 namespace {

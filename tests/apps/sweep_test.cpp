@@ -10,7 +10,6 @@
 #include <cerrno>
 #include <csignal>
 #include <limits>
-#include <utility>
 
 namespace {
 int flock_error = 0;  // the error of flock() in this process; 0: the file system has locks

@@ -3,11 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
-#include <fstream>
 #include <map>
 #include <string>
 #include <vector>

@@ -4,7 +4,6 @@
 #include "tests/support/draw.hpp"
 #include "tests/support/slow_build.hpp"
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <optional>

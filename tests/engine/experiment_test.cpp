@@ -7,7 +7,6 @@
 #include "engine/observing/events.hpp"
 #include "engine/observing/remade_world.hpp"
 #include "engine/observing/stop_conditions.hpp"
-#include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/scene.hpp"

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace troupe::oracle {

@@ -2,7 +2,6 @@
 
 #include "tests/fuzz/json_mutator.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -34,9 +33,9 @@ inline std::size_t mutate_json(const JsonMutator& mutator, std::uint8_t* data, s
                                std::size_t most, unsigned seed) {
   const auto mutate_text = [](std::string& text) {
     constexpr std::size_t k_longer = 16;
-    const std::size_t size = text.size();
-    text.resize(size + k_longer);
-    text.resize(LLVMFuzzerMutate(reinterpret_cast<std::uint8_t*>(text.data()), size, text.size()));
+    const std::size_t length = text.size();
+    text.resize(length + k_longer);
+    text.resize(LLVMFuzzerMutate(reinterpret_cast<std::uint8_t*>(text.data()), length, text.size()));
   };
   if (!by_bytes(seed))
     if (const std::string text =

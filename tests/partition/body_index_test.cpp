@@ -10,7 +10,6 @@
 #include <numeric>
 #include <set>
 #include <span>
-#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>

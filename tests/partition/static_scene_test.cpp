@@ -8,7 +8,6 @@
 #include <array>
 #include <set>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 

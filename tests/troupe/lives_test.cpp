@@ -12,7 +12,6 @@
 #include "troupe/troupe.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -32,7 +32,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <new>
 #include <span>

@@ -1,6 +1,5 @@
 // Simulation::reset() gives the state after loading, bit for bit, and then the same run.
 
-#include "base/fp_environment.hpp"
 #include "engine/observing/events.hpp"
 #include "engine/observing/frame.hpp"
 #include "engine/world/world.hpp"
@@ -15,11 +14,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>

@@ -7,7 +7,6 @@
 #include "worldio/json/spec_json.hpp"
 #include "worldio/stage/stage_properties.hpp"
 
-#include <algorithm>
 #include <set>
 #include <string>
 #include <string_view>

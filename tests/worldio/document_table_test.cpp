@@ -14,7 +14,6 @@
 
 #include <set>
 #include <string>
-#include <vector>
 
 namespace troupe::worldio {
 namespace {

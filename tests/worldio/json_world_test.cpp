@@ -18,7 +18,6 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 
 namespace troupe::worldio {
 namespace {

@@ -1,6 +1,5 @@
 #include "tests/worldio/stage_fixture.hpp"
 
-#include <cmath>
 #include <string>
 
 namespace troupe::worldio {

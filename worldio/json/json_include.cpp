@@ -167,8 +167,7 @@ class Includer {
 std::vector<std::string> quantities(std::string_view key) {
   if (key == "controller" || key == "controllers") return {"controllers"};
   std::vector<std::string> names;
-  for (auto unit = engine::Unit::meters; unit <= engine::Unit::watts;
-       unit = static_cast<engine::Unit>(static_cast<int>(unit) + 1))
+  for (const engine::Unit unit : engine::all_units())
     for (const engine::UnitSuffix& in : engine::unit_suffixes(unit))
       if (key.ends_with(in.suffix) && key.size() > in.suffix.size())
         names.push_back(

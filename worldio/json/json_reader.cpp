@@ -17,8 +17,7 @@ std::string unit_hint(std::string_view key, const std::vector<std::string>& know
     if (std::ranges::find(known, candidate) != known.end()) near.push_back(std::move(candidate));
   };
   const std::string_view name = key.substr(0, key.rfind('_'));
-  for (auto unit = engine::Unit::meters; unit <= engine::Unit::watts;
-       unit = static_cast<engine::Unit>(static_cast<int>(unit) + 1))
+  for (const engine::Unit unit : engine::all_units())
     for (const engine::UnitSuffix& in : engine::unit_suffixes(unit)) {
       add_if_known(std::string(name) + std::string(in.suffix));
       if (key.ends_with(in.suffix)) add_if_known(std::string(key.substr(0, key.size() - in.suffix.size())));

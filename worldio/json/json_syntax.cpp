@@ -12,7 +12,6 @@ namespace troupe::worldio {
 namespace {
 
 constexpr std::string_view k_space = " \t\r\n";
-constexpr std::string_view k_marks = "{}[],:";
 constexpr std::size_t k_most_quoted = 40;  // bytes of the text that a message quotes
 constexpr std::size_t k_escape = 6;        // bytes of the longest escape sequence, such as \u00e4
 

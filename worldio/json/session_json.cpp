@@ -1,6 +1,7 @@
 #include "worldio/json/session_json.hpp"
 
 #include "worldio/files.hpp"
+#include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_document.hpp"
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/json_text.hpp"
@@ -33,13 +34,6 @@ std::string line_of(const OrderedJson& json) {
 }
 
 OrderedJson pose_json(const Pose& pose) { return {pose.x, pose.y, pose.z, pose.heading}; }
-
-std::optional<double> number_of(const JsonNode& node) {
-  if (const auto* x = std::get_if<double>(&node.value)) return *x;
-  if (const auto* x = std::get_if<std::int64_t>(&node.value)) return static_cast<double>(*x);
-  if (const auto* x = std::get_if<std::uint64_t>(&node.value)) return static_cast<double>(*x);
-  return {};
-}
 
 std::uint64_t read_count(JsonObject& object, std::string_view key, std::string_view hint) {
   const JsonNode* node = object.require(key, hint);

@@ -14,7 +14,7 @@
 /// A session file lists the actions that users performed on a running world (docs/live.md). Its format is
 /// JSON Lines: one JSON object per line. The first line is the header. Each further line is an *act*, which
 /// is one action of a user: a body was moved, a command was given, ... The last line marks the end of the
-/// session. A *tick* is a simulation step.
+/// session. A *tick* is a time step.
 namespace troupe::worldio {
 
 inline constexpr int k_session_format = 1;  ///< the only version of the format

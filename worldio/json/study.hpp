@@ -51,8 +51,8 @@ struct Study {
   std::vector<std::string> measures;
   std::vector<Where> where_measures;  ///< positions of `measures` in the study, for messages
   std::vector<Statistic> statistics;  ///< the statistics of each measure; load_study() sets at least one
-  double measure_every_s = 1;  ///< simulated time between measurements, s; 0: every tick (simulation step)
-  bool series = false;         ///< whether all measurements are also stored, in a separate table
+  double measure_every_s = 1;         ///< simulated time between measurements, s; 0: every tick (time step)
+  bool series = false;                ///< whether all measurements are also stored, in a separate table
 
   /// The values that a parameter takes. `kind` says how they are given:
   /// - listed: by the list `values`

@@ -4,9 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstddef>
-#include <utility>
 
 namespace troupe::worldio {
 namespace {

@@ -43,7 +43,7 @@
 ///   (be born) later.
 /// - A *fiducial finder* is a sensor that detects marked bodies and reads their numbers.
 /// - A *measure* is a number that is computed from the state of a run.
-/// - A *tick* is a simulation step.
+/// - A *tick* is a time step.
 /// - A *place* (Where) is the file and the line of a value, for error messages.
 namespace troupe::worldio {
 
@@ -464,7 +464,7 @@ struct WorldDocument : Placed {
   std::string schema;                  ///< value of the key `$schema`, which names a JSON schema for editors
   std::string title;                   ///< title; empty: the file's name without its ending
   std::uint64_t seed = 1;              ///< seed of all random numbers
-  double tick = 0.1;                   ///< length of a tick (one simulation step), s
+  double tick = 0.1;                   ///< length of a tick (one time step), s
   std::optional<double> quit_time;     ///< simulated time at which a run ends, s; empty: no end
   double measure_every = 1;            ///< simulated time between measurements, s; 0: every tick
   engine::RangingEngine ranging = engine::RangingEngine::exact;  ///< method of computing ranges

@@ -13,7 +13,6 @@
 #include <charconv>
 #include <cstring>
 #include <numeric>
-#include <optional>
 
 namespace troupe::worldio {
 namespace fs = std::filesystem;

@@ -16,7 +16,7 @@
 
 /// Saves and restores checkpoints. A checkpoint is one HDF5 file from which a run can be continued; a hash in
 /// the file detects damage. A spec (engine::WorldSpec) is the description from which the engine builds a
-/// world. The id of a body is its index in the spec. A tick is a simulation step. The state of a world
+/// world. The id of a body is its index in the spec. A tick is a time step. The state of a world
 /// consists of tables, one for each *component*, such as `pose`. The table of a component has one row for
 /// each body that has this component, and one or more fields, such as `x`. An *observer* reads the state of a
 /// world and does not change it. For example, measures, which compute a number such as the covered area, are

@@ -755,17 +755,25 @@ void Hdf5Group::copy_dataset(const Hdf5Group& from, const std::string& name) {
   object(name).copy_attributes(source);
 }
 
+void Hdf5Group::fail_to_create(const std::string& name) const {
+  fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
+}
+
+Hdf5Id Hdf5Group::make_dataset(const std::string& name, std::int64_t type, const Hdf5Id& space,
+                               const Hdf5Id& properties) {
+  Hdf5Id made(
+      H5Dcreate2(id_.get(), name.c_str(), type, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dclose);
+  if (!made.valid()) fail_to_create(name);
+  return made;
+}
+
 Hdf5Dataset Hdf5Group::create_dataset(const std::string& name, engine::Element element,
                                       const std::vector<std::size_t>& extent) {
   const LibraryCall call;
   const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
   const Hdf5Id space = space_of(extent);
-  Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
-                         properties.get(), H5P_DEFAULT),
-              H5Dclose);
-  if (!made.valid())
-    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
-  return {std::move(made), file_, path_of(name)};
+  return {make_dataset(name, file_type(element), space, properties), file_, path_of(name)};
 }
 
 Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Element element,
@@ -782,12 +790,7 @@ Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Elemen
   const std::vector<hsize_t> chunk(chunks.extent.begin(), chunks.extent.end());
   H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data());
   set_fill(properties.get(), element, chunks.fill);
-  Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), file_type(element), space.get(), H5P_DEFAULT,
-                         properties.get(), H5P_DEFAULT),
-              H5Dclose);
-  if (!made.valid())
-    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
-  return {std::move(made), file_, path_of(name)};
+  return {make_dataset(name, file_type(element), space, properties), file_, path_of(name)};
 }
 
 Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
@@ -804,15 +807,8 @@ Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
 
 void Hdf5Group::write_text(const std::string& name, std::string_view text) {
   const LibraryCall call;
-  const Hdf5Id type = text_type(text.size());
   const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
-  const Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), type.get(), space.get(), H5P_DEFAULT,
-                               properties.get(), H5P_DEFAULT),
-                    H5Dclose);
-  const std::string padded = text.empty() ? std::string(1, '\0') : std::string(text);
-  if (!made.valid() || H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
-    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
+  write_padded(name, text.empty() ? std::string(1, '\0') : std::string(text), text_type(text.size()), space);
 }
 
 void Hdf5Group::write_texts(const std::string& name, std::span<const std::string> texts) {
@@ -821,15 +817,15 @@ void Hdf5Group::write_texts(const std::string& name, std::span<const std::string
   for (const std::string& text : texts) longest = std::max(longest, text.size());
   std::string padded(longest * texts.size(), '\0');
   for (std::size_t i = 0; i < texts.size(); ++i) texts[i].copy(padded.data() + i * longest, longest);
-  const Hdf5Id type = text_type(longest);
-  const Hdf5Id space = space_of({texts.size()});
-  const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
-  const Hdf5Id made(H5Dcreate2(id_.get(), name.c_str(), type.get(), space.get(), H5P_DEFAULT,
-                               properties.get(), H5P_DEFAULT),
-                    H5Dclose);
-  if (!made.valid() ||
-      (!texts.empty() && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0))
-    fail_with(file_, fmt::format("the dataset {} cannot be created: {}", path_of(name), reason()));
+  write_padded(name, padded, text_type(longest), space_of({texts.size()}));
+}
+
+/// Creates a dataset of texts of equal length and writes it. padded: all texts, one after another
+void Hdf5Group::write_padded(const std::string& name, const std::string& padded, const Hdf5Id& type,
+                             const Hdf5Id& space) {
+  const Hdf5Id made = make_dataset(name, type.get(), space, creation_properties(H5P_DATASET_CREATE));
+  if (!padded.empty() && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
+    fail_to_create(name);
 }
 
 std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {

@@ -235,6 +235,11 @@ class Hdf5Group : public Hdf5Object {
 
  private:
   std::string path_of(const std::string& name) const;
+  [[noreturn]] void fail_to_create(const std::string& name) const;
+  Hdf5Id make_dataset(const std::string& name, std::int64_t type, const Hdf5Id& space,
+                      const Hdf5Id& properties);
+  void write_padded(const std::string& name, const std::string& padded, const Hdf5Id& type,
+                    const Hdf5Id& space);
   void add_paths(const std::string& prefix, std::set<std::uint64_t>& seen,
                  std::vector<std::string>& paths) const;
   void add_header_addresses(std::size_t depth, std::set<std::uint64_t>& addresses) const;

@@ -16,7 +16,7 @@
 namespace troupe::worldio {
 
 /// Reads a recording (docs/recordings.md): an HDF5 file with the state of a world at certain ticks
-/// (simulation steps). The state at one of these ticks is called a frame.
+/// (time steps). The state at one of these ticks is called a frame.
 ///
 /// The state consists of components, such as "pose" or the readings of a sensor. A component consists of
 /// fields, such as "x". A recording has one array for each field. In each frame, an array has one row per

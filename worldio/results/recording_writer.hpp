@@ -20,7 +20,7 @@ namespace troupe::worldio {
 /// The version of the file structure that docs/recordings.md describes.
 inline constexpr std::int64_t k_recording_layout = 1;
 /// The value of an entry of the array /frames/tick that is not written yet. The array has one entry for each
-/// frame, which is the recorded state of the world at one tick (simulation step). A frame is complete once
+/// frame, which is the recorded state of the world at one tick (time step). A frame is complete once
 /// its entry has another value.
 inline constexpr std::uint64_t k_no_tick = ~std::uint64_t{0};
 
@@ -36,7 +36,7 @@ struct RecordingHead {
 };
 
 /// Writes a recording (docs/recordings.md): an HDF5 file with the state of a world at certain ticks
-/// (simulation steps). The state at one of these ticks is called a frame. The writer uses the SWMR mode of
+/// (time steps). The state at one of these ticks is called a frame. The writer uses the SWMR mode of
 /// HDF5 (single writer, multiple readers): other programs can read the file in the meantime, and flushed data
 /// survive if the process is killed.
 ///

@@ -29,7 +29,7 @@ class StageKinds {
       : document_(document), registry_(registry), values_(values) {}
 
   /// Returns the time between two updates of a model, s, from its property `update_interval`. The result 0
-  /// means that the model is updated in every tick (simulation step). Returns 0.1 s if the model does not
+  /// means that the model is updated in every tick (time step). Returns 0.1 s if the model does not
   /// have the property, or if the value is not a number. A number below 0, or above the largest allowed
   /// period, is reported as an error but still returned.
   double period_s(const StageModel& model);

@@ -10,7 +10,7 @@ namespace troupe::worldio {
 /// description of the original world, and `back` is the description that was read from the `.world` file. A
 /// part is a rigid piece of a body.
 ///
-/// The function compares the length of a tick (simulation step), the bodies, their aliases (second names) and
+/// The function compares the length of a tick (time step), the bodies, their aliases (second names) and
 /// their types. Other settings of the world are not compared. Of parts without solids, only the aliases are
 /// compared.
 ///

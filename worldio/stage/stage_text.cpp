@@ -6,7 +6,6 @@
 
 #include <array>
 #include <charconv>
-#include <vector>
 
 namespace troupe::worldio {
 
