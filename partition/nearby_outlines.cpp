@@ -56,7 +56,8 @@ void NearbyOutlines::set_block_of(const Vec2& point) {
 void NearbyOutlines::gather(std::size_t band) {
   const Box block = bodies_->geometry().box_of_block(*home_);
   std::size_t size = ends_.empty() ? 0 : ends_.back();
-  const auto gather = [&](const auto& grid, double largest_radius, std::uint32_t mark) {
+  const auto gather_from = [&](const auto& grid, std::size_t ring, double largest_radius,
+                               std::uint32_t mark) {
     std::size_t runs = 0;
     std::size_t unpacked = size;
     const auto unpack_runs = [&] {
@@ -70,30 +71,36 @@ void NearbyOutlines::gather(std::size_t band) {
       runs_[runs++] = run;
       size += run.size();
     };
-    // The radius is reduced slightly, so that a band that ends at a cell border does not touch the next cell.
+    // The radius is reduced slightly, so that a ring that ends at a cell border does not touch the next cell.
     const auto around = [&](double radius) {
       const Box box = block.expanded((radius + largest_radius) * (1 - 1e-12));
       return std::pair(grid.geometry().cell(box.min), grid.geometry().cell(box.max));
     };
-    const auto [low, high] = around(radii_[band]);
-    if (band == 0) {
+    const auto [low, high] = around(radii_[ring]);
+    if (ring == 0) {
       grid.for_each_run(low, high, append);
     } else {
-      const auto [inner_low, inner_high] = around(radii_[band - 1]);
+      const auto [inner_low, inner_high] = around(radii_[ring - 1]);
       for_each_rectangle(low, high, inner_low, inner_high,
                          [&](Cell from, Cell to) { grid.for_each_run(from, to, append); });
     }
     unpack_runs();
   };
-  const std::size_t begin = size;
-  gather(*bodies_, bodies_->largest_small_radius(), 0);
-  gather(*fixed_, fixed_->largest_radius(), k_fixed);
-  if (band == 0) {
-    const double side = block.size().x() + 2 * radii_[0];
-    const double found = static_cast<double>(size - begin);
+  const auto gather_ring = [&](std::size_t ring) {
+    gather_from(*bodies_, ring, bodies_->largest_small_radius(), 0);
+    gather_from(*fixed_, ring, fixed_->largest_radius(), k_fixed);
+  };
+  if (band > 0) {
+    gather_ring(joined_ + band);
+  } else {
+    joined_ = 0;
+    gather_ring(0);
+    while (size < k_least_in_band_0 && joined_ + 1 < radii_.size()) gather_ring(++joined_);
+    const double side = block.size().x() + 2 * radius(0);
+    const auto found = static_cast<double>(size);
     nearest_shell_m_ = found <= k_most_in_one_search
                            ? std::numeric_limits<double>::infinity()
-                           : std::min(radii_[0], side * sqrt(k_nearest_shell_circles / (k_pi * found)));
+                           : std::min(radius(0), side * sqrt(k_nearest_shell_circles / (k_pi * found)));
   }
   while (size % k_circle_padding != 0)
     circles_.set(size++, {0, 0, -std::numeric_limits<float>::infinity(), 0});

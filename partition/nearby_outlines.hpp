@@ -26,8 +26,9 @@ void unpack(std::span<const CircleRun> runs, std::uint32_t mark, std::size_t siz
 /// to 4 x 4 cells of the spatial index (GridGeometry::block_bits()).
 ///
 /// The circles are divided into bands by their distance from the block. Band 0 is the nearest; in a crowd,
-/// most sensors need only this band. The circles of a band are searched for when the band is used for the
-/// first time. A wide body (wider than a cell) may be in several bands, and several times in one band.
+/// most sensors need only this band. Where there are few circles, band 0 is wider, so that a search of it is
+/// worth its fixed cost. The circles of a band are searched for when the band is used for the first time. A
+/// wide body (wider than a cell) may be in several bands, and several times in one band.
 ///
 /// Call begin() after the bodies have moved, set_block_of() for each sensor, and then band() for the bands
 /// from 0 on until farther circles are not needed. Sensors of different types in one block share a search as
@@ -49,12 +50,12 @@ class NearbyOutlines {
   void set_block_of(const Vec2& point);
 
   /// Number of bands. Together they contain every circle whose distance from the current block is at most the
-  /// argument `reach` of begin(), and some farther circles.
-  std::size_t bands() const { return radii_.size(); }
+  /// argument `reach` of begin(), and some farther circles. Call band(0) first.
+  std::size_t bands() const { return radii_.size() - joined_; }
   /// The outer radius of a band, metres. Each circle whose distance from the current block is less than this
   /// radius is in this band or in an earlier one. The outer radius of the last band is the argument `reach`
-  /// of begin().
-  double radius(std::size_t band) const { return radii_[band]; }
+  /// of begin(). Call band(0) first.
+  double radius(std::size_t band) const { return radii_[joined_ + band]; }
   /// The circles of a band: a range of indices in circles(). The range is padded to a multiple of
   /// k_circle_padding with circles that no beam hits.
   struct Band {
@@ -79,6 +80,8 @@ class NearbyOutlines {
   static constexpr double k_nearest_shell_circles = 20;  ///< mean number of circles within nearest_shell_m()
   /// nearest_shell_m() is infinite if band 0 has at most this many circles.
   static constexpr double k_most_in_one_search = 48;
+  /// Band 0 has at least this many circles, unless there are fewer within the reach.
+  static constexpr std::size_t k_least_in_band_0 = 32;
 
  private:
   void gather(std::size_t band);
@@ -88,8 +91,9 @@ class NearbyOutlines {
   const FixedOutlines* fixed_ = nullptr;
   double reach_ = 0;
   double nearest_shell_m_ = 0;
-  std::vector<double> radii_;
-  std::optional<Cell> home_;        // the current block
+  std::vector<double> radii_;  // outer radii of rings: band 0 of a block consists of one or several rings
+  std::size_t joined_ = 0;     // number of rings of band 0 of the current block, minus 1
+  std::optional<Cell> home_;   // the current block
   std::array<CircleRun, 64> runs_;  // runs that were found but not yet unpacked
   CircleArrays circles_;
   std::vector<std::size_t> ends_;  // ends of the bands gathered so far

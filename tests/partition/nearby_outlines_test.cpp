@@ -69,6 +69,7 @@ TEST(NearbyOutlines, BandsHoldAllThatComesNearAndPaddingNothing) {
       outlines.set_block_of(eye);
       std::set<std::uint32_t> rows;
       std::vector<bool> edges(scene.edges.size());
+      outlines.band(0);
       const std::size_t bands = 1 + random.below(static_cast<std::uint32_t>(outlines.bands()));
       for (std::size_t b = 0; b < bands; ++b) {
         const NearbyOutlines::Band band = outlines.band(b);
@@ -97,6 +98,7 @@ TEST(NearbyOutlines, BandsHoldAllThatComesNearAndPaddingNothing) {
         }
       }
       EXPECT_TRUE(outlines.nearest_shell_m() <= outlines.radius(0) || std::isinf(outlines.nearest_shell_m()));
+      if (outlines.bands() > 1) EXPECT_GE(outlines.band(0).end, NearbyOutlines::k_least_in_band_0);
       if (look % 2 == 0)
         eye = Vec2(random.uniform(-10, 10), random.uniform(-10, 10));  // otherwise looks again
     }
