@@ -31,7 +31,7 @@ class Selection {
   /// Lets the plotted measure see the state. Call it after each tick.
   void see(const Refuse& refuse);
   /// Returns the part of the state that the viewer has selected: the members `inspected`, `plot`, `shades`
-  /// and `lines` in docs/live.md.
+  /// and `lines` in docs/live-protocol.md.
   nlohmann::ordered_json state(Simulation& simulation, const Refuse& refuse);
   /// The value by which the viewer colours robots, or null.
   ColorValue* color() { return color_ ? &*color_ : nullptr; }

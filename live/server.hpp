@@ -49,7 +49,7 @@ class ViewBackend {
 };
 
 /// The server of a live view. Over HTTP, it serves one HTML page. Over a WebSocket, the page or another
-/// program receives pictures of the running world and sends commands (docs/live.md, "Wire protocol"). The
+/// program receives pictures of the running world and sends commands (docs/live-protocol.md). The
 /// server runs on a thread of its own.
 class ViewServer {
  public:

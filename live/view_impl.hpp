@@ -26,8 +26,8 @@ namespace troupe::live {
 class Request;
 
 /// The implementation of View (live/view.hpp): executes the commands of viewers, which are the pages and
-/// programs that are connected to the view. docs/live.md describes the protocol. All functions are called on
-/// the thread of the simulation.
+/// programs that are connected to the view. docs/live-protocol.md describes the protocol. All functions are
+/// called on the thread of the simulation.
 class View::Impl {
  public:
   Impl(Simulation& simulation, const Options& options);

@@ -24,9 +24,9 @@ namespace troupe::live {
 //
 // The page shows all bodies except static ones; they are called shown bodies here.
 
-/// Returns the state of a body as JSON, in the form of the key `inspected` in docs/live.md: its name, whether
-/// it is in the world (`alive`), its pose, its components, the ranges of its rangers, and the commands to its
-/// devices. Throws std::out_of_range if there is no body with this id.
+/// Returns the state of a body as JSON, in the form of the key `inspected` in docs/live-protocol.md: its
+/// name, whether it is in the world (`alive`), its pose, its components, the ranges of its rangers, and the
+/// commands to its devices. Throws std::out_of_range if there is no body with this id.
 ///
 /// The members of a component are:
 /// - `component`: its whole name, such as `ranger/ir`

@@ -556,7 +556,7 @@ class NotTouched(unittest.TestCase):
 class OfTheDocumentation(unittest.TestCase):
     @unittest.skipIf(importlib.util.find_spec("websockets") is None, "the package websockets is not installed")
     def test_the_client_in_python_sees_the_robots_move(self):
-        page = (ROOT / "docs" / "live.md").read_text()
+        page = (ROOT / "docs" / "live-protocol.md").read_text()
         listing = page[page.index("import asyncio"):].split("```")[0]
         with View("--rate", 1) as view:
             (view.folder / "watch.py").write_text(listing.replace("pictures=100", "pictures=20"))

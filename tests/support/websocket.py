@@ -93,7 +93,7 @@ class Socket:
             elif size == 127:
                 (size,) = struct.unpack(">Q", self.bytes(8))
             payload = self.bytes(size)
-            assert first & 128, "a message is one frame (docs/live.md)"
+            assert first & 128, "a message is one frame (docs/live-protocol.md)"
             opcode = first & 15
             if opcode == 1:
                 return json.loads(payload)
