@@ -123,9 +123,19 @@ const engine::StateField& command_field(std::span<const engine::StateField> fiel
 
 py::array converted(const engine::StateField& field, const py::array& given, const py::handle& value) {
   require_numbers(field.name, given);
-  py::array made = given.attr("astype")(dtype_of(field.element));
+  py::array made;
+  bool fits = true;
+  try {
+    made = given.attr("astype")(dtype_of(field.element));
+  } catch (const py::error_already_set& error) {  // for an array of Python objects, such as 2**70 or None
+    if (error.matches(PyExc_TypeError) || error.matches(PyExc_ValueError))
+      throw py::type_error(fmt::format("{}: found {}: give numbers", field.name, short_repr(value)));
+    if (!error.matches(PyExc_OverflowError)) throw;
+    fits = false;
+  }
   const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
-  if (is_whole && !py::module_::import("numpy").attr("array_equal")(made, given).cast<bool>())
+  if (fits && is_whole) fits = py::module_::import("numpy").attr("array_equal")(made, given).cast<bool>();
+  if (!fits)
     throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
                                       engine::element_name(field.element), short_repr(value)));
   return made;

@@ -84,7 +84,8 @@ struct BatchAction {
   /// Value for -1, in the unit of the command; finite. Values of integer fields are rounded to the nearest
   /// integer and clamped to the range of their type, which is 0 to 1 for a bool.
   double low = -1;
-  double high = 1;  ///< value for 1, in the unit of the command; finite; may be less than `low`
+  /// Value for 1, in the unit of the command; finite, and so is `high - low`; may be less than `low`.
+  double high = 1;
 };
 
 /// A number that a BatchReward or a BatchEnd uses. It is either a column of an array, with one value per

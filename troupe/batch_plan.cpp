@@ -52,9 +52,11 @@ void BatchEnv::Impl::check_team(const BatchTeam& team) {
   check_names(team.arrays, fmt::format("team \"{}\": array", team.name));
   for (const BatchArraySpec& array : team.arrays) check_array(team, array);
   for (const BatchAction& action : team.actions)
-    if (!std::isfinite(action.low) || !std::isfinite(action.high))
-      refuse(fmt::format("action \"{}\" of team \"{}\": low is {}, high is {}: give finite numbers",
-                         action.command, team.name, action.low, action.high));
+    if (!std::isfinite(action.low) || !std::isfinite(action.high - action.low))
+      refuse(
+          fmt::format("action \"{}\" of team \"{}\": low is {}, high is {}: give finite numbers whose "
+                      "difference is finite",
+                      action.command, team.name, action.low, action.high));
   for (std::size_t a = 0; a < team.actions.size(); ++a)
     for (std::size_t b = 0; b < a; ++b)
       if (team.actions[a].device == team.actions[b].device &&

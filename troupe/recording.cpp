@@ -66,9 +66,9 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
     const engine::WorldSpec& spec = simulation.world().spec();
     if (!options.fields.empty() || !spec.record || !spec.files)
       throw InputError(fmt::format("{}: error: {}", file.string(), error.what()));
-    const Where& where = spec.record->where_fields;
-    throw InputError(fmt::format("{}:{}: error: /record/fields: {}", spec.files->name(where.file), where.line,
-                                 error.what()));
+    throw InputError(Diagnostics(spec.files)
+                         .text({Severity::error, spec.record->where_fields,
+                                fmt::format("/record/fields: {}", error.what())}));
   }
 }
 

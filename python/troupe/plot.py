@@ -44,7 +44,8 @@ def _read(file: str) -> Tuple[List[str], List[List[str]]]:
     longest = csv.field_size_limit(sys.maxsize)  # an error of a run may be longer than the default limit
     try:
         with open(file, newline="", encoding="utf-8") as stream:
-            rows = list(csv.reader(stream))
+            lines = stream.readlines()
+            rows = list(csv.reader(lines))
     except FileNotFoundError:
         raise PlotError(f"{file}: error: there is no such file: give the folder of a completed sweep") from None
     except (OSError, UnicodeDecodeError, csv.Error) as error:
@@ -54,6 +55,9 @@ def _read(file: str) -> Tuple[List[str], List[List[str]]]:
     if not rows or any(len(row) != len(rows[0]) for row in rows):
         raise PlotError(f"{file}: error: this is not a table of a sweep: it is empty, or its lines have different "
                         "numbers of columns")
+    if not lines[-1].endswith(("\n", "\r")):
+        raise PlotError(f"{file}: error: the file was cut off: its last line has no end: copy the file again, or give the command "
+                        "of the sweep again, which writes the tables again")
     return rows[0], rows[1:]
 
 

@@ -282,6 +282,9 @@ TEST_F(Record, AsTheWorldSays) {
   EXPECT_THAT(error_of({"run", "w.json", "--for", "2"}),
               StartsWith("w.json:3: error: /record/fields: unknown field \"speed\"; known: all, command, "
                          "eye, pose, ranger"));
+  EXPECT_THAT(
+      error_of({"run", "w.json", "--for", "2", "--set", R"(/record/fields=["speed"])"}),
+      StartsWith("--set /record/fields: error: /record/fields: unknown field \"speed\"; known: all, "));
   world(R"({"file": 3, "every_s": 0, "fields": [], "field": 1})");
   EXPECT_THAT(error_of({"run", "w.json", "--for", "2"}),
               AllOf(HasSubstr("w.json:3: error: /record/file: expected the name of a file"),

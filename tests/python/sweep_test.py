@@ -454,6 +454,8 @@ class Plot(unittest.TestCase):
         self.assertIn('set "series": true in the study', message())
         (self.folder / "series.csv").write_text("run,time_s,order\n0,1\n")
         self.assertIn("its lines have different numbers of columns", message())
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,1,0.2")  # of 0.25
+        self.assertIn("series.csv: error: the file was cut off: its last line has no end", message())
         (self.folder / "series.csv").write_text("run,time_s,order\n7,1,2\n")
         self.assertIn("this is not the series of the sweep", message())
         with unittest.mock.patch.object(troupe.plot.csv, "reader", side_effect=troupe.plot.csv.Error("line contains NUL")):

@@ -10,6 +10,7 @@
 #include "troupe/registry.hpp"
 #include "troupe/swarm.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -554,6 +555,16 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   is_wrong(
       k_name, [](auto&, auto& t) { t.actions[2].command = "reed"; },
       "device \"lamp\": unknown command \"reed\"");
+  for (const auto& range : {std::pair(0.0, HUGE_VAL), {double{NAN}, 1.0}, {-1e308, 1e308}})
+    is_wrong(
+        k_argument,
+        [&range](auto&, auto& t) {
+          t.actions[0].low = range.first;
+          t.actions[0].high = range.second;
+        },
+        fmt::format("action \"forward\" of team \"bots\": low is {}, high is {}: give finite numbers whose "
+                    "difference is finite",
+                    range.first, range.second));
   is_wrong(
       k_argument, [](auto&, auto& t) { t.actions.push_back({.command = "forward"}); },
       "actions 0 and 4 of team \"bots\" (counted from 0) both set the command \"forward\" of the drive: give "

@@ -301,6 +301,16 @@ TEST_F(ConvertTest, PartsThatAPowerPackSuppliesAreKeptOrNamed) {
                                     "device \"lift.power\": the devices that it supplies")));
 }
 
+TEST_F(ConvertTest, PowerPacksOfModelsWithTheSameNameComeBack) {
+  const fs::path world = write("w.world", R"(define bay model( name "bay" size [0.1 0.1 0.1] joules 9 )
+position( name "r" size [0.4 0.4 0.3] bay( pose [0.1 0 0 0] ) bay( pose [-0.1 0 0 0] ) )
+)");
+  const fs::path json = convert(world, "w.json");
+  ASSERT_THAT(found, IsEmpty());
+  EXPECT_THAT(content(json), HasSubstr("\"bay.power#2\""));
+  EXPECT_EQ(hash_log(json, 2), hash_log(world, 2));
+}
+
 TEST_F(ConvertTest, FullPowerPacksAndThoseThatNeverRunOutComeBack) {
   const fs::path json = write("packs.json", R"({"troupe": 1, "types": {
     "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"},

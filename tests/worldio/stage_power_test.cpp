@@ -74,6 +74,16 @@ TEST_F(StagePowerTest, WhatModelsDrawGoesToTheNearestPack) {
   EXPECT_EQ(number(*packs[1], "mass"), 0);
 }
 
+TEST_F(StagePowerTest, PacksAndContactsOfModelsWithTheSameNameGetDifferentNames) {
+  const std::string bay = R"(model( name "bay" joules 9 take_watts 1 )
+  )";
+  const std::vector<DeviceSpec> found = devices("position(\n" + bay + bay + bay + ")");
+  std::vector<std::string> names;
+  for (const DeviceSpec& device : found) names.push_back(device.name);
+  EXPECT_THAT(names, ElementsAre("bay.power", "bay.contact", "bay.power#2", "bay.contact#2", "bay.power#3",
+                                 "bay.contact#3"));
+}
+
 TEST_F(StagePowerTest, ADriveThatNoControllerCommandsDrawsNoRandomNumbers) {
   EXPECT_EQ(number(devices("position( joules 100 mass 3 )").at(0), "idle"), 0);
   EXPECT_EQ(number(devices("position( joules 100 ctrl \"script line\" )").at(0), "idle"), 1);

@@ -1,10 +1,14 @@
 #include "worldio/stage/stage_power.hpp"
 
+#include "engine/spec/names.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -23,6 +27,16 @@ constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "
 std::string device_name(const TypeSpec& type, std::uint32_t part, std::string_view last) {
   const std::string& below = type.parts[part].name;
   return below.empty() ? std::string(last) : fmt::format("{}.{}", below, last);
+}
+
+/// Renames each power pack and each contact whose name a device before it has, as body types rename devices.
+/// The models of two packs may have the same name, but in a JSON world, two entries of `devices` may not.
+void give_unique_names(std::vector<DeviceSpec>& devices) {
+  engine::UniqueNames names(engine::k_device_mark);
+  for (DeviceSpec& device : devices) {
+    const std::string name = names.add(device.name);
+    if (device.kind == "power_pack" || device.kind == "power_contact") device.name = name;
+  }
 }
 
 }  // namespace
@@ -187,6 +201,7 @@ void StagePower::finish(TypeSpec& type) {
                          "\"joules_capacity\" in this model or in a model that contains it");
     return true;
   });
+  give_unique_names(type.devices);
   const bool is_controlled = !type.controllers.empty();
   const FieldTable* table =
       registry_.device("power_pack") ? &registry_.device("power_pack")->params : nullptr;

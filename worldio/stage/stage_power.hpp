@@ -47,6 +47,7 @@ class StagePower {
   ///
   /// A pack supplies its own part, and all parts inside this part that have no nearer pack. The function
   /// - removes power contacts that no pack supplies, with a warning,
+  /// - gives packs and contacts of the same name different names ("bay.power", "bay.power#2"),
   /// - adds the constant power (Draw) of each supplied part that runs to the parameter `draw` of the pack,
   /// - sets the parameters `mass` and `idle` of the pack that supplies part 0, if the type has a drive:
   ///   `mass` is the mass of the body; `idle` is 1 W if the drive always runs or the type has a controller,
