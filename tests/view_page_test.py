@@ -378,6 +378,27 @@ class InABrowser(unittest.TestCase):
             page.run("troupe.trails(10)")
             frame = page.run("troupe.state().frame")
             page.wait(f"troupe.state().frame > {frame + 5}")
+            self.assertEqual(page.run("document.getElementById('scale').innerText"), "2 m")
+            self.assertEqual(page.problems, [])
+
+    def test_cards_end_above_the_bars(self):
+        long = "n" * 200
+        world = json.loads(json.dumps(WORLD).replace("runner", long).replace('"red"', f'"{long}"'))
+        world["title"] = long
+        with self.opened(world=world) as (_, page):
+            edge = "(id, side) => document.getElementById(id).getBoundingClientRect()[side]"
+            for width, height in (SIZE, (390, 844), (844, 390)):
+                page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+                page.run(f"troupe.select('{long}')")
+                page.wait(f"innerWidth === {width} && troupe.inspected()")
+                page.run("document.querySelectorAll('#values .plottable').forEach((row, i) => i < 6 && row.click())")
+                page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+                least = "scale" if width < 500 else "tools"  # the panel is as wide as a narrow window
+                self.assertLessEqual(page.run(f"({edge})('panel', 'bottom')"), page.run(f"({edge})('{least}', 'top')"), width)
+                self.assertEqual(page.run("(({scrollWidth, clientWidth}) => scrollWidth - clientWidth)(document.getElementById('panel'))"), 0)
+                self.assertLessEqual(page.run(f"({edge})('corner', 'bottom')"), page.run(f"({edge})('scale', 'top')"), width)
+                page.run("troupe.select(null)")
+                self.assertLessEqual(page.run(f"({edge})('corner', 'bottom')"), page.run(f"({edge})('scale', 'top')"), width)
             self.assertEqual(page.problems, [])
 
     def test_a_key_drives_only_while_it_is_pressed(self):
@@ -472,6 +493,14 @@ class InABrowser(unittest.TestCase):
             x, y = (round(at) for at in page.run("troupe.screenPlace('blue', [-0.12, -0.12, 0.3])"))
             red, green, blue = Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
             self.assertGreater(green, 60, (red, green, blue))  # (68, 1, 84): a robot that stands still
+
+    def test_the_scale_of_a_quantity_that_is_the_same_everywhere(self):
+        with self.opened() as (_, page):
+            page.run("troupe.color('pose.z')")
+            page.wait("troupe.legend()[1] === 0")
+            page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+            ends = page.run("[...document.querySelectorAll('#legend .ends span')].map(end => end.textContent)")
+            self.assertEqual(ends, ["0", "0"])
 
     def test_the_scale_of_speeds_begins_again(self):
         with self.opened() as (_, page):

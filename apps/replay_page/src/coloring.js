@@ -28,11 +28,11 @@ export function valueText(component, field, column) {
   return isSensor ? `${text} (${steps[1]})` : text;
 }
 
-/** A number with as many decimals as the rounding step justifies. */
+/** A number with as many decimals as the rounding step justifies, or with eight digits if the step is very small or 0. */
 export function numberText(value, step) {
   if (!Number.isFinite(value)) return "–";
-  const digits = Math.min(Math.max(-Math.floor(Math.log10(step) + 1e-9), 0), 6);
-  return value.toFixed(digits);
+  const digits = Math.max(-Math.floor(Math.log10(step) + 1e-9), 0);
+  return digits <= 6 ? value.toFixed(digits) : String(Number(value.toPrecision(8)));
 }
 
 /** The choices of a colouring: {text, unit}, and {field, column} for those by a field (column -1: the minimum). */
