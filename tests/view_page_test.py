@@ -66,6 +66,16 @@ NULL_COMMANDS = """
     };
 """
 
+# A run that is much faster than real time.
+FAST = """
+    const { parse } = JSON;
+    JSON.parse = (text) => {
+      const message = parse(text);
+      if (message?.reached) message.reached = 7821.4;
+      return message;
+    };
+"""
+
 
 @unittest.skipIf(PROGRAM is None, "no Chromium (scripts/setup --checks installs it)")
 class InABrowser(unittest.TestCase):
@@ -501,6 +511,11 @@ class InABrowser(unittest.TestCase):
             page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
             ends = page.run("[...document.querySelectorAll('#legend .ends span')].map(end => end.textContent)")
             self.assertEqual(ends, ["0", "0"])
+
+    def test_large_speeds_have_no_exponent(self):
+        with self.opened(script=FAST) as (_, page):
+            page.wait("document.getElementById('reached').value !== ''")
+            self.assertEqual(page.run("document.getElementById('reached').value"), "7821×")
 
     def test_the_scale_of_speeds_begins_again(self):
         with self.opened() as (_, page):
