@@ -131,7 +131,7 @@ export class Coloring {
     let first = Math.min(frame, Math.max(recording.frames - 2, 0));
     const second = Math.min(first + 1, recording.frames - 1);
     // A paused program sends several pictures of the same time.
-    while (recording.times[first] === recording.times[second] && recording.poses(first - 1)) first--;
+    while (first > 0 && recording.times[first] === recording.times[second] && recording.poses(first - 1)) first--;
     const a = recording.poses(first);
     const b = recording.poses(second);
     if (!a || !b) return false;
