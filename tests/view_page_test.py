@@ -512,6 +512,22 @@ class InABrowser(unittest.TestCase):
             ends = page.run("[...document.querySelectorAll('#legend .ends span')].map(end => end.textContent)")
             self.assertEqual(ends, ["0", "0"])
 
+    def test_messages_have_enough_contrast(self):
+        # WCAG 2, success criterion 1.4.3: at least 4.5 for text of this size.
+        contrast = """(id) => {
+          const luminance = (color) => color.match(/\\d+/g).slice(0, 3).map((byte) => byte / 255)
+            .map((share) => (share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4))
+            .reduce((sum, share, i) => sum + share * [0.2126, 0.7152, 0.0722][i], 0);
+          const { color, backgroundColor } = getComputedStyle(document.getElementById(id));
+          const [dark, light] = [luminance(color), luminance(backgroundColor)].sort((a, b) => a - b);
+          return (light + 0.05) / (dark + 0.05);
+        }"""
+        with self.opened() as (_, page):
+            for theme in ("light", "dark"):
+                page.run(f"troupe.theme('{theme}')")
+                for message in ("told", "problem"):
+                    self.assertGreater(page.run(f"({contrast})('{message}')"), 4.5, (theme, message))
+
     def test_large_speeds_have_no_exponent(self):
         with self.opened(script=FAST) as (_, page):
             page.wait("document.getElementById('reached').value !== ''")
