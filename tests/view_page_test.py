@@ -170,8 +170,8 @@ class InABrowser(unittest.TestCase):
         page.wait("document.querySelectorAll('#plots path').length === 2 && "
                   "[...document.querySelectorAll('#plots path')].every(path => path.getAttribute('d').split('L').length > 10)")
         plotted = page.run("[...document.querySelectorAll('#plots .now')].map(line => line.textContent)")
-        self.assertRegex(plotted[0], r"^pose x m -?[0-9.]+$")
-        self.assertRegex(plotted[1], r"^pose heading ° -?[0-9.]+$")
+        self.assertRegex(plotted[0], r"^pose x -?[0-9.]+ m$")
+        self.assertRegex(plotted[1], r"^pose heading -?[0-9.]+ °$")
         self.keep("plotted")
 
         page.press("m", "KeyM")
@@ -572,8 +572,11 @@ class InABrowser(unittest.TestCase):
             page.wait("troupe.lines() > 0 && troupe.state().scanned")
             page.run("(back => { back.value = Number(back.max) - 1; back.oninput({target: back}); })(document.getElementById('back'))")
             page.wait("troupe.lines() === 0 && !troupe.state().scanned", 30)
+            text = "document.getElementById('panel').innerText"
+            self.assertNotIn("velocity", page.run(text))
             self.press_button_of(page, "#now")
             page.wait("troupe.lines() > 0 && troupe.state().scanned", 30)
+            self.assertIn("velocity", page.run(text))
 
     def test_trails_keep_their_length_at_another_rate(self):
         with self.opened("--rate", 1) as (_, page):
