@@ -397,7 +397,7 @@ class InABrowser(unittest.TestCase):
         world["title"] = long
         with self.opened(world=world) as (_, page):
             edge = "(id, side) => document.getElementById(id).getBoundingClientRect()[side]"
-            for width, height in (SIZE, (390, 844), (844, 390)):
+            for width, height in (SIZE, (390, 844), (844, 390), (320, 568)):
                 page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
                 page.run(f"troupe.select('{long}')")
                 page.wait(f"innerWidth === {width} && troupe.inspected()")
@@ -409,6 +409,11 @@ class InABrowser(unittest.TestCase):
                 self.assertLessEqual(page.run(f"({edge})('corner', 'bottom')"), page.run(f"({edge})('scale', 'top')"), width)
                 page.run("troupe.select(null)")
                 self.assertLessEqual(page.run(f"({edge})('corner', 'bottom')"), page.run(f"({edge})('scale', 'top')"), width)
+                self.assertEqual(page.run("(({scrollWidth, clientWidth}) => scrollWidth - clientWidth)(document.getElementById('corner'))"), 0)
+                page.run("document.getElementById('find').value = 'no robot '.repeat(100)")
+                page.run("document.getElementById('find').onchange({target: document.getElementById('find')})")
+                self.assertGreaterEqual(page.run(f"({edge})('told', 'top')"), 0)
+                self.assertLessEqual(page.run(f"({edge})('told', 'bottom')"), page.run(f"({edge})('tools', 'top')"), width)
             self.assertEqual(page.problems, [])
 
     def test_a_key_drives_only_while_it_is_pressed(self):
