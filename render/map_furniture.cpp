@@ -54,7 +54,10 @@ Mesh floor_grid(const Framing& framing, Rgba color) {
 
 std::string clock_text(double time_s, double times_real_time) {
   std::string text = fmt::format("{:.1f} s", time_s);
-  if (times_real_time > 0) text += fmt::format("  {:.3g} x real time", times_real_time);
+  if (times_real_time >= 999.5)  // three digits would need an exponent
+    text += fmt::format("  {:.0f} x real time", times_real_time);
+  else if (times_real_time > 0)
+    text += fmt::format("  {:.3g} x real time", times_real_time);
   return text;
 }
 

@@ -67,7 +67,7 @@ std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts) {
   std::string svg = fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
-      "{1}\">\n<desc>",
+      "{1}\" xml:space=\"preserve\">\n<desc>",
       drawing.width, drawing.height);
   for (std::size_t i = 0; i < texts.size(); ++i)
     svg += fmt::format("{}{}: {}", i == 0 ? "" : "\n", escaped(texts[i].first), escaped(texts[i].second));
@@ -75,8 +75,8 @@ std::string svg_text(const VectorDrawing& drawing, const FileTexts& texts) {
   if (drawing.ground[3] != 0)
     svg += fmt::format("<rect width=\"{}\" height=\"{}\"{}/>\n", drawing.width, drawing.height,
                        paint("fill", drawing.ground));
-  // The paint-order "stroke" draws the halo below the letters. The viewport clips everything outside the
-  // picture.
+  // By default, SVG would draw several spaces as one; pixels and PDF do not. The paint-order "stroke" draws
+  // the halo below the letters. The viewport clips everything outside the picture.
   svg +=
       "<g stroke-linecap=\"square\" stroke-linejoin=\"miter\" paint-order=\"stroke\" "
       "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\">\n";

@@ -595,6 +595,22 @@ class ADamagedPage(unittest.TestCase):
             self.assertEqual(page.run("document.getElementById('problem').getAttribute('role')"), "alert")
 
 
+class APageOfOneFrame(unittest.TestCase):
+    def test_its_robots_have_no_speed(self):
+        with tempfile.TemporaryDirectory() as name, Page(PROGRAM) as page:
+            folder = Path(name)
+            (folder / "w.json").write_text(json.dumps(WORLD))
+            troupe(folder, "run", "w.json", "--quiet", "--for", 0, "--record", "run.h5")
+            troupe(folder, "replay", "run.h5", "-o", "page.html")
+            page.open(folder / "page.html")
+            page.wait("window.troupe && troupe.state().shown")
+            self.assertEqual(page.run("troupe.state().frames"), 1)
+            page.run("troupe.color('speed')")
+            page.wait("troupe.state().coloured || !document.getElementById('problem').hidden", 30)
+            self.assertTrue(page.run("document.getElementById('problem').hidden"), page.problems)
+            self.assertEqual(page.problems, [])
+
+
 class APageWithAnError(unittest.TestCase):
     def test_says_so_and_goes_on(self):
         with tempfile.TemporaryDirectory() as name, Page(PROGRAM) as page:

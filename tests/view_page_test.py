@@ -66,6 +66,16 @@ NULL_COMMANDS = """
     };
 """
 
+# A run that is much faster than real time.
+FAST = """
+    const { parse } = JSON;
+    JSON.parse = (text) => {
+      const message = parse(text);
+      if (message?.reached) message.reached = 7821.4;
+      return message;
+    };
+"""
+
 
 @unittest.skipIf(PROGRAM is None, "no Chromium (scripts/setup --checks installs it)")
 class InABrowser(unittest.TestCase):
@@ -160,8 +170,8 @@ class InABrowser(unittest.TestCase):
         page.wait("document.querySelectorAll('#plots path').length === 2 && "
                   "[...document.querySelectorAll('#plots path')].every(path => path.getAttribute('d').split('L').length > 10)")
         plotted = page.run("[...document.querySelectorAll('#plots .now')].map(line => line.textContent)")
-        self.assertRegex(plotted[0], r"^pose x m -?[0-9.]+$")
-        self.assertRegex(plotted[1], r"^pose heading ° -?[0-9.]+$")
+        self.assertRegex(plotted[0], r"^pose x -?[0-9.]+ m$")
+        self.assertRegex(plotted[1], r"^pose heading -?[0-9.]+ °$")
         self.keep("plotted")
 
         page.press("m", "KeyM")
@@ -378,6 +388,32 @@ class InABrowser(unittest.TestCase):
             page.run("troupe.trails(10)")
             frame = page.run("troupe.state().frame")
             page.wait(f"troupe.state().frame > {frame + 5}")
+            self.assertEqual(page.run("document.getElementById('scale').innerText"), "2 m")
+            self.assertEqual(page.problems, [])
+
+    def test_cards_end_above_the_bars(self):
+        long = "n" * 200
+        world = json.loads(json.dumps(WORLD).replace("runner", long).replace('"red"', f'"{long}"'))
+        world["title"] = long
+        with self.opened(world=world) as (_, page):
+            edge = "(id, side) => document.getElementById(id).getBoundingClientRect()[side]"
+            for width, height in (SIZE, (390, 844), (844, 390), (320, 568)):
+                page.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+                page.run(f"troupe.select('{long}')")
+                page.wait(f"innerWidth === {width} && troupe.inspected()")
+                page.run("document.querySelectorAll('#values .plottable').forEach((row, i) => i < 6 && row.click())")
+                page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+                least = "scale" if width < 500 else "tools"  # the panel is as wide as a narrow window
+                self.assertLessEqual(page.run(f"({edge})('panel', 'bottom')"), page.run(f"({edge})('{least}', 'top')"), width)
+                self.assertEqual(page.run("(({scrollWidth, clientWidth}) => scrollWidth - clientWidth)(document.getElementById('panel'))"), 0)
+                self.assertLessEqual(page.run(f"({edge})('corner', 'bottom')"), page.run(f"({edge})('scale', 'top')"), width)
+                page.run("troupe.select(null)")
+                self.assertLessEqual(page.run(f"({edge})('corner', 'bottom')"), page.run(f"({edge})('scale', 'top')"), width)
+                self.assertEqual(page.run("(({scrollWidth, clientWidth}) => scrollWidth - clientWidth)(document.getElementById('corner'))"), 0)
+                page.run("document.getElementById('find').value = 'no robot '.repeat(100)")
+                page.run("document.getElementById('find').onchange({target: document.getElementById('find')})")
+                self.assertGreaterEqual(page.run(f"({edge})('told', 'top')"), 0)
+                self.assertLessEqual(page.run(f"({edge})('told', 'bottom')"), page.run(f"({edge})('tools', 'top')"), width)
             self.assertEqual(page.problems, [])
 
     def test_a_key_drives_only_while_it_is_pressed(self):
@@ -473,6 +509,35 @@ class InABrowser(unittest.TestCase):
             red, green, blue = Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
             self.assertGreater(green, 60, (red, green, blue))  # (68, 1, 84): a robot that stands still
 
+    def test_the_scale_of_a_quantity_that_is_the_same_everywhere(self):
+        with self.opened() as (_, page):
+            page.run("troupe.color('pose.z')")
+            page.wait("troupe.legend()[1] === 0")
+            page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+            ends = page.run("[...document.querySelectorAll('#legend .ends span')].map(end => end.textContent)")
+            self.assertEqual(ends, ["0", "0"])
+
+    def test_messages_have_enough_contrast(self):
+        # WCAG 2, success criterion 1.4.3: at least 4.5 for text of this size.
+        contrast = """(id) => {
+          const luminance = (color) => color.match(/\\d+/g).slice(0, 3).map((byte) => byte / 255)
+            .map((share) => (share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4))
+            .reduce((sum, share, i) => sum + share * [0.2126, 0.7152, 0.0722][i], 0);
+          const { color, backgroundColor } = getComputedStyle(document.getElementById(id));
+          const [dark, light] = [luminance(color), luminance(backgroundColor)].sort((a, b) => a - b);
+          return (light + 0.05) / (dark + 0.05);
+        }"""
+        with self.opened() as (_, page):
+            for theme in ("light", "dark"):
+                page.run(f"troupe.theme('{theme}')")
+                for message in ("told", "problem"):
+                    self.assertGreater(page.run(f"({contrast})('{message}')"), 4.5, (theme, message))
+
+    def test_large_speeds_have_no_exponent(self):
+        with self.opened(script=FAST) as (_, page):
+            page.wait("document.getElementById('reached').value !== ''")
+            self.assertEqual(page.run("document.getElementById('reached').value"), "7821×")
+
     def test_the_scale_of_speeds_begins_again(self):
         with self.opened() as (_, page):
             page.run("troupe.color('speed')")
@@ -512,8 +577,11 @@ class InABrowser(unittest.TestCase):
             page.wait("troupe.lines() > 0 && troupe.state().scanned")
             page.run("(back => { back.value = Number(back.max) - 1; back.oninput({target: back}); })(document.getElementById('back'))")
             page.wait("troupe.lines() === 0 && !troupe.state().scanned", 30)
+            text = "document.getElementById('panel').innerText"
+            self.assertNotIn("velocity", page.run(text))
             self.press_button_of(page, "#now")
             page.wait("troupe.lines() > 0 && troupe.state().scanned", 30)
+            self.assertIn("velocity", page.run(text))
 
     def test_trails_keep_their_length_at_another_rate(self):
         with self.opened("--rate", 1) as (_, page):

@@ -29,7 +29,10 @@ COLORS = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#00
 MOST_LINES = 12
 LARGEST = 1e300  # largest value in a plot: matplotlib computes limits of the axes that exceed the values
 LABEL_WIDTH = 36  # most characters in a line of the label of the y axis: a longer line would not fit
-TITLE_WIDTH = 56  # most characters in a line of the title
+TITLE_WIDTH = 56  # most characters in a line of the title, of the label of the x axis and of the legend
+TICK_WIDTH = 24  # most characters in a line of a text at a tick of the x axis
+MOST_LEVEL = 60  # most characters of all texts at ticks together; more are written upwards, as they would overlap
+MOST_OF_NAME = 48  # most characters of a name or a value in the legend and at a tick
 OWN_COLUMNS = ("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "error")
 
 
@@ -292,6 +295,12 @@ def _literal(text: str) -> str:
     return text.replace("$", r"\$")
 
 
+def _short(text: str) -> str:
+    """Returns the text; of a long one its beginning and its end, which often distinguish names of files."""
+    half = MOST_OF_NAME // 2
+    return text if len(text) <= MOST_OF_NAME else f"{text[:half - 1]}…{text[-half:]}"
+
+
 def _write(file: str, content: bytes) -> None:
     """Writes a file by way of a temporary file in the same folder. Raises OSError if this fails, for example because the
     disk is full; a file that exists then keeps its content. A device or a pipe is written directly."""
@@ -375,11 +384,13 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         spreads = [deviation if count > 1 else math.nan for deviation, count in zip(deviations, runs)]
         color = COLORS[i % len(COLORS)]
         style = "-" if i < len(COLORS) else "--"
-        label = _literal(", ".join(f"{name} = {value}" for name, value in zip(names, key))) or None
+        parts = ", ".join(f"{_short(name)} = {_short(value)}" for name, value in zip(names, key))
+        label = _literal(textwrap.fill(parts, TITLE_WIDTH)) or None
         if label and label.startswith("_"):
             label = " " + label  # a legend leaves out labels that begin with an underscore
         if over is None:
-            axes.plot(at, means, style, color=color, label=label, linewidth=1.6)
+            dot = "o" if len(at) == 1 else None  # a line through one point would be invisible
+            axes.plot(at, means, style, color=color, label=label, linewidth=1.6, marker=dot, markersize=4)
             axes.fill_between(at, [m - s for m, s in zip(means, spreads)], [m + s for m, s in zip(means, spreads)],
                               color=color, alpha=0.18, linewidth=0)
         else:
@@ -388,9 +399,11 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
                           marker="o", markersize=4, linestyle=style if ticks is None else "none")
     counts = [runs for points in lines.values() for *_, runs in points]
     least, most = min(counts), max(counts)
-    axes.set_xlabel(_literal(over) if over else "time (s)")
+    axes.set_xlabel(_literal(textwrap.fill(over, TITLE_WIDTH)) if over else "time (s)")
     if ticks is not None:
-        axes.set_xticks(list(ticks.values()), [_literal(value) for value in ticks])
+        is_level = sum(map(len, ticks)) <= MOST_LEVEL
+        axes.set_xticks(list(ticks.values()), [_literal(textwrap.fill(_short(value), TICK_WIDTH)) for value in ticks],
+                        rotation=0 if is_level else 90)
     label = f"{measure}, mean and standard deviation" if most > 1 else measure
     axes.set_ylabel(_literal(textwrap.fill(label, LABEL_WIDTH)))
     axes.grid(color="0.9")

@@ -41,5 +41,20 @@ TEST(LivePicture, HasTheHeightsOfRobotsThatAUserMoves) {
   EXPECT_EQ(sent.poses, picture.poses);
 }
 
+std::string header_of(const char* world) {
+  const Simulation simulation = Simulation::from_text(world, "w.json", {.threads = 1});
+  return worldio::live_page(simulation.world(), simulation.registry()).header;
+}
+
+TEST(LivePicture, ShowsTheFloorOfAWorldWithoutBodies) {
+  EXPECT_THAT(header_of(R"({"troupe": 1, "bounds_m": [[-9, -8], [7, 6]]})"),
+              HasSubstr(R"("bounds_m":[-9.0,-8.0,7.0,6.0])"));
+  EXPECT_THAT(header_of(R"({"troupe": 1})"), HasSubstr(R"("bounds_m":[-5.0,-5.0,5.0,5.0])"));
+  EXPECT_THAT(header_of(R"({"troupe": 1, "bounds_m": [[-9, -8], [7, 6]],
+    "types": {"bot": {"size_m": [0.4, 0.3, 0.2], "drive": {"kind": "diff"}}},
+    "populations": [{"name": "b", "type": "bot", "count": 0, "reserve": 3, "place": {"rule": "uniform"}}]})"),
+              HasSubstr(R"("bounds_m":[-9.0,-8.0,7.0,6.0])"));
+}
+
 }  // namespace
 }  // namespace troupe::live

@@ -598,6 +598,43 @@ class Plot(unittest.TestCase):
                         self.assertEqual(len(figure.axes[0].get_legend().get_texts()), 2)
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_a_line_of_one_point_is_a_dot(self):
+        from matplotlib import pyplot
+
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0,1\n0,1,2\n1,0,3\n2,0,4\n")
+        with unittest.mock.patch.object(pyplot, "close"):
+            troupe.plot.draw(self.folder, by="robots")
+        self.addCleanup(pyplot.close, pyplot.gcf())
+        self.assertEqual([(len(line.get_xdata()), line.get_marker()) for line in pyplot.gcf().axes[0].lines], [(2, "None"), (1, "o")])
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_long_names_of_parameters_fit_and_do_not_overlap(self):
+        from matplotlib import pyplot
+
+        def figure(table, **named):
+            (self.folder / "table.csv").write_text(table)
+            with unittest.mock.patch.object(pyplot, "close"):
+                troupe.plot.draw(self.folder, out=self.folder / "p.png", **named)
+            self.addCleanup(pyplot.close, pyplot.gcf())
+            pyplot.gcf().canvas.draw()
+            return pyplot.gcf()
+
+        long = "speed of the robots " * 4
+        whole = figure(TABLE.replace("robots", long), by=long)
+        for text in whole.axes[0].get_legend().get_texts():
+            self.assertLess(text.get_window_extent().width, whole.axes[0].bbox.width)
+        self.assertEqual(text.get_text(), "speed of the robots spe…ots speed of the robots  = 10")
+        head = "run,world,seed,ticks,time_s,order,stopped_by,state_hash,error\n"
+        rows = [f"{run},worlds/{'very-' * 20}long-name-{run}.json,1,10,1,{run},,0,\n" for run in range(8)]
+        whole = figure(head + "".join(rows), over="world")
+        ticks = whole.axes[0].get_xticklabels()
+        self.assertEqual(len(ticks), 8)
+        boxes = [tick.get_window_extent() for tick in ticks]
+        self.assertTrue(all(a.x1 < b.x0 for a, b in zip(boxes, boxes[1:])), boxes)
+        label = figure(TABLE.replace("robots", long), over=long).axes[0].xaxis.label.get_window_extent()
+        self.assertTrue(whole.bbox.x0 <= label.x0 and label.x1 <= whole.bbox.x1, label)
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_a_title_may_be_long_and_have_formulas(self):
         from matplotlib import pyplot
 

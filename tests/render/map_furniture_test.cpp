@@ -64,6 +64,13 @@ Mesh furniture(const Framing& framing, const Furniture& shown) {
   return mesh_of(writing, framing.stroke, theme_of(Background::paper));
 }
 
+TEST(Furniture, TheClockHasNoExponents) {
+  EXPECT_EQ(clock_text(12.5), "12.5 s");
+  EXPECT_EQ(clock_text(12.5, 0.25), "12.5 s  0.25 x real time");
+  EXPECT_EQ(clock_text(12.5, 999.6), "12.5 s  1000 x real time");
+  EXPECT_EQ(clock_text(12.5, 7821.4), "12.5 s  7821 x real time");
+}
+
 TEST(Furniture, StaysInsideThePicture) {
   const Framing framing = framing_of(240, 160);
   const Mesh mesh = furniture(framing, {.right = clock_text(123456.7)});

@@ -52,6 +52,7 @@ TEST(VectorDrawing, RobotsArePolygonsAndLettersAreLetters) {
   const std::string svg = sheet.svg({{"world", "a<b.json"}, {"seed", "7"}});
   EXPECT_THAT(svg, StartsWith("<?xml"));
   EXPECT_THAT(svg, HasSubstr("width=\"800\" height=\"400\" viewBox=\"0 0 800 400\""));
+  EXPECT_THAT(svg, HasSubstr("xml:space=\"preserve\""));
   EXPECT_THAT(svg, HasSubstr("<desc>world: a&lt;b.json\nseed: 7</desc>"));
   // The robot's top: two triangles of the raster, one polygon here. It stands from (0.5, 0) to (1.5, 1).
   EXPECT_THAT(svg, HasSubstr("<path d=\"M450 200L550 200 550 100 450 100Z\" fill=\"#0066cc\"/>"));

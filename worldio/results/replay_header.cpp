@@ -147,6 +147,12 @@ OrderedJson types_json(const RecordedScene& scene) {
   return types;
 }
 
+/// The part of the floor that a page shows first. In a world without bodies (they may all be in a reserve),
+/// this is the rectangle that robots may not leave, or 10 m of floor.
+Box bounds_of_page(const engine::FrameScene& scene) {
+  return scene.bounds.empty() ? scene.limits.value_or(Box::around(Vec2::Zero(), 5)) : scene.bounds;
+}
+
 std::string text_of(const OrderedJson& json) {
   return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
@@ -175,7 +181,7 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
   OrderedJson json;
   json["title"] = scene.title;
   json["about"] = {{"world", scene.title}, {"seed", fmt::format("{}", world.spec().seed)}};
-  json["bounds_m"] = bounds_json(world.frame_scene().bounds);
+  json["bounds_m"] = bounds_json(bounds_of_page(world.frame_scene()));
   json["shape_step_m"] = k_replay_shape_m;
   json["types"] = types_json(scene);
   json["fixed"] = fixed_json(page.order, scene);

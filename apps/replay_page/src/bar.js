@@ -45,6 +45,13 @@ export class Bar {
     // browser may set it when any key is pressed.)
     this.isPointed = false;
     window.addEventListener("pointerdown", () => (this.isPointed = true), { capture: true });
+    // The bars wrap in a narrow window. The sizes of the panel and of the corner (style.css) follow from their height.
+    const measure = () => {
+      const height = window.innerHeight - byId("scale").getBoundingClientRect().bottom;
+      document.documentElement.style.setProperty("--controls", `${Math.round(height)}px`);
+    };
+    measure();
+    new ResizeObserver(measure).observe(document.querySelector("footer"));
   }
 
   /** Functions of the keys, by letter or name of the key. */

@@ -28,11 +28,11 @@ export function valueText(component, field, column) {
   return isSensor ? `${text} (${steps[1]})` : text;
 }
 
-/** A number with as many decimals as the rounding step justifies. */
+/** A number with as many decimals as the rounding step justifies, or with eight digits if the step is very small or 0. */
 export function numberText(value, step) {
   if (!Number.isFinite(value)) return "–";
-  const digits = Math.min(Math.max(-Math.floor(Math.log10(step) + 1e-9), 0), 6);
-  return value.toFixed(digits);
+  const digits = Math.max(-Math.floor(Math.log10(step) + 1e-9), 0);
+  return digits <= 6 ? value.toFixed(digits) : String(Number(value.toPrecision(8)));
 }
 
 /** The choices of a colouring: {text, unit}, and {field, column} for those by a field (column -1: the minimum). */
@@ -131,7 +131,7 @@ export class Coloring {
     let first = Math.min(frame, Math.max(recording.frames - 2, 0));
     const second = Math.min(first + 1, recording.frames - 1);
     // A paused program sends several pictures of the same time.
-    while (recording.times[first] === recording.times[second] && recording.poses(first - 1)) first--;
+    while (first > 0 && recording.times[first] === recording.times[second] && recording.poses(first - 1)) first--;
     const a = recording.poses(first);
     const b = recording.poses(second);
     if (!a || !b) return false;

@@ -11,6 +11,9 @@ const TURN = Math.PI / 12; // rad per key press
 const DRIVEN = ["ArrowUp", "ArrowDown", "ArrowLeft", "ArrowRight"];
 const MOST_SEED = 2n ** 64n - 1n;
 
+/** "0.981×", or "7821×": three digits or, of large numbers, all digits before the point. */
+const speedText = (speed) => `${speed < 999.5 ? speed.toPrecision(3) : speed.toFixed(0)}×`;
+
 /** Whether a control uses the arrow keys itself: a menu, a slider or a field for text or numbers. */
 const usesArrows = (target) => target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type !== "checkbox");
 
@@ -165,7 +168,7 @@ export class LiveBar extends Bar {
     const { state } = this.page.recording;
     if (!state) return;
     this.set("rate", RATES.indexOf(state.rate), (at) => (byId("rate").selectedIndex = at));
-    this.set("reached", state.playing && state.reached > 0 ? `${state.reached.toPrecision(3)}×` : "", (text) => (byId("reached").value = text));
+    this.set("reached", state.playing && state.reached > 0 ? speedText(state.reached) : "", (text) => (byId("reached").value = text));
     this.set("line", state.line, (text) => (byId("line").textContent = text));
     const { lookTime, span } = this.page.recording;
     if (state.playing || lookTime !== null || this.shown.back !== span[1])

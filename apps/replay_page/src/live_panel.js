@@ -34,43 +34,44 @@ export class LivePanel extends Panel {
 
   update(frame, poses) {
     super.update(frame, poses);
-    const { inspected } = this.recording;
+    const { inspected, lookTime } = this.recording;
+    if (this.state) this.state.hidden = lookTime !== null; // known only for the present, unlike the pose above it
     if (this.robot === null || !inspected || inspected === this.shown) return;
     if (inspected.robot !== this.recording.header.robots.name[this.robot]) return;
     this.shown = inspected;
     if (!this.rows) this.build(inspected);
     this.commands.update(inspected.commands ?? {});
     inspected.components.forEach(({ fields }, c) => fields.forEach((field, f) => this.rows[c]?.[f]?.(field)));
-    for (const { plot, read, label } of this.plots.values())
-      plot.add(this.recording.state.time_s, { column: label, value: read(inspected) ?? null });
+    for (const { plot, read, label, unit } of this.plots.values())
+      plot.add(this.recording.state.time_s, { column: label, value: read(inspected) ?? null, unit });
   }
 
   addPose() {
     super.addPose();
     for (const [name, unit, , of] of POSE)
-      this.makePlottable(this.poseRows.get(name), `pose ${name} ${unit}`, ({ pose }) => (pose ? of(pose) : null));
+      this.makePlottable(this.poseRows.get(name), `pose ${name}`, unit, ({ pose }) => (pose ? of(pose) : null));
   }
 
   /** A click on the row begins or ends the plot of a value over time, as do Enter and the space bar (Bar.key()) if the row has the
    *  focus. `read` returns the value from the state of the robot. */
-  makePlottable(object, label, read) {
+  makePlottable(object, label, unit, read) {
     object.classList.add("plottable");
     object.title = [object.title, "a click plots the value over time"].filter(Boolean).join("; ");
     object.tabIndex = 0;
     object.setAttribute("role", "button");
-    object.onclick = () => this.togglePlot(label, read);
+    object.onclick = () => this.togglePlot(label, unit, read);
     object.onkeydown = ({ key }) => key === "Enter" && object.onclick();
   }
 
-  togglePlot(label, read) {
+  togglePlot(label, unit, read) {
     if (this.plots.has(label)) {
       this.plots.get(label).card.remove();
       this.plots.delete(label);
       return;
     }
-    const card = plotCard(() => this.togglePlot(label, read));
+    const card = plotCard(() => this.togglePlot(label, unit, read));
     document.getElementById("plots").append(card);
-    this.plots.set(label, { plot: new Plot(card), card, read, label });
+    this.plots.set(label, { plot: new Plot(card), card, read, label, unit });
   }
 
   /** Begins the plots again, because the run was restarted. */
@@ -91,7 +92,7 @@ export class LivePanel extends Panel {
       this.state.append(element("h3", { textContent: runs ? name : `${name} (does not run)` }));
       return fields.map((field) => {
         const made = row(field.name, field.text);
-        this.makePlottable(made.object, `${name} ${field.name}${unitText(field.unit)}`, leastOf(component, field.name));
+        this.makePlottable(made.object, `${name} ${field.name}`, field.unit, leastOf(component, field.name));
         this.state.append(made.object);
         const drawn = field.values.length > MOST_NUMBERS ? chart(field.values.length) : null;
         if (drawn) this.state.append(drawn);

@@ -1,5 +1,5 @@
-// A running world, in the form of the latest pictures from the program, with the interface of Recording. docs/live.md
-// specifies the protocol.
+// A running world, in the form of the latest pictures from the program, with the interface of Recording.
+// docs/live-protocol.md specifies the protocol.
 
 import { bytesOf } from "./palette.js";
 import { fieldRows, GONE, shownParts } from "./recording.js";

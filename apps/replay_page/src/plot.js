@@ -1,5 +1,7 @@
 // A line plot of a measure over time.
 
+import { unitText } from "./panel.js";
+
 const MOST_POINTS = 600;
 
 /** A card for a Plot; `close` is called when its button is pressed. */
@@ -27,7 +29,7 @@ export class Plot {
   }
 
   /** Adds a value at a world time, s; null: no value. */
-  add(time, { column, value }) {
+  add(time, { column, value, unit = "" }) {
     const last = this.points[this.points.length - 1];
     if (value === null || (last && last[0] >= time)) return;
     this.points.push([time, value]);
@@ -38,7 +40,7 @@ export class Plot {
     const [begin, span] = [this.points[0][0], time - this.points[0][0] || 1];
     const place = ([x, y]) => `${((x - begin) / span) * 300} ${58 - ((y - low) / (high - low || 1)) * 56}`;
     this.path.setAttribute("d", `M${this.points.map(place).join("L")}`);
-    this.root.querySelector(".now").textContent = `${column} ${Number(value.toPrecision(5))}`;
+    this.root.querySelector(".now").textContent = `${column} ${Number(value.toPrecision(5))}${unitText(unit)}`;
     const [left, right] = this.root.querySelectorAll(".ends span");
     left.textContent = `${Number(low.toPrecision(4))} to ${Number(high.toPrecision(4))}`;
     right.textContent = `last ${span.toFixed(0)} s`;
