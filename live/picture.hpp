@@ -18,8 +18,8 @@ namespace troupe::live {
 /// The thread that steps the world fills a picture. The thread of the server encodes it.
 struct Picture {
   std::uint64_t number = 0;  ///< number of the picture, counted from 1
-  std::string
-      state;  ///< members of a JSON object, without its braces, for all clients (docs/live-protocol.md)
+  /// Members of a JSON object, without its braces, for all clients (docs/live-protocol.md).
+  std::string state;
   /// More members of the JSON object for single clients, for example the state of the body that a client
   /// inspects. The keys of the map are numbers of clients. A client without an entry receives only `state`.
   std::map<std::uint64_t, std::string> own;

@@ -192,8 +192,7 @@ double Swarm::range_bound(std::string_view sensor) const {
 /// A field of the readings or commands of a device of one type of robots, and the device; or a field of the
 /// memory of a controller.
 struct Swarm::Cells {
-  const engine::BodyType::Device* device =
-      nullptr;  ///< null: the field belongs to the memory of a controller
+  const engine::BodyType::Device* device = nullptr;  ///< null: the field belongs to a memory
   const engine::StateField* field = nullptr;
   std::size_t index = 0;                         ///< index of the field in `readings`
   const engine::StateTable* readings = nullptr;  ///< null: the field belongs to a command
