@@ -98,7 +98,9 @@ TEST(NearbyOutlines, BandsHoldAllThatComesNearAndPaddingNothing) {
         }
       }
       EXPECT_TRUE(outlines.nearest_shell_m() <= outlines.radius(0) || std::isinf(outlines.nearest_shell_m()));
-      if (outlines.bands() > 1) EXPECT_GE(outlines.band(0).end, NearbyOutlines::k_least_in_band_0);
+      if (outlines.bands() > 1) {
+        EXPECT_GE(outlines.band(0).end, NearbyOutlines::k_least_in_band_0);
+      }
       if (look % 2 == 0)
         eye = Vec2(random.uniform(-10, 10), random.uniform(-10, 10));  // otherwise looks again
     }
