@@ -208,8 +208,9 @@ class Lint {
   // Per type: z of bodies -> number of bodies. A body that an intervention moves has several z.
   std::vector<std::map<double, std::size_t>> levels_;
   std::vector<std::size_t> bodies_;  // per type: number of bodies
-  /// The parameters of drives, devices and controllers that interventions change: the record and the name.
-  std::set<std::pair<const engine::Record*, std::string_view>> set_params_;
+  /// The parameters of drives, devices and controllers that interventions change: the record, the name, and
+  /// the new values.
+  std::multimap<std::pair<const engine::Record*, std::string_view>, const engine::Value*> set_params_;
 };
 
 /// Adds the heights at which the interventions `move` and `add` put bodies, each once per body.
@@ -243,7 +244,8 @@ void Lint::collect_set_params() {
     const std::size_t index = at.setting->index;
     const auto collect = [&](const engine::FieldTable& table, const engine::Record& params) {
       for (std::size_t i = 0; i < table.fields.size(); ++i)
-        if (at.setting->params[i].given()) set_params_.emplace(&params, table.fields[i].name);
+        if (const engine::Value& value = at.setting->params[i]; value.given())
+          set_params_.emplace(std::pair(&params, table.fields[i].name), &value);
     };
     switch (at.setting->of) {
       case Of::drive: collect(type.drive->kind->params, spec.drive->params); break;
@@ -683,18 +685,11 @@ void Lint::check_radios() {
             visit(t, given, *channel);
         });
   };
-  for_each_radio([&](std::uint32_t t, const engine::DeviceSpec&, const std::string& channel) {
+  for_each_radio([&](std::uint32_t t, const engine::DeviceSpec& radio, const std::string& channel) {
     channels[channel].push_back(t);
+    const auto [first, last] = set_params_.equal_range({&radio.params, "channel"});
+    for (auto it = first; it != last; ++it) channels[it->second->text()].push_back(t);
   });
-  for (const engine::InterventionSpec& at : spec_.experiment.at) {
-    if (!at.setting || at.setting->of != engine::SettingSpec::Of::device) continue;
-    const std::uint32_t t = at.setting->type.value;
-    const engine::BodyType::Device& device = world_.types()[t].devices[at.setting->index];
-    if (levels_[t].empty() || sensors::radio_channel(device.prepared.data) == nullptr) continue;
-    const int field = device.kind->params.find("channel");
-    if (const engine::Value& channel = at.setting->params[static_cast<std::size_t>(field)]; channel.given())
-      channels[channel.text()].push_back(t);
-  }
   for_each_radio([&](std::uint32_t t, const engine::DeviceSpec& radio, const std::string& channel) {
     if (has_others(channels[channel], t) || is_set(radio.params, {"channel"})) return;
     std::string known;
