@@ -25,6 +25,7 @@ docs_rules.py lists the exceptions with their reasons. Exit codes: 0 no fault fo
 """
 
 import argparse
+import ast
 import concurrent.futures
 import json
 import os
@@ -229,6 +230,7 @@ class Page:
         self.faults, self.left_out = [], []
         self.ran = self.wanted = 0
         self.skipped = []
+        self.bound, self.unbound = set(), set()  # names of Python listings that were run; of those left out alone
         self.interpreter = None
         self.printed = []  # output of each command, in order
         self.folder = test.scratch / name.replace("/", "_").removesuffix(".md")
@@ -418,10 +420,16 @@ class Page:
         self.wanted += 1
         modules = set(re.findall(r"^\s*(?:import|from) (h5py|pandas|matplotlib|numpy|gymnasium|troupe)\b", block.text, re.M))
         lacking = sorted(modules - self.test.modules)
-        if lacking:
+        bound, used = names_in(block.text)
+        if lacking or used & self.unbound - bound:
+            self.unbound |= bound - self.bound
             self.skipped.append(block)
-            self.left_out.append(f"{block}: Python listing: there is no {' and '.join(lacking)} for {self.test.python}")
+            why = (f"there is no {' and '.join(lacking)} for {self.test.python}" if lacking else
+                   f"it needs {', '.join(sorted(used & self.unbound - bound))} of a listing that was left out")
+            self.left_out.append(f"{block}: Python listing: {why}")
             return
+        self.bound |= bound
+        self.unbound -= bound
         path = self.save(block)
         if path is None:
             path = self.cwd() / ".listing.py"
@@ -558,6 +566,19 @@ class Test:
         if result.returncode == 0:
             return []
         return [line for line in result.stderr.split("\n") if "error:" in line] or [result.stderr]
+
+
+def names_in(text):
+    """Returns the names that a Python listing binds, and those that it uses; none if the listing has a syntax error."""
+    try:
+        nodes = list(ast.walk(ast.parse(text)))
+    except SyntaxError:
+        return set(), set()
+    bound = {alias.asname or alias.name.split(".")[0] for node in nodes if isinstance(node, (ast.Import, ast.ImportFrom))
+             for alias in node.names}
+    bound |= {node.name for node in nodes if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
+    bound |= {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+    return bound, {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
 
 
 def python_with_modules(build):
