@@ -313,6 +313,7 @@ BatchHolder make_batch(const Holder& world, const py::dict& given) {
   members.read("ticks", spec.ticks);
   members.read("seconds", spec.seconds);
   members.read("measures", spec.measures);
+  members.read("starts", spec.starts);
   members.each("teams", [&](const std::string& at, const py::handle& each) {
     spec.teams.push_back(team_of(at, each));
   });
@@ -472,6 +473,31 @@ void bind_copy_arrays(BatchClass& type) {
 void bind_episodes(BatchClass& type) {
   using Marks = std::optional<py::array>;
   type.def(
+          "starts",
+          [](const BatchHolder& b, const std::string& name) {
+            BatchEnv& batch = b->use();
+            const std::span<double> poses = batch.starts(name);
+            const std::size_t rows = batch.copies() * BatchEnv::k_start_columns;
+            return shown(
+                py::dtype::of<double>(),
+                {extent(batch.copies()), extent(poses.size() / rows), extent(BatchEnv::k_start_columns)},
+                poses, b);
+          },
+          py::arg("name"),
+          "Returns the array into which the caller writes the poses at which the bodies of an entry of "
+          "`starts` in the spec begin the\nnext episodes: copies x bodies x 3: x, y (m) and heading (rad) in "
+          "the world frame. NaN in a row (at first, in all rows): the\nbody begins where the world places "
+          "it. "
+          "Raises LookupError for another name.")
+      .def_property_readonly(
+          "next_seeds",
+          [](const BatchHolder& b) {
+            const std::vector<std::uint64_t> seeds = b->use().next_seeds();
+            return py::array_t<std::uint64_t>(extent(seeds.size()), seeds.data());
+          },
+          "One seed per copy: that of the episode that the copy begins next, unless reset() gives it another "
+          "seed.")
+      .def(
           "reset",
           [](const BatchHolder& b, const Marks& which, const py::object& seeds) {
             const std::vector<std::uint8_t> marks = marks_of(which, b->use(), "which");

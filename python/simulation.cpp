@@ -53,6 +53,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using PlacedModel = std::pair<HeldModel, Pose>;
+
+std::vector<std::pair<Model, Pose>> models_of(const std::vector<PlacedModel>& given) {
+  std::vector<std::pair<Model, Pose>> placed;
+  for (const auto& [model, pose] : given) placed.emplace_back(model.model, pose);
+  return placed;
+}
+
 void bind_properties(SimulationClass& simulation) {
   simulation
       .def_property_readonly(
@@ -190,16 +198,29 @@ void bind_run(SimulationClass& simulation) {
            "decorator:\n@simulation.on_tick.")
       .def(
           "reset",
-          [](const Holder& held, const py::object& seed) {
+          [](const Holder& held, const py::object& seed, const std::vector<PlacedModel>& starts) {
             static_cast<void>(held->use_outside("reset()"));
             const std::optional<std::uint64_t> given = optional_seed_of(seed);
-            held->work([&](Simulation& used) { given ? used.reset(*given) : used.reset(); });
+            const std::vector<std::pair<Model, Pose>> placed = models_of(starts);
+            held->work([&](Simulation& used) {
+              if (given || !placed.empty())
+                used.reset(given.value_or(used.seed()), placed);
+              else
+                used.reset();
+            });
           },
-          py::arg("seed") = py::none(),
+          py::arg("seed") = py::none(), py::arg("starts") = py::tuple(),
           "Resets the simulation to tick 0 and to its state after loading, bit for bit. If `seed` is given, "
           "the new state is that\nof the world loaded with this seed. With a seed, the function raises "
           "RuntimeError if the run was resumed from a\ncheckpoint. Models, swarms, callbacks and "
-          "subscriptions stay valid; a recording of record() is closed.");
+          "subscriptions stay valid; a recording of record() is closed.\n\nstarts: pairs (model, pose in the "
+          "world frame, m and rad) of models that begin at these poses instead of the places that\nthe world "
+          "gives them. A later reset() without arguments returns to these poses. Raises ValueError for a "
+          "pose "
+          "that is not\nfinite or outside the bounds of the world, and for a body that is not in the world "
+          "at "
+          "the start, and RuntimeError for\nparts of bodies, for models of another simulation, and as for a "
+          "seed. Nothing changes then.");
 }
 
 // ---- the state and its recording
@@ -324,10 +345,8 @@ void bind_bodies(SimulationClass& simulation) {
           "Raises LookupError for an unknown name.")
       .def(
           "set_poses",
-          [](const Holder& held, const std::vector<std::pair<HeldModel, Pose>>& poses) {
-            std::vector<std::pair<Model, Pose>> placed;
-            for (const auto& [model, pose] : poses) placed.emplace_back(model.model, pose);
-            held->use().set_poses(placed);
+          [](const Holder& held, const std::vector<PlacedModel>& poses) {
+            held->use().set_poses(models_of(poses));
           },
           py::arg("poses"),
           "Places many bodies at once. poses: pairs (model, pose in the world frame, m and rad). If a pose "

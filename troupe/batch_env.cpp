@@ -102,6 +102,7 @@ BatchEnv::Impl::Impl(const Simulation& world, const BatchSpec& wanted)
   episode_ticks = std::max<std::uint64_t>(engine::ticks_until(spec.seconds, world.tick_s()), 1);
   teams.resize(spec.teams.size());
   copies.reserve(spec.copies);
+  plan_starts(world.world());
   for (std::size_t c = 0; c < spec.copies; ++c) add_copy(world, c);
   measures.resize(spec.copies * measure_columns.size());
   truncated.resize(spec.copies);
@@ -181,15 +182,52 @@ void BatchEnv::Impl::refuse_in_callbacks(std::string_view call) const {
         call));
 }
 
+std::uint64_t BatchEnv::Impl::next_seed(std::size_t c) const {
+  const Copy& copy = *copies[c];
+  return episode_seed(copy.first_seed, copy.episode + (copy.has_begun ? 1 : 0));
+}
+
+/// Throws std::invalid_argument if a row of starts() of a copy is neither a pose nor NaN.
+void BatchEnv::Impl::check_starts(std::size_t c) const {
+  for (const StartData& start : starts)
+    for (std::size_t b = 0; b < start.bodies.size(); ++b) {
+      const double* row = &start.poses[(c * start.bodies.size() + b) * k_start_columns];
+      const std::span<const double> numbers(row, k_start_columns);
+      if (std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); }) ||
+          std::ranges::all_of(numbers, [](double x) { return std::isnan(x); }))
+        continue;
+      refuse(
+          fmt::format("the start of \"{}\" in copy {} (counted from 0) is x {}, y {} (m), heading {} (rad): "
+                      "give finite numbers, or NaN for all three",
+                      copies[c]->simulation.world().spec().name(start.bodies[b]), c, row[0], row[1], row[2]));
+    }
+}
+
+/// Returns the poses at which the program lets bodies of a copy begin the next episode.
+std::vector<std::pair<Model, Pose>> BatchEnv::Impl::starts_of(std::size_t c) {
+  Simulation& simulation = copies[c]->simulation;
+  std::vector<std::pair<Model, Pose>> placed;
+  for (const StartData& start : starts)
+    for (std::size_t b = 0; b < start.bodies.size(); ++b) {
+      const double* row = &start.poses[(c * start.bodies.size() + b) * k_start_columns];
+      if (std::isnan(row[0])) continue;
+      const double z = simulation.world().spec().bodies[start.bodies[b].index()].pose_world_body.z;
+      placed.emplace_back(simulation.model(start.bodies[b]), Pose{row[0], row[1], z, row[2]});
+    }
+  return placed;
+}
+
 void BatchEnv::Impl::begin(std::size_t c) {
   Copy& copy = *copies[c];
   copy.has_failed = true;
+  seeds[c] = next_seed(c);
   if (std::exchange(copy.has_begun, true)) ++copy.episode;
-  seeds[c] = episode_seed(copy.first_seed, copy.episode);
-  if (seeds[c] == copy.simulation.seed())
+  const std::vector<std::pair<Model, Pose>> placed = starts_of(c);
+  if (seeds[c] == copy.simulation.seed() && placed.empty() && !copy.has_starts)
     copy.simulation.reset();
   else
-    copy.simulation.reset(seeds[c]);
+    copy.simulation.reset(seeds[c], placed);
+  copy.has_starts = !placed.empty();
   if (copy.measures) copy.measures->see();
   copy.simulation.step();
   if (copy.measures) copy.measures->see();
@@ -338,6 +376,19 @@ std::vector<std::string> BatchEnv::measure_columns() const { return impl_->measu
 std::span<const double> BatchEnv::measures() const { return impl_->measures; }
 std::span<const std::uint64_t> BatchEnv::seeds() const { return impl_->seeds; }
 
+std::span<double> BatchEnv::starts(std::string_view name) {
+  const auto found = std::ranges::find(impl_->starts, name, &Impl::StartData::name);
+  if (found == impl_->starts.end())
+    throw std::out_of_range(unknown_name("entry of `starts`", name, name_list(impl_->starts)));
+  return found->poses;
+}
+
+std::vector<std::uint64_t> BatchEnv::next_seeds() const {
+  std::vector<std::uint64_t> next;
+  for (std::size_t c = 0; c < copies(); ++c) next.push_back(impl_->next_seed(c));
+  return next;
+}
+
 void BatchEnv::reset(std::span<const std::uint8_t> which,
                      std::span<const std::optional<std::uint64_t>> seeds) {
   impl_->refuse_in_callbacks("reset()");
@@ -352,6 +403,8 @@ void BatchEnv::reset(std::span<const std::uint8_t> which,
     if (!is_meant(c) && !impl_->copies[c]->has_begun)
       throw std::logic_error(fmt::format(
           "reset(): copy {} (counted from 0) has not begun an episode: reset all copies first", c));
+  for (std::size_t c = 0; c < copies(); ++c)
+    if (is_meant(c)) impl_->check_starts(c);
   for (std::size_t c = 0; c < copies() && !seeds.empty(); ++c)
     if (is_meant(c) && seeds[c]) {
       Impl::Copy& copy = *impl_->copies[c];
@@ -373,6 +426,8 @@ void BatchEnv::step(std::span<const std::uint8_t> begins) {
         fmt::format("step(): `begins` has {} elements: give {}, one per copy", begins.size(), copies()));
   const auto does_begin = [&](std::size_t c) { return !begins.empty() && begins[c] != 0; };
   impl_->check_actions(begins);
+  for (std::size_t c = 0; c < copies(); ++c)
+    if (does_begin(c)) impl_->check_starts(c);
   for (std::size_t c = 0; c < copies(); ++c)
     if (!does_begin(c) && impl_->copies[c]->has_failed)
       throw std::logic_error(fmt::format(

@@ -155,6 +155,10 @@ struct BatchSpec {
   /// names a measure, such as "stalls", in the format of the constructor of Measures (troupe/measures.hpp).
   /// Empty: no measures.
   std::vector<std::string> measures = {};
+  /// The bodies that may begin an episode at poses that the program writes (BatchEnv::starts()): each text is
+  /// the name of a model, of a population or of a type, and a body may be in only one of them. Empty: all
+  /// bodies begin where the world places them.
+  std::vector<std::string> starts = {};
 };
 
 /// Many copies of one world that step together, each with its own seed: a vectorised environment for
@@ -257,6 +261,17 @@ class BatchEnv {
   std::span<const double> measures() const;
   std::span<const std::uint64_t> seeds() const;  ///< one per copy: seed of its current episode
 
+  /// The poses at which the bodies of an entry of BatchSpec::starts begin the next episodes: copies x bodies
+  /// x k_start_columns elements, row-major, the bodies in the order of their ids. A row has x, y (m) and the
+  /// heading (rad) in the world frame; z is that of the world. A row of NaN (at first, all rows) means that
+  /// the body begins where the world places it. The program writes the rows before reset() or step(); these
+  /// do not change them. name: the entry. Throws std::out_of_range for any other name
+  std::span<double> starts(std::string_view name);
+  static constexpr std::size_t k_start_columns = 3;  ///< numbers in a row of starts()
+  /// Per copy, the seed of the episode that the copy begins next, unless reset() gives it another seed. A
+  /// program that draws starts() from these seeds places the bodies alike in all episodes with equal seeds.
+  std::vector<std::uint64_t> next_seeds() const;
+
   /// Begins an episode in all or some copies. The arguments have one element per copy:
   /// which  0: the copy does not change; another value: the copy begins an episode. An empty span means all
   ///        copies
@@ -265,7 +280,9 @@ class BatchEnv {
   ///        empty span means no value for all copies
   ///
   /// Throws
-  /// - std::invalid_argument if a span has another size
+  /// - std::invalid_argument if a span has another size, and if a row of starts() of such a copy has some
+  ///   numbers that are finite and others that are not; then no copy has changed. Also for a row outside the
+  ///   bounds of the world, and for a row of a body that is not in the world when an episode begins
   /// - std::logic_error if `which` is 0 for a copy that has not yet begun its first episode
   /// - InputError if the rules by which the world file places robots find no place for a robot
   /// - StepError if the first tick of an episode throws
@@ -278,8 +295,8 @@ class BatchEnv {
   /// Throws these exceptions before any copy has changed:
   /// - std::logic_error if reset() has not yet been called, or if the last step or reset of a copy failed and
   ///   this copy does not begin an episode
-  /// - std::invalid_argument if `begins` has another size, or if an action is not finite (the actions of
-  ///   copies that begin an episode are not tested)
+  /// - std::invalid_argument if `begins` has another size, if an action is not finite (the actions of copies
+  ///   that begin an episode are not tested), or if a row of starts() is wrong, as for reset()
   ///
   /// Throws StepError if the step of a copy fails or gives a reward that is not finite, and the
   /// exceptions of reset() if a copy cannot begin its episode. The other copies have then made their step.

@@ -80,6 +80,12 @@ struct BatchEnv::Impl {
     std::vector<std::uint8_t> terminated;
     std::vector<std::uint8_t> alive;
   };
+  /// An entry of BatchSpec::starts, with the poses that the program writes.
+  struct StartData {
+    std::string name;
+    std::vector<BodyId> bodies;  // the same in all copies
+    std::vector<double> poses;   // copies x bodies x k_start_columns
+  };
   /// A field of a device. In TeamCopy::readings, `field` is the index of the field among the fields of the
   /// device's readings. In TeamCopy::commands, `field` is the offset of the field in the device's command,
   /// bytes.
@@ -108,6 +114,7 @@ struct BatchEnv::Impl {
     std::uint64_t first_seed = 0;  // seed of episode 0, from which the seeds of later episodes are derived
     std::uint64_t episode = 0;     // number of the episode
     bool has_begun = false;        // whether episode 0 has begun
+    bool has_starts = false;       // whether the program has placed bodies for the current episode
     bool has_failed = false;       // whether its last step or reset threw: rewards do not know its last ticks
     std::uint64_t last_tick = 0;   // tick at which the episode is truncated
   };
@@ -116,6 +123,7 @@ struct BatchEnv::Impl {
   partition::Parallel parallel;
   std::uint64_t episode_ticks = 1;
   std::vector<TeamData> teams;
+  std::vector<StartData> starts;
   std::vector<std::unique_ptr<Copy>> copies;
   std::vector<std::string> measure_columns;
   std::vector<double> measures;  // copies x columns
@@ -133,6 +141,7 @@ struct BatchEnv::Impl {
   void check_spec() const;
   static void check_team(const BatchTeam& team);
   static void check_array(const BatchTeam& team, const BatchArraySpec& array);
+  void plan_starts(const engine::World& world);
   void plan(TeamData& team, Copy& first);
   Part plan(const BatchPart& part, Simulation& simulation, BodyId robot) const;
   void plan_actions(TeamData& team, Simulation& simulation, BodyId robot) const;
@@ -155,6 +164,9 @@ struct BatchEnv::Impl {
   template <class Work>
   void for_copies(Work&& work);
   void begin(std::size_t c);
+  std::uint64_t next_seed(std::size_t c) const;
+  void check_starts(std::size_t c) const;
+  std::vector<std::pair<Model, Pose>> starts_of(std::size_t c);
   void check_actions(std::span<const std::uint8_t> begins) const;
   void act(std::size_t c);
   static void command(engine::World& world, const TeamData& team, const TeamCopy& bound, std::size_t i,

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -97,6 +98,32 @@ void BatchEnv::Impl::check_array(const BatchTeam& team, const BatchArraySpec& ar
     if (!std::isfinite(part.scale))
       refuse(fmt::format("array \"{}\" of team \"{}\": scale is {}: give a finite number", array.name,
                          team.name, part.scale));
+  }
+}
+
+/// Finds the bodies of each entry of BatchSpec::starts.
+void BatchEnv::Impl::plan_starts(const engine::World& world) {
+  const engine::WorldSpec& own = world.spec();
+  std::set<BodyId> taken;
+  for (const std::string& name : spec.starts) {
+    StartData& start = starts.emplace_back();
+    start.name = name;
+    // If "goal1" is a model (of population "goal"), the name does not also stand for goal10 to goal19.
+    const BodyId one = world.find(name);
+    for (std::size_t b = 0; b < own.bodies.size(); ++b) {
+      const bool is_meant = one.valid() ? BodyId(b) == one
+                                        : world.type(BodyId(b)).name == name ||
+                                              engine::is_of_population(own.names, own.bodies[b].name, name);
+      if (is_meant) start.bodies.emplace_back(b);
+    }
+    if (start.bodies.empty())
+      throw std::out_of_range(
+          fmt::format("starts: the world has no model, population or type \"{}\" with bodies", name));
+    for (const BodyId body : start.bodies)
+      if (!taken.insert(body).second)
+        refuse(fmt::format("starts: \"{}\" is in two entries: list each body once", own.name(body)));
+    start.poses.resize(spec.copies * start.bodies.size() * k_start_columns,
+                       std::numeric_limits<double>::quiet_NaN());
   }
 }
 

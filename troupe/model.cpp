@@ -77,11 +77,15 @@ Row Model::Place::row() const {
   return row;
 }
 
-Row Model::Place::whole() const {
+BodyId Model::Place::of_body() const {
   if (part > 0)
     throw std::logic_error(fmt::format("\"{}\" is a part of \"{}\": use the model \"{}\" instead", name,
                                        world->spec().name(body), world->spec().name(body)));
-  const Row row = world->row(body);
+  return body;
+}
+
+Row Model::Place::whole() const {
+  const Row row = world->row(of_body());
   if (!row.valid())
     throw std::logic_error(fmt::format(
         "\"{}\" is static: only bodies that have a drive, a device or a controller, or that can be "

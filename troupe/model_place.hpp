@@ -25,6 +25,9 @@ struct Model::Place {
   /// Returns the row of the body, for functions that do not apply to parts. Throws std::logic_error if this
   /// model is a part, and for static geometry. Does not check whether the last step threw, unlike row().
   Row whole() const;
+  /// Returns the body, for functions that do not apply to parts but apply to static geometry. Throws
+  /// std::logic_error if this model is a part.
+  BodyId of_body() const;
   const engine::BodyType& type() const { return world->type(body); }
   /// Returns the slot of the body, which is its index in the state tables that only bodies of its type have,
   /// such as those of devices. Throws as row() does.

@@ -53,6 +53,17 @@ void Simulation::Impl::require_own(const Model& model) const {
         model.name()));
 }
 
+void Simulation::Impl::require_start(BodyId body, const Pose& pose) const {
+  const engine::WorldSpec& spec = world->spec();
+  for (const engine::ReserveSpec& reserve : spec.reserves)
+    if (body.value >= reserve.first.value && body.value - reserve.first.value < reserve.count)
+      throw std::invalid_argument(
+          fmt::format("\"{}\" cannot be placed: it is not in the world at the start, because it is in the "
+                      "reserve of the population \"{}\"",
+                      spec.name(body), reserve.population));
+  world->require_pose(body, pose);
+}
+
 void Simulation::Impl::refuse_to_replace_inputs(const std::filesystem::path& output) const {
   std::vector<std::filesystem::path> inputs;
   if (!resumed_at) inputs = input_files(world->spec());
@@ -195,10 +206,19 @@ void Simulation::reset() {
   if (impl_->stop) impl_->stop->begin();
 }
 
-void Simulation::reset(std::uint64_t seed) {
+void Simulation::reset(std::uint64_t seed) { reset(seed, {}); }
+
+void Simulation::reset(std::uint64_t seed, std::span<const std::pair<Model, Pose>> starts) {
   impl_->refuse_in_callbacks("reset()");
   Model::require_may_change(*impl_->world, "reset()");
-  const std::vector<engine::BodySpec> bodies = bodies_placed_by(seed, "reset(seed)");
+  std::vector<engine::BodySpec> bodies = bodies_placed_by(seed, "reset(seed)");
+  for (const auto& [model, pose] : starts) {
+    impl_->require_own(model);
+    const BodyId body = model.place_->of_body();
+    impl_->require_start(body, pose);
+    impl_->moved_starts.emplace(body.value, bodies[body.index()].pose_world_body);
+    bodies[body.index()].pose_world_body = pose;
+  }
   stop_recording();
   impl_->world->restart(seed, bodies, *impl_->registry);
   if (impl_->pictures) impl_->pictures->update_scene(*this);

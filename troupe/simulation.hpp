@@ -637,6 +637,16 @@ class Simulation {
   /// place for a robot with this seed. Throws std::logic_error for a run that was resumed, because a
   /// checkpoint does not store the placement rules.
   void reset(std::uint64_t seed);
+  /// As reset(seed), but the models in `starts` begin at these poses, in the world frame, m and rad, instead
+  /// of the places that the world gives them: for example, to begin a trial in a state that a program has
+  /// chosen. All other bodies are placed as by reset(seed). Static geometry may be in `starts`, too. A model
+  /// may overlap other bodies, as after Model::set_pose(). A later reset() returns to this state; a later
+  /// reset(seed) returns to the places that the world gives.
+  ///
+  /// Throws what reset(seed) throws, std::invalid_argument for a pose that is not finite or outside the
+  /// bounds of the world, and for a body that is not in the world at the start, and std::logic_error for a
+  /// part of a body and for a model of another simulation. Changes nothing in these cases.
+  void reset(std::uint64_t seed, std::span<const std::pair<Model, Pose>> starts);
   /// Makes another simulation of the same world at tick 0, as if it had been loaded with this seed. Reads no
   /// file. The new simulation may outlive this one and is computed by one rank. It has no callbacks, no
   /// subscriptions, no warnings() and none of the changes that set() has made. threads: number of worker

@@ -376,6 +376,7 @@ std::vector<engine::BodySpec> Simulation::bodies_placed_by(std::uint64_t seed, s
                     call));
   restore_fp_environment();  // a library may have changed it: see World::step()
   std::vector<engine::BodySpec> bodies = impl_->world->spec().bodies;
+  for (const auto& [body, pose] : impl_->moved_starts) bodies[body].pose_world_body = pose;
   if (impl_->place_again) impl_->place_again(bodies, seed);
   return bodies;
 }

@@ -42,6 +42,9 @@ struct Simulation::Impl {
   std::filesystem::path file;       ///< path of the world file
   double tile_size_m = 0;           ///< SimulationOptions::tile_size_m: edge of the tiles of the world, m
   worldio::PlaceAgain place_again;  ///< places bodies for another seed; empty if no pose depends on seeds
+  /// The bodies, by id, that reset(seed, starts) has ever placed elsewhere, and their poses before. For
+  /// bodies whose poses do not depend on seeds, these are the poses that the world gives.
+  std::map<std::uint32_t, Pose> moved_starts;
   /// Changes that options made to the world, as pairs of a key and a value, for effective_options(). These
   /// are the values of the option `set` and the value of the option `spare`. If ResumeOptions::set made a
   /// change, its key contains the tick of the checkpoint. Each key occurs only once.
@@ -84,6 +87,8 @@ struct Simulation::Impl {
   void refuse_in_callbacks(std::string_view what) const;
   /// Throws std::logic_error for a model of another simulation.
   void require_own(const Model& model) const;
+  /// Throws std::invalid_argument if a body cannot begin a run at this pose: see reset(seed, starts).
+  void require_start(BodyId body, const Pose& pose) const;
   /// Throws std::runtime_error if `output` is a file that the simulation was read from.
   void refuse_to_replace_inputs(const std::filesystem::path& output) const;
   /// Returns `pictures`, which draws with `options`. Creates `pictures` at the first call, and again if

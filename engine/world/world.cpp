@@ -209,23 +209,26 @@ void World::set_estimate(Row row, const Pose& pose) {
                                                             wrap_angle(pose.heading) + 0.0};
 }
 
+void World::require_pose(BodyId body, const Pose& pose) const {
+  const Box inside = state_.bounds();
+  if (!is_finite(pose) || !inside.contains(pose.position()))
+    throw std::invalid_argument(
+        fmt::format("\"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): {}",
+                    state_.spec.name(body), pose.x, pose.y, pose.z, pose.heading,
+                    is_finite(pose) ? outside_text(inside) : "the numbers must be finite"));
+}
+
 void World::set_poses(std::span<const Placed> placed) {
   require_whole();
   require_between_steps("set_poses()");
   restore_fp_environment();  // a library may have changed it: see step()
-  const Box inside = state_.bounds();
   for (const Placed& place : placed) {
-    const Pose& p = place.pose;
     require_row(place.row, "set_poses()");
     if (!is_there(place.row))
       throw std::invalid_argument(fmt::format(
           "\"{}\" cannot be placed: it was removed from the world, or has not been added to it yet",
           state_.spec.name(body(place.row))));
-    if (!is_finite(p) || !inside.contains(p.position()))
-      throw std::invalid_argument(
-          fmt::format("\"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): {}",
-                      state_.spec.name(body(place.row)), p.x, p.y, p.z, p.heading,
-                      is_finite(p) ? outside_text(inside) : "the numbers must be finite"));
+    require_pose(body(place.row), place.pose);
     if (const std::optional<BodyId> by = carrier(place.row))
       throw std::invalid_argument(
           fmt::format("\"{}\" cannot be placed while \"{}\" carries it: release it first",

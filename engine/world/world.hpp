@@ -156,6 +156,9 @@ class World {
   void require_row(Row row, std::string_view call) const {
     if (row.index() >= rows()) throw_no_row(row, call);
   }
+  /// Throws std::invalid_argument if the body cannot be placed at this pose: if a number is not finite, or if
+  /// the position is outside the bounds of the world.
+  void require_pose(BodyId body, const Pose& pose) const;
   /// Returns to S(0), the state that the constructor or the last call of restart() made, and undoes the
   /// changes of set(). Callbacks and subscriptions (subscribe()) stay. The counters are 0 again. The function
   /// allocates no memory, and may be called after a step that threw. Throws StepError if a hook `start` of a

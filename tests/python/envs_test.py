@@ -526,6 +526,44 @@ class Vector(unittest.TestCase):
                 env.reset(options=3)
             self.assertEqual(str(raised.exception), "options: found 3: give a dict")
 
+    def test_a_task_places_bodies(self):
+        class Placing(Short):
+            starts = ["r", "goal0"]
+
+            def place(self, batch, copies, seeds):
+                batch.starts("r")[copies] = np.nan
+                for copy in np.flatnonzero(copies):
+                    x, y = np.random.default_rng(seeds[copy]).uniform(-1, 1, 2)
+                    batch.starts("goal0")[copy] = x, y, 0.0
+                if "row" in batch.options:
+                    batch.starts("r")[copies] = [(-1.0, y, 0.5) for y in (-1.0, batch.options["row"])]
+
+        env = troupe.envs.VectorEnv(Placing(), 6)
+        runs = []
+        for seed, options in ((1, {}), (2, {}), (1, {}), (1, {"row": 1.0})):
+            observations, _ = env.reset(seed=seed, options=options)
+            runs.append((observations.tolist(), [env.unwrapped.batch.core.state_hash(copy) for copy in range(3)]))
+        self.assertEqual(runs[0], runs[2], "equal seeds, equal places")
+        self.assertTrue(all(a != b for a, b in zip(runs[0][1], runs[1][1])))
+        self.assertEqual(env.unwrapped.batch.starts("r")[2].tolist(), [[-1.0, -1.0, 0.5], [-1.0, 1.0, 0.5]])
+        self.assertTrue(all(a != b for a, b in zip(runs[0][1], runs[3][1])))
+        for _ in range(40):  # at least one more episode, without options
+            env.step(np.zeros((6, 2)))
+        self.assertTrue(np.isnan(env.unwrapped.batch.starts("r")).all())
+        single = troupe.envs.Env(Placing())
+        places = [single.reset(seed=seed)[0].tolist() for seed in (5, 6, 5)]
+        self.assertEqual(places[0], places[2])
+        self.assertNotEqual(places[0], places[1])
+
+        class Outside(Placing):
+            def place(self, batch, copies, seeds):
+                batch.starts("goal0")[copies] = 1e6, 0.0, 0.0
+
+        with self.assertRaisesRegex(ValueError, '"goal0" cannot be placed at x 1e'):
+            troupe.envs.Env(Outside()).reset(seed=1)
+        with self.assertRaises(LookupError):
+            single.unwrapped.batch.starts("goal")
+
     def test_infos_are_not_broadcast(self):
         class Wrong(Short):
             def info(self, batch, team):

@@ -14,9 +14,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -161,6 +164,75 @@ TEST(AnotherSeed, IsRefusedAsTheLoaderDoes) {
   }
   EXPECT_GT(refused, 0);
   EXPECT_LT(refused, 39);
+}
+
+using Starts = std::vector<std::pair<Model, Pose>>;
+
+TEST(Starts, ModelsBeginWhereTheProgramPlacesThem) {
+  constexpr Pose k_robot{1.5, -2.25, 0, 0.5};
+  constexpr Pose k_pillar{-1, 3.25, 0, 1};
+  constexpr Pose k_wall{-3.5, 0, 0, 0};
+  Simulation one = learning_room(3);
+  const Starts starts{{one.find("r1"), k_robot}, {one.find("pillar2"), k_pillar}, {one.find("w"), k_wall}};
+  for (int i = 0; i < 10; ++i) one.step();
+  one.reset(11, starts);
+  const Simulation plain = learning_room(11);
+  EXPECT_EQ(one.tick(), 0u);
+  EXPECT_EQ(one.seed(), 11u);
+  EXPECT_EQ(one.find("r1").pose(), k_robot);
+  EXPECT_EQ(one.find("r1").estimate(), Pose()) << "odometry begins at the start";
+  EXPECT_EQ(one.find("pillar2").pose(), k_pillar);
+  EXPECT_EQ(one.find("w").pose(), k_wall);
+  for (const char* name : {"r0", "pillar0", "other1", "goal3", "e"})
+    EXPECT_EQ(one.world().pose(one.find(name).id()), plain.world().pose(one.find(name).id())) << name;
+
+  std::vector<std::uint64_t> hashes;
+  for (int i = 0; i < 30; ++i) {
+    one.step();
+    hashes.push_back(one.state_hash());
+  }
+  Simulation ranks =
+      Simulation::from_text(std::string(k_learning_room), "room.json", {.threads = 2, .ranks = 3});
+  ranks.reset(
+      11, Starts{{ranks.find("r1"), k_robot}, {ranks.find("pillar2"), k_pillar}, {ranks.find("w"), k_wall}});
+  one.reset();
+  for (const std::uint64_t hash : hashes)
+    for (Simulation* each : {&one, &ranks}) {
+      each->step();
+      ASSERT_EQ(each->state_hash(), hash) << "reset() returns to the starts; ranks get them";
+    }
+  EXPECT_EQ(one.another(12, 1).state_hash(), learning_room(12).state_hash());
+  EXPECT_EQ(one.another(12, 1).find("w").pose(), plain.world().pose(one.find("w").id()));
+  one.reset(11);
+  EXPECT_EQ(one.state_hash(), plain.state_hash());
+  EXPECT_EQ(one.find("w").pose(), plain.world().pose(one.find("w").id()));
+}
+
+TEST(Starts, SayWhatIsWrong) {
+  std::string text(k_learning_room);
+  text.insert(text.find("\"types\""), "\"bounds_m\": [[-5, -5], [5, 5]],\n");
+  text.replace(text.find("\"count\": 2"), 10, "\"count\": 2, \"reserve\": 1");
+  Simulation one = learning_room(3, text);
+  Simulation other = learning_room(3, text);
+  one.step();
+  const std::uint64_t before = one.state_hash();
+  const auto reset = [&](const Model& model, const Pose& pose) {
+    return [&one, starts = Starts{{model, pose}}] { one.reset(4, starts); };
+  };
+  EXPECT_THAT(reset(one.find("r0"), {6, 0, 0, 0}),
+              ThrowsMessage<std::invalid_argument>(HasSubstr("\"r0\" cannot be placed at x 6, y 0")));
+  EXPECT_THAT(reset(one.find("r0"), {0, 0, 0, NAN}),
+              ThrowsMessage<std::invalid_argument>(HasSubstr("the numbers must be finite")));
+  EXPECT_THAT(
+      reset(one.find("other2"), {0, 0, 0, 0}),
+      ThrowsMessage<std::invalid_argument>(HasSubstr(
+          "it is not in the world at the start, because it is in the reserve of the population \"other\"")));
+  EXPECT_THAT(reset(one.find("r0.lidar"), {0, 0, 0, 0}),
+              ThrowsMessage<std::logic_error>(HasSubstr("is a part of \"r0\"")));
+  EXPECT_THAT(reset(other.find("r0"), {0, 0, 0, 0}),
+              ThrowsMessage<std::logic_error>(HasSubstr("a model of another simulation")));
+  EXPECT_EQ(one.tick(), 1u);
+  EXPECT_EQ(one.state_hash(), before);
 }
 
 TEST(BatchEnv, CopiesAreTheWorldAlone) {
@@ -471,6 +543,55 @@ TEST(BatchEnv, CopiesAreResetAlone) {
   EXPECT_EQ(batch.simulation(1).hashes().pose, alone.hashes().pose);
 }
 
+TEST(BatchEnv, BodiesBeginWhereTheProgramPlacesThem) {
+  BatchSpec spec = spec_of(2);
+  BatchEnv plain(learning_room(), spec);
+  spec.starts = {"r0", "goal"};
+  BatchEnv batch(learning_room(), spec);
+  EXPECT_EQ(batch.starts("r0").size(), 2 * 3u);
+  const std::span<double> goals = batch.starts("goal");
+  EXPECT_EQ(goals.size(), 2 * 4 * 3u);
+  EXPECT_TRUE(std::isnan(goals[0]));
+  const auto hashes = [](BatchEnv& of) {
+    return std::pair(of.simulation(0).state_hash(), of.simulation(1).state_hash());
+  };
+  const auto begins_as_plain = [&] {
+    const std::vector<std::uint64_t> next = batch.next_seeds();
+    batch.reset();
+    plain.reset();
+    EXPECT_EQ(next, std::vector(batch.seeds().begin(), batch.seeds().end()));
+    EXPECT_EQ(hashes(batch).first, hashes(plain).first);
+    return hashes(batch).second == hashes(plain).second;
+  };
+  EXPECT_TRUE(begins_as_plain());
+  constexpr Pose k_goal{-1.5, 2.5, 0, 0.25};
+  std::ranges::copy(std::array{k_goal.x, k_goal.y, k_goal.heading}, goals.begin() + (4 + 2) * 3);
+  std::ranges::copy(std::array{2.0, 1.0, -0.5}, batch.starts("r0").begin() + 3);
+  for (int episode = 0; episode < 2; ++episode) {
+    EXPECT_FALSE(begins_as_plain());
+    EXPECT_EQ(batch.simulation(1).find("goal2").pose(), k_goal);
+    EXPECT_EQ(batch.simulation(1).find("r0").pose(), (Pose{2, 1, 0, -0.5}))
+        << "robots rest in the first tick";
+    act(batch, 1);
+    act(plain, 1);
+    batch.step();
+    plain.step();
+  }
+  std::ranges::fill(goals, NAN);
+  std::ranges::fill(batch.starts("r0"), NAN);
+  EXPECT_TRUE(begins_as_plain()) << "without starts, the world places all bodies again";
+
+  const auto before = hashes(batch);
+  goals[3 * 3] = 1;
+  const std::vector<std::uint8_t> first{1, 0};
+  EXPECT_THAT([&] { batch.step(first); },
+              ThrowsMessage<std::invalid_argument>(HasSubstr(
+                  "the start of \"goal3\" in copy 0 (counted from 0) is x 1, y nan (m), heading nan (rad)")));
+  EXPECT_EQ(hashes(batch), before);
+  EXPECT_THAT([&] { batch.starts("r"); }, ThrowsMessage<std::out_of_range>(
+                                              HasSubstr("unknown entry of `starts` \"r\"; known: goal, r0")));
+}
+
 /// A device with a command that is a bool, and with the state that the command has.
 struct Siren {
   struct Command {
@@ -608,6 +729,16 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   is_wrong(
       k_argument, [](auto&, auto& t) { t.arrays[0].parts[1].count = 0; },
       "the part \"nearest\" has the count 0");
+
+  is_wrong(
+      k_name, [](auto& s, auto&) { s.starts = {"none"}; },
+      "starts: the world has no model, population or type \"none\" with bodies");
+  is_wrong(
+      k_argument,
+      [](auto& s, auto&) {
+        s.starts = {"bot", "r1"};
+      },
+      "starts: \"r1\" is in two entries: list each body once");
 
   BatchEnv batch(world, spec_of(2));
   EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<std::logic_error>(HasSubstr("call reset() before")));

@@ -79,6 +79,7 @@ class Batch:
             "ticks": task.ticks,
             "seconds": seconds,
             "measures": list(task.measures),
+            "starts": list(task.starts),
             "teams": [_team_spec(team, robot or "") for team in self.teams],
         }
         self.core = BatchEnv(simulation, spec)
@@ -86,7 +87,8 @@ class Batch:
         self.step_s = task.ticks * simulation.tick_s  #: simulated time of a step, s
         #: Data that a task stores about the copies, such as which robots have a load. State hashes do not cover them.
         self.memory: Dict[str, Any] = {}
-        #: Options for Task.begin(): those that the last reset() was given; empty after a step that has begun episodes.
+        #: Options for Task.place() and Task.begin(): those that the last reset() was given; empty in a step that begins
+        #: episodes, and after it.
         self.options: Dict[str, Any] = {}
         self.names = [self.core.names(index) for index in range(len(self.teams))]
         self._columns_added: Dict[Tuple[int, str], int] = {}  # by Task.observe(), for each team and observed array
@@ -104,6 +106,12 @@ class Batch:
         Team.observation is a list. Raises LookupError for an unknown name."""
         return self.core.array(name, team)
 
+    def starts(self, name: str) -> npt.NDArray[np.float64]:
+        """Returns the array into which Task.place() writes the poses at which the bodies of an entry of Task.starts begin
+        the next episodes: copies x bodies x 3: x, y (m) and heading (rad) in the world frame. NaN in a row (at first, in
+        all rows): the body begins where the world places it. Raises LookupError for an unknown name."""
+        return self.core.starts(name)
+
     def reset(
         self,
         which: Optional[FlagsLike] = None,
@@ -113,7 +121,7 @@ class Batch:
         """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all copies.
         seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
         derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy).
-        options: a dict that Task.begin() finds as batch.options. Raises TypeError for options that are not a dict and
+        options: a dict that Task.place() and Task.begin() find as batch.options. Raises TypeError for options that are not a dict and
         for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1 and
         for a list of another length than the number of copies; the copies then remain as they are."""
         if isinstance(seeds, str) or not hasattr(seeds, "__iter__"):
@@ -125,8 +133,13 @@ class Batch:
             raise TypeError(f"options: found {options!r}: give a dict")
         begins = np.ones(self.copies, np.bool_) if which is None else self._flags_of("which", which)
         self._needs_reset |= begins
-        self.core.reset(begins, own_seeds)
         self.options = dict(options or {})
+        seeds_to_come = self.core.next_seeds
+        for index, seed in enumerate(own_seeds):
+            if seed is not None:
+                seeds_to_come[index] = seed
+        self.task.place(self, begins, seeds_to_come)
+        self.core.reset(begins, own_seeds)
         self.task.begin(self, begins)
         self._needs_reset &= ~begins
 
@@ -170,6 +183,9 @@ class Batch:
             commands = self.task.act(self, index, commands_of(team, actions[index]))
             self._check_result("act", team, commands, target.shape, "copies, robots, commands", _NUMBERS)
             target[...] = commands
+        if marks is not None and marks.any():
+            self.options = {}
+            self.task.place(self, marks, self.core.next_seeds)
         self._needs_reset[:] = True
         try:
             self.core.step(marks)
@@ -194,7 +210,6 @@ class Batch:
                 self._check_result("terminated", team, ends, counts.shape, "copies, robots", _BOOLS)
                 self.core.terminated(index)[...] |= ends & counts
         if marks is not None and marks.any():
-            self.options = {}
             self.task.begin(self, marks)
         self._needs_reset[:] = False
 

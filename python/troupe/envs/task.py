@@ -76,7 +76,18 @@ class Task:
     ticks = 1  #: ticks of the world per step
     seconds = 60.0  #: simulated time after which an episode is truncated, s
     measures: List[str] = []  #: names of measures that are computed for each copy, and that rewards and ends may use
+    #: Names of models, populations and types whose bodies place() may place.
+    starts: List[str] = []
     max_return: Optional[float] = None  #: the largest possible sum of rewards of an episode, if known
+
+    def place(self, batch: "Batch", copies: npt.NDArray[np.bool_], seeds: npt.NDArray[np.uint64]) -> None:
+        """Called before some copies begin an episode, to choose where bodies begin it: writes x, y (m) and the heading
+        (rad) of these bodies to batch.starts(name), for an entry `name` of the member `starts`. Rows that it does not
+        write keep the poses of the previous episode; NaN means the place that the world gives. copies: one bool per
+        copy, True for the copies that begin an episode. seeds: one seed per copy, that of the episode that it begins next;
+        if poses are drawn from numpy.random.default_rng(seed), episodes with equal seeds are equal. batch.options has the
+        options that reset() of the environment was given. Placed bodies may overlap others. A pose outside the bounds of
+        the world makes the reset or step raise ValueError. By default it does nothing."""
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
         """Called after some copies have begun an episode. copies: one bool per copy, True for the copies that have
