@@ -66,9 +66,9 @@ struct SentPicture {
   std::vector<std::uint8_t> shades;
 };
 
-/// Encodes a picture for one client, as the content of a binary WebSocket message (docs/live.md). The message
-/// has the number of the picture, and the poses, colours and shades that differ from `sent`, the values that
-/// were last sent to this client. The function then sets `sent` to the values of the picture.
+/// Encodes a picture for one client, as the content of a binary WebSocket message (docs/live-protocol.md).
+/// The message has the number of the picture, and the poses, colours and shades that differ from `sent`, the
+/// values that were last sent to this client. The function then sets `sent` to the values of the picture.
 ///
 /// If the picture has no shades for this client, the message contains no shades, and `sent.shades` does not
 /// change.

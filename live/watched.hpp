@@ -15,8 +15,8 @@
 
 namespace troupe::live {
 
-// The data that a viewer can request in addition to the poses and colours of all bodies (docs/live.md). A
-// viewer is a page or program that is connected to a running world.
+// The data that a viewer can request in addition to the poses and colours of all bodies
+// (docs/live-protocol.md). A viewer is a page or program that is connected to a running world.
 //
 // The state of a world consists of components. A component is a table, such as `pose`, or `ranger/ir` for the
 // readings of the rangers named `ir`. It has one row for each body that has the component, and fields, such

@@ -91,8 +91,8 @@ class Task:
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
         """Called after some copies have begun an episode. copies: one bool per copy, True for the copies that have
-        begun one. batch.options has the options that reset() of the environment was given. By default it does
-        nothing."""
+        begun one. batch.options has the options that reset() of the environment was given; it is empty if a step has
+        begun the episodes. By default the function does nothing."""
 
     def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
