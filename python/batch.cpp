@@ -485,8 +485,8 @@ void bind_episodes(BatchClass& type) {
           },
           py::arg("name"),
           "Returns the array into which the caller writes the poses at which the bodies of an entry of "
-          "`starts` in the spec begin the\nnext episodes: copies x bodies x 3: x, y (m) and heading (rad) in "
-          "the world frame. NaN in a row (at first, in all rows): the\nbody begins where the world places "
+          "`starts` in the spec begin\nthe next episodes: copies x bodies x 3: x, y (m) and heading (rad) in "
+          "the world frame. NaN in a row (at first, in all\nrows): the body begins where the world places "
           "it. "
           "Raises LookupError for another name.")
       .def_property_readonly(

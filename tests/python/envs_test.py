@@ -559,7 +559,7 @@ class Vector(unittest.TestCase):
             def place(self, batch, copies, seeds):
                 batch.starts("goal0")[copies] = 1e6, 0.0, 0.0
 
-        with self.assertRaisesRegex(ValueError, '"goal0" cannot be placed at x 1e'):
+        with self.assertRaisesRegex(ValueError, '"goal0" cannot be placed at x 1000000'):
             troupe.envs.Env(Outside()).reset(seed=1)
         with self.assertRaises(LookupError):
             single.unwrapped.batch.starts("goal")

@@ -211,6 +211,7 @@ TEST(Starts, ModelsBeginWhereTheProgramPlacesThem) {
 TEST(Starts, SayWhatIsWrong) {
   std::string text(k_learning_room);
   text.insert(text.find("\"types\""), "\"bounds_m\": [[-5, -5], [5, 5]],\n");
+  text.insert(text.find("\"devices\""), "\"parts\": [{\"name\": \"head\", \"size_m\": [0.1, 0.1, 0.1]}],\n");
   text.replace(text.find("\"count\": 2"), 10, "\"count\": 2, \"reserve\": 1");
   Simulation one = learning_room(3, text);
   Simulation other = learning_room(3, text);
@@ -227,8 +228,9 @@ TEST(Starts, SayWhatIsWrong) {
       reset(one.find("other2"), {0, 0, 0, 0}),
       ThrowsMessage<std::invalid_argument>(HasSubstr(
           "it is not in the world at the start, because it is in the reserve of the population \"other\"")));
-  EXPECT_THAT(reset(one.find("r0.lidar"), {0, 0, 0, 0}),
-              ThrowsMessage<std::logic_error>(HasSubstr("is a part of \"r0\"")));
+  EXPECT_THAT(
+      reset(one.find("r0.head"), {0, 0, 0, 0}),
+      ThrowsMessage<std::logic_error>(HasSubstr("is a part of \"r0\": use the model \"r0\" instead")));
   EXPECT_THAT(reset(other.find("r0"), {0, 0, 0, 0}),
               ThrowsMessage<std::logic_error>(HasSubstr("a model of another simulation")));
   EXPECT_EQ(one.tick(), 1u);
