@@ -191,6 +191,7 @@ class Lint {
                     const Heights& visible, std::span<const std::uint32_t> lifting, bool changes);
   void check_finder(std::uint32_t type, const engine::DeviceSpec& sensor, const engine::SoughtMarks& sought,
                     const Marks& marks);
+  std::size_t count_own(std::uint32_t type, std::span<const ZInterval> own, double level, double z) const;
   void check_radios();
   void check_grippers();
   void check_floor_plans();
@@ -536,6 +537,19 @@ std::string called_text(std::string_view sensor, std::string_view type) {
                         : fmt::format("sensor \"{}\" of \"{}\" sees nothing: ", sensor, type);
 }
 
+/// Returns how many of the solids at the height z are those of the body whose sensor looks at this height. A
+/// body that is the only one of its type counts at each height to which interventions move it. own: the
+/// solids of one body of type `type`, in its frame. level: the height of the body
+std::size_t Lint::count_own(std::uint32_t type, std::span<const ZInterval> own, double level,
+                            double z) const {
+  std::ptrdiff_t count = 0;
+  for (const auto& [other, bodies] : levels_[type])
+    if (other == level || bodies_[type] == 1)
+      count += std::ranges::count_if(
+          own, [&](const ZInterval& solid) { return solid.shifted(other).contains(z); });
+  return static_cast<std::size_t>(count);
+}
+
 /// Warns if no other body has a fiducial mark whose fiducial_key is that of the finder, or if all such marks
 /// are at other heights than the finder. Heights are not compared if the finder or a mark is on a joint,
 /// which may move it to another height.
@@ -557,8 +571,7 @@ void Lint::check_finder(std::uint32_t type, const engine::DeviceSpec& sensor,
   ZInterval looks = k_no_heights;
   for (const auto& level : levels_[type]) {
     const double z = sensor.pose_body_device.z + level.first;
-    const auto meets = [&](const ZInterval& mark) { return mark.shifted(level.first).contains(z); };
-    if (marks.heights.at(z) > static_cast<std::size_t>(std::ranges::count_if(own, meets))) return;
+    if (marks.heights.at(z) > count_own(type, own, level.first, z)) return;
     looks = united(looks, {z, z});
   }
   diagnostics_.warning(sensor.where,
@@ -591,15 +604,13 @@ void Lint::check_ranger(std::uint32_t type, const engine::BodyType::Device& sens
     return;
   }
   if (has_others(lifting, type)) return;
+  std::vector<ZInterval> own;  // of one body of type `type`, in its frame: beams ignore their own robot
+  for (const engine::RayOutline& outline : body.outlines) own.push_back(outline.z);
   ZInterval looks = k_no_heights;
   for (const auto& level : levels_[type])
     for (const sensors::BeamGroup& group : ranger->groups) {
       const double z = group.z + level.first;
-      const auto meets = [&](const engine::RayOutline& outline) {
-        return outline.z.shifted(level.first).contains(z);
-      };
-      // Beams ignore their own robot.
-      if (visible.at(z) > static_cast<std::size_t>(std::ranges::count_if(body.outlines, meets))) return;
+      if (visible.at(z) > count_own(type, own, level.first, z)) return;
       looks = united(looks, {z, z});
     }
   diagnostics_.warning(where, called + missed_text(visible, looks, "no other body that rangers see",

@@ -627,6 +627,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{
             R"("controller": {"kind": "expand_swarm"})", R"("controller": "expand_swarm")",
             R"(maze.json:9: error: /types/minibot/controller: expected an object such as {"kind": "expand_swarm"}, found the text "expand_swarm")"},
+        Wrong{R"("controller": {"kind": "expand_swarm"})", R"("controller": "none")",
+              R"(maze.json:9: error: /types/minibot/controller: expected an object, found the text "none")"},
         Wrong{R"("crate": {"size_m": [1, 1, 1]})", R"("crate": 3)",
               "maze.json:11: error: /types/crate: expected an object, found the number 3"},
         Wrong{"[1, 1, 1]", "[1, 0, 1]",

@@ -367,12 +367,16 @@ void ObjectReader::check_rule(const DocumentRule& rule) const {
     at_.error(rule.several.empty() ? rule.none : rule.several);
 }
 
-/// Returns what the error for a value that is no object says is expected. A text in place of the object is
-/// probably its kind, as in `"drive": "diff"`, or its variant, as in `"place": "uniform"`.
-std::string expected_object(const JsonNode& found, const DocumentTable& table) {
-  const std::string* text = found.text();
+/// Returns what the error for a value that is no object says is expected. A text in place of the object may
+/// be its kind, as in `"drive": "diff"`, or its variant, as in `"place": "uniform"`.
+std::string expected_object(const JsonNode& found, const DocumentTable& table,
+                            const engine::Registry& registry) {
   const std::string_view key = table.kinds ? "kind" : table.variant;
-  if (!text || key.empty()) return "an object";
+  const std::string* text = key.empty() ? nullptr : found.text();
+  if (!text) return "an object";
+  const auto is_in = [&](const auto& names) { return std::ranges::find(names, *text) != names.end(); };
+  if (!(table.kinds ? is_in(table.kinds->known(registry)) : is_in(table.find(key)->field.choices)))
+    return "an object";
   return fmt::format("an object such as {{\"{}\": \"{}\"}}", key, *text);
 }
 
@@ -381,7 +385,7 @@ std::string expected_object(const JsonNode& found, const DocumentTable& table) {
 void read_described(const JsonCursor& at, const DocumentTable& table, const DocumentReading& reading,
                     void* object) {
   if (!table.shorthand || at.node().object()) {
-    JsonObject keys(at, expected_object(at.node(), table));
+    JsonObject keys(at, expected_object(at.node(), table, reading.registry));
     return ObjectReader(keys, table, reading, object).read();
   }
   table.placed(object).where = at.where();
