@@ -504,9 +504,9 @@ TEST_F(IncludeTest, AWrongValueOfABaseCausesNoErrorInAnHeir) {
   const std::string slow = R"("drive": {"speed_max_mps": 0.1})";
   EXPECT_THAT(found(box + R"("drive": 3)", slow), one("/drive: expected an object, found the number 3"));
   EXPECT_THAT(found(box + R"("drive": {})", slow), one("/drive: missing \"kind\""));
-  EXPECT_THAT(
-      found(box + R"("controller": "wander")", R"("controller": {"period_s": 1})"),
-      one("/controller: expected an object such as {\"kind\": \"wander\"}, found the text \"wander\""));
+  EXPECT_THAT(found(box + R"("controller": "expand_swarm")", R"("controller": {"period_s": 1})"),
+              one("/controller: expected an object such as {\"kind\": \"expand_swarm\"}, found the text "
+                  "\"expand_swarm\""));
   EXPECT_THAT(found(box + R"("sensors": {"name": "ir"})", R"("sensors": [{"name": "ir"}])"),
               one("/sensors: expected a list, found an object"));
   EXPECT_THAT(found(box + R"("sensors": [{"name": "ir"}])", R"("sensors": [{"name": "ir", "period_s": 1}])"),
