@@ -543,10 +543,10 @@ std::string called_text(std::string_view sensor, std::string_view type) {
 std::size_t Lint::count_own(std::uint32_t type, std::span<const ZInterval> own, double level,
                             double z) const {
   std::ptrdiff_t count = 0;
-  for (const auto& [other, bodies] : levels_[type])
-    if (other == level || bodies_[type] == 1)
+  for (const auto& other : levels_[type])
+    if (other.first == level || bodies_[type] == 1)
       count += std::ranges::count_if(
-          own, [&](const ZInterval& solid) { return solid.shifted(other).contains(z); });
+          own, [&](const ZInterval& solid) { return solid.shifted(other.first).contains(z); });
   return static_cast<std::size_t>(count);
 }
 
