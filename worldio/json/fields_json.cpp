@@ -48,7 +48,7 @@ std::string digits_of(const JsonNode& number) {
 /// Reads a number that is written in the unit `suffix` and returns it in SI units. Empty, with an error, if
 /// the value is not a number or is outside the limits of the field.
 std::optional<double> read_number(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
-  const std::optional<double> given = number_of(at.node());
+  const std::optional<double> given = real_number_of(at.node());
   if (!given) {
     at.expected(in_unit("a number", suffix));
     return std::nullopt;
@@ -264,7 +264,7 @@ bool same_records(const Record& a, const Record& b) {
 
 }  // namespace
 
-std::optional<double> number_of(const JsonNode& node) {
+std::optional<double> real_number_of(const JsonNode& node) {
   if (const auto* x = std::get_if<double>(&node.value)) return *x;
   if (const auto* x = std::get_if<std::int64_t>(&node.value)) return static_cast<double>(*x);
   if (const auto* x = std::get_if<std::uint64_t>(&node.value)) return static_cast<double>(*x);

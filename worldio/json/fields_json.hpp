@@ -23,7 +23,7 @@
 namespace troupe::worldio {
 
 /// Returns the value of a number; integers beyond 2^53 are rounded. Empty for any other JSON value.
-std::optional<double> number_of(const JsonNode& node);
+std::optional<double> real_number_of(const JsonNode& node);
 
 /// Returns the value of a whole number, which may be written as 5, 5.0 or 5e0. Empty for any other JSON
 /// value, for a whole number outside -2^63 to 2^63 - 1, and for a number such as 1e17, which has a point or

@@ -56,7 +56,7 @@ void read_numbers(JsonObject& object, std::string_view key, std::string_view wha
   const JsonNode::List* list = node->list();
   bool is_good = list && list->size() == into.size();
   for (std::size_t i = 0; is_good && i < into.size(); ++i) {
-    const std::optional<double> x = number_of((*list)[i]);
+    const std::optional<double> x = real_number_of((*list)[i]);
     is_good = x && std::isfinite(*x);
     if (is_good) into[i] = *x;
   }
@@ -79,7 +79,7 @@ void read_values(JsonObject& object, Act& act) {
   for (const JsonMember& member : *node->object()) {
     std::vector<double>& numbers = act.values.emplace_back(member.key, std::vector<double>()).second;
     const auto add = [&](const JsonNode& one) {
-      const std::optional<double> x = number_of(one);
+      const std::optional<double> x = real_number_of(one);
       const auto* flag = std::get_if<bool>(&one.value);
       if (x && std::isfinite(*x))
         numbers.push_back(*x);
