@@ -191,10 +191,9 @@ std::uint64_t BatchEnv::Impl::next_seed(std::size_t c) const {
 void BatchEnv::Impl::check_starts(std::size_t c) const {
   for (const StartData& start : starts)
     for (std::size_t b = 0; b < start.bodies.size(); ++b) {
-      const double* row = &start.poses[(c * start.bodies.size() + b) * k_start_columns];
-      const std::span<const double> numbers(row, k_start_columns);
-      if (std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); }) ||
-          std::ranges::all_of(numbers, [](double x) { return std::isnan(x); }))
+      const auto row = start.row(c, b);
+      if (std::ranges::all_of(row, [](double x) { return std::isfinite(x); }) ||
+          std::ranges::all_of(row, [](double x) { return std::isnan(x); }))
         continue;
       refuse(
           fmt::format("the start of \"{}\" in copy {} (counted from 0) is x {}, y {} (m), heading {} (rad): "
@@ -209,7 +208,7 @@ std::vector<std::pair<Model, Pose>> BatchEnv::Impl::starts_of(std::size_t c) {
   std::vector<std::pair<Model, Pose>> placed;
   for (const StartData& start : starts)
     for (std::size_t b = 0; b < start.bodies.size(); ++b) {
-      const double* row = &start.poses[(c * start.bodies.size() + b) * k_start_columns];
+      const auto row = start.row(c, b);
       if (std::isnan(row[0])) continue;
       const double z = simulation.world().spec().bodies[start.bodies[b].index()].pose_world_body.z;
       placed.emplace_back(simulation.model(start.bodies[b]), Pose{row[0], row[1], z, row[2]});
@@ -223,11 +222,13 @@ void BatchEnv::Impl::begin(std::size_t c) {
   seeds[c] = next_seed(c);
   if (std::exchange(copy.has_begun, true)) ++copy.episode;
   const std::vector<std::pair<Model, Pose>> placed = starts_of(c);
-  if (seeds[c] == copy.simulation.seed() && placed.empty() && !copy.has_starts)
+  if (seeds[c] == copy.simulation.seed() && placed.empty() && !copy.has_starts) {
     copy.simulation.reset();
-  else
+  } else {
+    copy.has_starts = true;  // also if the reset throws: the bodies may have moved
     copy.simulation.reset(seeds[c], placed);
-  copy.has_starts = !placed.empty();
+    copy.has_starts = !placed.empty();
+  }
   if (copy.measures) copy.measures->see();
   copy.simulation.step();
   if (copy.measures) copy.measures->see();

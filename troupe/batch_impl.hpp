@@ -85,6 +85,11 @@ struct BatchEnv::Impl {
     std::string name;
     std::vector<BodyId> bodies;  // the same in all copies
     std::vector<double> poses;   // copies x bodies x k_start_columns
+
+    std::span<const double, k_start_columns> row(std::size_t copy, std::size_t body) const {
+      const std::size_t at = (copy * bodies.size() + body) * k_start_columns;
+      return std::span<const double, k_start_columns>(poses.data() + at, k_start_columns);
+    }
   };
   /// A field of a device. In TeamCopy::readings, `field` is the index of the field among the fields of the
   /// device's readings. In TeamCopy::commands, `field` is the offset of the field in the device's command,
