@@ -5,7 +5,6 @@
 #include "troupe/input_files.hpp"
 #include "worldio/file_lock.hpp"
 #include "worldio/files.hpp"
-#include "worldio/partial_file.hpp"
 #include "worldio/whole_file.hpp"
 
 #include <fcntl.h>
@@ -174,10 +173,9 @@ void write_output(const fs::path& file, std::initializer_list<std::string_view> 
 }
 
 void check_replaceable(const fs::path& file) {
-  std::error_code ignored;
-  if (file.empty() || fs::is_other(file, ignored)) return;
+  if (file.empty()) return;
   try {
-    const worldio::PartialFile trial(file);
+    worldio::check_replaceable(file);
   } catch (const std::system_error& error) {
     refuse_output(file, error.code().message());
   }

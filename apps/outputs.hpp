@@ -34,10 +34,8 @@ void refuse_existing(const std::filesystem::path& file);
 /// Writes a file with worldio::write_whole(). Throws OutputError if it cannot be written.
 void write_output(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
 
-/// Checks that a file that is written under a temporary name first (worldio::PartialFile), such as a picture,
-/// can replace an existing file `file`. Throws OutputError if it cannot, for example because `file` is a
-/// mount point. Creates the temporary file and removes it. Accepts devices and pipes, which are written
-/// directly. Ignores an empty path. Call it before a run, so that the results are not lost at its end.
+/// Checks a file with worldio::check_replaceable(). Throws OutputError if it cannot be written. Ignores an
+/// empty path. Call it before a run, so that the results are not lost at its end.
 void check_replaceable(const std::filesystem::path& file);
 
 /// Throws OutputError if another process holds the lock of lock_output() on the file. A run calls it before
