@@ -347,6 +347,10 @@ class Running(InAFolder):
         with self.assertRaises(TypeError) as raised:
             troupe.Simulation.from_bytes("c.h5")
         self.assertEqual(str(raised.exception), "data: found 'c.h5': give the bytes that to_bytes() has returned")
+        with self.assertRaises(TypeError) as raised:
+            troupe.Simulation.from_bytes(data, thread=2)
+        self.assertRegex(str(raised.exception), r'^from_bytes\(\) has no keyword argument "thread"; known: data, threads, set, '
+                                                r'.* \(did you mean "threads"\?\)$')
 
     def test_ranks_give_the_same_bits(self):
         def drive(world):
