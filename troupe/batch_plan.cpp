@@ -304,11 +304,16 @@ void BatchEnv::Impl::bind_readings(const TeamData& team, const Part& part, const
                       team.names.front(), reading.field->columns,
                       engine::element_name(reading.field->element), robot.name()));
     // The device is the one whose table of readings has this field.
+    const std::size_t before = bound.readings.size();
     for (const engine::BodyType::Device& device : world.type(world.row(robot.id())).devices) {
       const std::span<const engine::StateField> fields = world.percepts(device).fields();
       for (std::size_t f = 0; f < fields.size(); ++f)
         if (&fields[f] == reading.field) bound.readings.push_back({&device, f});
     }
+    if (bound.readings.size() == before)
+      refuse(fmt::format("team \"{}\" observes \"{}\", the memory of a controller, but the controllers of its "
+                         "robots do not run: give the name of a device",
+                         team.spec->name, part.spec->device));
   }
 }
 
