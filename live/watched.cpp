@@ -45,9 +45,9 @@ double value_of(const StateTable& table, std::size_t row, std::size_t f,
 }
 
 std::optional<std::size_t> field_index(std::span<const StateField> fields, std::string_view name) {
-  const auto found = std::ranges::find(fields, name, &StateField::name);
-  if (found == fields.end()) return {};
-  return static_cast<std::size_t>(found - fields.begin());
+  const StateField* const found = engine::field_named(fields, name);
+  if (found == nullptr) return {};
+  return static_cast<std::size_t>(found - fields.data());
 }
 
 /// Appends a line, rounded to 1 mm.

@@ -173,13 +173,16 @@ void bind_model_devices(ModelClass& model) {
           "Intensities that the ranger named `sensor` measured, float32, one per value of ranges(); empty "
           "unless the parameter\n`intensity` of the ranger is true. The array and the errors are as in "
           "ranges().")
-      .def("readings", &readings, py::arg("field"), py::arg("device") = "",
-           "The values of a field of a sensor or another device, an array of one dimension with the type of "
-           "the field; an empty\n`device` means the first device that has this field. `device` may also be the "
-           "memory of a controller, such as \"wander/0\".\nThe array is read-only and refers to the memory of "
-           "the simulation: its content changes with each step. Raises LookupError,\nwhose text lists the known "
-           "names, for an unknown field or device, and RuntimeError for a sensor that does not run (see\n"
-           "Simulation.subscribe()).")
+      .def(
+          "readings", &readings, py::arg("field"), py::arg("device") = "",
+          "The values of a field of a sensor or another device, an array of one dimension with the type of "
+          "the field; an empty\n`device` means the first device that has this field. `device` may also be "
+          "the "
+          "memory of a controller, such as \"wander/0\".\nThe array is read-only and refers to the memory of "
+          "the simulation: its content changes with each step. Raises LookupError,\nwhose text lists the "
+          "known "
+          "names, for an unknown field or device, and RuntimeError for a sensor that does not run (see\n"
+          "Simulation.subscribe()).")
       .def(
           "fields",
           [](HeldModel& m, const std::string& device) {

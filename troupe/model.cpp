@@ -62,6 +62,13 @@ void refuse_stopped(const engine::BodyType::Device& sensor, std::string_view own
       "sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step", sensor.name, owner));
 }
 
+const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
+                                        std::string_view whose) {
+  if (const engine::StateField* const field = engine::field_named(fields, name)) return *field;
+  throw std::out_of_range(
+      fmt::format("{}: {}", whose, unknown_name("command field", name, name_list(fields))));
+}
+
 void check_subscribable(const engine::World& world) {
   if (world.tick() > 0)
     throw std::logic_error(fmt::format(
@@ -145,16 +152,15 @@ Model::Place::State Model::Place::state(std::string_view wanted) const {
 Model::Place::Reading Model::Place::reading(std::string_view field, std::string_view wanted) const {
   const auto find_in = [&](const State& state) -> std::optional<Reading> {
     const std::span<const engine::StateField> fields = state.table->fields();
-    const auto found = std::ranges::find(fields, field, &engine::StateField::name);
-    if (found == fields.end()) return {};
-    return Reading{state, static_cast<std::size_t>(found - fields.begin())};
+    const engine::StateField* const found = engine::field_named(fields, field);
+    if (found == nullptr) return {};
+    return Reading{state, static_cast<std::size_t>(found - fields.data())};
   };
   if (!wanted.empty()) {
     const State state = this->state(wanted);
     if (const auto found = find_in(state)) return *found;
-    throw std::out_of_range(
-        fmt::format("{} of \"{}\": {}", state.text(), name,
-                    unknown_name("field", field, name_list(state.table->fields()))));
+    throw std::out_of_range(fmt::format("{} of \"{}\": {}", state.text(), name,
+                                        unknown_name("field", field, name_list(state.table->fields()))));
   }
   std::vector<std::string_view> known;
   for (const engine::BodyType::Device& device : type().devices) {
@@ -357,7 +363,8 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
       throw std::out_of_range(
           fmt::format("\"{}\" has no device that takes this command struct; devices that take commands: {}",
                       name(), comma_list(known)));
-  if (!device) place_->throw_unknown("device that takes this command struct", wanted, place_->names_of(takes));
+  if (!device)
+    place_->throw_unknown("device that takes this command struct", wanted, place_->names_of(takes));
   if (!takes_these(*device))
     throw std::invalid_argument(
         fmt::format("\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "

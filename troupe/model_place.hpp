@@ -78,7 +78,9 @@ struct Model::Place {
     const engine::StateTable* table = nullptr;
 
     /// The name by which readings() selects this state.
-    std::string_view name() const { return device != nullptr ? std::string_view(device->name) : table->component(); }
+    std::string_view name() const {
+      return device != nullptr ? std::string_view(device->name) : table->component();
+    }
     /// `device "eye"` or `controller "wander/0"`, for messages.
     std::string text() const;
   };
@@ -94,8 +96,8 @@ struct Model::Place {
     const engine::StateField& field() const { return state.table->fields()[index]; }
   };
   /// Returns the field named `field` of state(wanted) or, if `wanted` is empty, of the first device of this
-  /// model that has such a field. Throws std::out_of_range, with the known names, if there is no such state or
-  /// field.
+  /// model that has such a field. Throws std::out_of_range, with the known names, if there is no such state
+  /// or field.
   Reading reading(std::string_view field, std::string_view wanted) const;
   /// Returns the device of this model that is named `wanted` and takes commands. Throws std::out_of_range,
   /// with the known names, if there is none.
@@ -104,6 +106,11 @@ struct Model::Place {
 
 /// Throws std::logic_error because a sensor of the model or robot `owner` does not run.
 [[noreturn]] void refuse_stopped(const engine::BodyType::Device& sensor, std::string_view owner);
+/// Returns the field of the command of a device that is called `name`. Throws std::out_of_range, with the
+/// known names, if there is none. fields: all fields of the command. whose: the beginning of the message,
+/// such as `device "lamp"`
+const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
+                                        std::string_view whose);
 /// Throws std::logic_error if sensors can no longer be subscribed, because the world has made a step.
 void check_subscribable(const engine::World& world);
 

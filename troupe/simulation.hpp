@@ -358,7 +358,8 @@ class Model {
   ///
   /// field   name of the field; docs/library.md lists the fields of all kinds of devices, and fields() lists
   ///         those of one device
-  /// device  name of the device; empty: the first device that has this field. May also be the component of the
+  /// device  name of the device; empty: the first device that has this field. May also be the component of
+  /// the
   ///         state with the memory of a controller, such as `wander/0`, unless a device has this name
   /// result  all values of the field, in the unit of the field. The span stays valid while the simulation
   ///         lives, and its content changes with each step

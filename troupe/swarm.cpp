@@ -1,6 +1,5 @@
 #include "troupe/swarm.hpp"
 
-#include "base/diagnostics.hpp"
 #include "engine/kinds/finite.hpp"
 #include "engine/observing/measures.hpp"
 #include "engine/world/world.hpp"
@@ -202,12 +201,10 @@ Swarm::Cells Swarm::readings_of(Row row, std::string_view field, std::string_vie
 
 Swarm::Cells Swarm::commands_of(Row row, std::string_view field, std::string_view wanted) const {
   const engine::BodyType::Device& device = place(row).commanded(wanted);
-  const std::vector<engine::StateField>& fields = device.prepared.commands;
-  const auto found = std::ranges::find(fields, field, &engine::StateField::name);
-  if (found == fields.end())
-    throw std::out_of_range(fmt::format("device \"{}\": {}", device.name,
-                                        unknown_name("command", field, name_list(fields))));
-  return {.device = &device, .field = &*found};
+  return {.device = &device,
+          .field = &command_field(
+              device.prepared.commands, field,
+              fmt::format("device \"{}\" of \"{}\"", device.name, world_->spec().name(world_->body(row))))};
 }
 
 /// Calls visit(cells, row, i) for each robot i. bytes: size of the caller's span. Throws
@@ -273,9 +270,7 @@ std::vector<std::string_view> Swarm::devices_with_command(std::string_view field
   if (ids_.empty()) throw std::logic_error("a swarm without robots has no devices");
   std::vector<std::string_view> names;
   for (const engine::BodyType::Device& device : world_->type(row(0)).devices)
-    if (std::ranges::find(device.prepared.commands, field, &engine::StateField::name) !=
-        device.prepared.commands.end())
-      names.push_back(device.name);
+    if (engine::field_named(device.prepared.commands, field) != nullptr) names.push_back(device.name);
   return names;
 }
 

@@ -685,7 +685,7 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       "an action without a device commands the drive: unknown command \"forwards\"");
   is_wrong(
       k_name, [](auto&, auto& t) { t.actions[2].command = "reed"; },
-      "device \"lamp\": unknown command \"reed\"");
+      "device \"lamp\": unknown command field \"reed\"");
   for (const auto& range : {std::pair(0.0, HUGE_VAL), {double{NAN}, 1.0}, {-1e308, 1e308}})
     is_wrong(
         k_argument,

@@ -413,8 +413,9 @@ TEST(SwarmDevices, IncludeTheMemoriesOfControllers) {
   std::vector<std::byte> bytes(4);
   EXPECT_THAT(message_of<std::out_of_range>([&] { bots.readings(bytes, "avoid", "wander/0"); }),
               HasSubstr("controller \"wander/0\" of \"b0\": unknown field \"avoid\"; known: "));
-  EXPECT_THAT(message_of<std::out_of_range>([&] { bots.readings(bytes, "avoid", "wander"); }),
-              HasSubstr("\"b0\" has no device \"wander\"; it has: eye, wander/0 (did you mean \"wander/0\"?)"));
+  EXPECT_THAT(
+      message_of<std::out_of_range>([&] { bots.readings(bytes, "avoid", "wander"); }),
+      HasSubstr("\"b0\" has no device \"wander\"; it has: eye, wander/0 (did you mean \"wander/0\"?)"));
   EXPECT_THAT(
       message_of<std::out_of_range>([&] { simulation.swarm("s").readings(bytes, "avoid", "wander/0"); }),
       HasSubstr("\"s0\" has no device \"wander/0\"; it has: eye"));
@@ -443,9 +444,8 @@ TEST(SwarmDevices, SayWhatIsWrong) {
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "cuont", ""); }),
               AllOf(HasSubstr("devices of \"b0\": unknown field \"cuont\"; known: bearing, "),
                     HasSubstr("(did you mean \"count\"?)")));
-  EXPECT_THAT(
-      message_of<std::out_of_range>([&] { all.readings(bytes, "count", "radoi"); }),
-      HasSubstr("\"b0\" has no device \"radoi\"; it has: radio, lamp (did you mean \"radio\"?)"));
+  EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "count", "radoi"); }),
+              HasSubstr("\"b0\" has no device \"radoi\"; it has: radio, lamp (did you mean \"radio\"?)"));
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.command_fields("eye"); }),
               HasSubstr("\"b0\" has no device that takes commands \"eye\"; it has: radio, lamp"));
   EXPECT_THAT(message_of<std::invalid_argument>([&] { all.readings(bytes, "count", "radio"); }),
