@@ -236,6 +236,11 @@ void check_replaced(const fs::path& file, const ReplacedType& type) {
   refuse_other_type(file, type);
 }
 
+void check_lines_file(const fs::path& file, const Simulation& simulation, const ReplacedType& type) {
+  check_unlocked(file);
+  if (!simulation.resumed_at_tick()) check_replaced(file, type);
+}
+
 void refuse_other_type(const fs::path& file, const ReplacedType& type) {
   refuse_output(file, fmt::format("the file exists and is not {}: choose another {}, or remove the file",
                                   type.name, type.choose));

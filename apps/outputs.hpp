@@ -85,6 +85,11 @@ struct ReplacedType {
 /// if `file` is a regular file that does not begin with the mark of the type. Accepts an empty file and a
 /// file that ends within the mark, because a run that was killed may leave such a file. Changes nothing.
 void check_replaced(const std::filesystem::path& file, const ReplacedType& type);
+/// Checks a text file that a run writes line by line, and that a resumed run continues: that no other process
+/// is writing it (check_unlocked()) and, unless the run is resumed, that it may be replaced
+/// (check_replaced()). Throws OutputError if a check fails.
+void check_lines_file(const std::filesystem::path& file, const Simulation& simulation,
+                      const ReplacedType& type);
 /// Throws the OutputError of check_replaced().
 [[noreturn]] void refuse_other_type(const std::filesystem::path& file, const ReplacedType& type);
 /// Appends the files of the world to `inputs`: all files that were read to load the simulation. Appends
