@@ -5,7 +5,6 @@
 #include "troupe/input_files.hpp"
 #include "worldio/file_lock.hpp"
 #include "worldio/files.hpp"
-#include "worldio/partial_file.hpp"
 #include "worldio/whole_file.hpp"
 
 #include <fcntl.h>
@@ -174,10 +173,9 @@ void write_output(const fs::path& file, std::initializer_list<std::string_view> 
 }
 
 void check_replaceable(const fs::path& file) {
-  std::error_code ignored;
-  if (file.empty() || fs::is_other(file, ignored)) return;
+  if (file.empty()) return;
   try {
-    const worldio::PartialFile trial(file);
+    worldio::check_replaceable(file);
   } catch (const std::system_error& error) {
     refuse_output(file, error.code().message());
   }
@@ -236,6 +234,11 @@ void check_replaced(const fs::path& file, const ReplacedType& type) {
   const bool is_other = !type.other.empty() && start.starts_with(type.other);
   if (!is_other && (start.starts_with(type.mark) || type.mark.starts_with(start))) return;
   refuse_other_type(file, type);
+}
+
+void check_lines_file(const fs::path& file, const Simulation& simulation, const ReplacedType& type) {
+  check_unlocked(file);
+  if (!simulation.resumed_at_tick()) check_replaced(file, type);
 }
 
 void refuse_other_type(const fs::path& file, const ReplacedType& type) {

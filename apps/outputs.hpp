@@ -34,10 +34,8 @@ void refuse_existing(const std::filesystem::path& file);
 /// Writes a file with worldio::write_whole(). Throws OutputError if it cannot be written.
 void write_output(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
 
-/// Checks that a file that is written under a temporary name first (worldio::PartialFile), such as a picture,
-/// can replace an existing file `file`. Throws OutputError if it cannot, for example because `file` is a
-/// mount point. Creates the temporary file and removes it. Accepts devices and pipes, which are written
-/// directly. Ignores an empty path. Call it before a run, so that the results are not lost at its end.
+/// Checks a file with worldio::check_replaceable(). Throws OutputError if it cannot be written. Ignores an
+/// empty path. Call it before a run, so that the results are not lost at its end.
 void check_replaceable(const std::filesystem::path& file);
 
 /// Throws OutputError if another process holds the lock of lock_output() on the file. A run calls it before
@@ -87,6 +85,11 @@ struct ReplacedType {
 /// if `file` is a regular file that does not begin with the mark of the type. Accepts an empty file and a
 /// file that ends within the mark, because a run that was killed may leave such a file. Changes nothing.
 void check_replaced(const std::filesystem::path& file, const ReplacedType& type);
+/// Checks a text file that a run writes line by line, and that a resumed run continues: that no other process
+/// is writing it (check_unlocked()) and, unless the run is resumed, that it may be replaced
+/// (check_replaced()). Throws OutputError if a check fails.
+void check_lines_file(const std::filesystem::path& file, const Simulation& simulation,
+                      const ReplacedType& type);
 /// Throws the OutputError of check_replaced().
 [[noreturn]] void refuse_other_type(const std::filesystem::path& file, const ReplacedType& type);
 /// Appends the files of the world to `inputs`: all files that were read to load the simulation. Appends

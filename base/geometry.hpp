@@ -126,6 +126,16 @@ inline bool crosses_ray(const Vec2& a, const Vec2& b, const Vec2& point) {
   const double side = cross(b - a, point - a);
   return a_above ? side < 0 : side > 0;
 }
+/// The squared distance, square metres, from a point to the segment from `a` to `b`. If the segment is so
+/// short that its squared length is 0 after rounding, this is the squared distance to `a`.
+inline double squared_distance_to_segment(const Vec2& point, const Vec2& a, const Vec2& b) {
+  const double along_x = b.x() - a.x(), along_y = b.y() - a.y();
+  const double from_x = point.x() - a.x(), from_y = point.y() - a.y();
+  const double length2 = along_x * along_x + along_y * along_y;
+  const double t = length2 > 0 ? std::clamp((from_x * along_x + from_y * along_y) / length2, 0.0, 1.0) : 0.0;
+  const double x = from_x - t * along_x, y = from_y - t * along_y;
+  return x * x + y * y;
+}
 /// True if the point is inside the solid by the even-odd rule. The point is given in the frame of the
 /// contours; heights are ignored. For a point on an edge, the result may be true or false.
 bool contains(const Solid& solid, const Vec2& point);

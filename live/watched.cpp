@@ -28,6 +28,7 @@ constexpr std::uint32_t k_most_values = 2048;
 constexpr std::uint32_t k_few = 4;           // columns of a field that are listed one by one
 constexpr std::size_t k_most_lines = 20000;  // lines of a layer
 
+// Names of layers.
 constexpr std::string_view k_radio = "radio";
 constexpr std::string_view k_sights = "sights";
 constexpr std::string_view k_grips = "grips";
@@ -43,10 +44,10 @@ double value_of(const StateTable& table, std::size_t row, std::size_t f,
   return least;
 }
 
-std::optional<std::size_t> field_index(const StateTable& table, std::string_view name) {
-  const auto found = std::ranges::find(table.fields(), name, &StateField::name);
-  if (found == table.fields().end()) return {};
-  return static_cast<std::size_t>(found - table.fields().begin());
+std::optional<std::size_t> field_index(std::span<const StateField> fields, std::string_view name) {
+  const StateField* const found = engine::field_named(fields, name);
+  if (found == nullptr) return {};
+  return static_cast<std::size_t>(found - fields.data());
 }
 
 /// Appends a line, rounded to 1 mm.
@@ -61,6 +62,25 @@ Eigen::Vector3d place_of(const engine::World& world, BodyId body) {
   return {pose.x, pose.y, pose.z};
 }
 
+/// The fields of the state of a device that receives messages, as indices.
+struct MessageFields {
+  std::size_t count;   ///< number of messages that it received
+  std::size_t sender;  ///< id of the body that sent each message
+};
+
+/// Returns std::nullopt if the device receives no messages. It is recognised by these fields, and not by its
+/// kind, so that devices of plug-ins have the layer "radio", too.
+std::optional<MessageFields> message_fields(const engine::BodyType::Device& device) {
+  const std::span<const StateField> fields = device.prepared.percepts;
+  const auto count = field_index(fields, "count");
+  const auto sender = field_index(fields, "sender");
+  const auto holds_u32 = [&](const std::optional<std::size_t>& f) {
+    return f && fields[*f].element == engine::Element::u32;
+  };
+  if (!holds_u32(count) || !holds_u32(sender)) return {};
+  return MessageFields{*count, *sender};
+}
+
 /// Appends a line from each sender to each robot that heard it in the last tick in which its radio was due.
 /// Radios that do not run, such as those of disabled robots, have no lines: they keep their last readings.
 void append_heard(const engine::World& world, const engine::Frame& frame, WatchedJson& lines) {
@@ -68,17 +88,16 @@ void append_heard(const engine::World& world, const engine::Frame& frame, Watche
     const BodyId id(body.id);
     const Row row = world.row(id);
     for (const engine::BodyType::Device& device : world.type(row).devices) {
-      if (device.kind->name != k_radio || !world.runs(row, device)) continue;
+      const std::optional<MessageFields> fields = message_fields(device);
+      if (!fields || !world.runs(row, device)) continue;
       const StateTable& table = world.percepts(device);
-      const auto count = field_index(table, "count");
-      const auto sender = field_index(table, "sender");
-      if (!count || !sender) continue;
       const std::size_t slot = world.slot(row);
-      const auto senders = table.cell<std::uint32_t>(slot, *sender);
+      const auto senders = table.cell<std::uint32_t>(slot, fields->sender);
       const std::size_t heard =
-          std::min<std::size_t>(table.cell<std::uint32_t>(slot, *count).front(), senders.size());
+          std::min<std::size_t>(table.cell<std::uint32_t>(slot, fields->count).front(), senders.size());
       for (const std::uint32_t from : senders.first(heard))
-        append_line(lines, place_of(world, BodyId(from)), place_of(world, id));
+        if (from < world.spec().bodies.size())
+          append_line(lines, place_of(world, BodyId(from)), place_of(world, id));
     }
   }
 }
@@ -103,10 +122,8 @@ WatchedJson commands_of(Model& model, const engine::BodyType& type) {
 }
 
 bool has_device(const engine::World& world, auto&& wanted) {
-  return std::ranges::any_of(world.types(), [&](const engine::BodyType& type) {
-    return std::ranges::any_of(type.devices,
-                               [&](const engine::BodyType::Device& device) { return wanted(*device.kind); });
-  });
+  return std::ranges::any_of(
+      world.types(), [&](const engine::BodyType& type) { return std::ranges::any_of(type.devices, wanted); });
 }
 
 }  // namespace
@@ -170,7 +187,7 @@ WatchedJson color_values(const engine::World& world) {
 bool has_value(const engine::World& world, const ColorValue& color) {
   return std::ranges::any_of(world.tables(), [&](const StateTable& table) {
     if (!engine::selects(color.component, table.component())) return false;
-    const std::optional<std::size_t> field = field_index(table, color.field);
+    const std::optional<std::size_t> field = field_index(table.fields(), color.field);
     return field && color.column.value_or(0) < table.fields()[*field].columns;
   });
 }
@@ -180,7 +197,7 @@ void take_shades(const engine::World& world, std::span<const std::uint32_t> plac
   std::vector<double> values(robots, std::numeric_limits<double>::quiet_NaN());
   for (const StateTable& table : world.tables()) {
     if (!engine::selects(color.component, table.component())) continue;
-    const std::optional<std::size_t> field = field_index(table, color.field);
+    const std::optional<std::size_t> field = field_index(table.fields(), color.field);
     if (!field || color.column.value_or(0) >= table.fields()[*field].columns) continue;
     const engine::SensedRows readings(world, table);
     for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -205,10 +222,12 @@ void take_shades(const engine::World& world, std::span<const std::uint32_t> plac
 std::vector<std::string_view> layers_of(const engine::World& world) {
   std::vector<std::string_view> layers;
   const auto draws = [](FrameLayer layer) {
-    return [layer](const engine::DeviceKind& kind) { return kind.layer == layer; };
+    return [layer](const engine::BodyType::Device& device) { return device.kind->layer == layer; };
   };
-  if (has_device(world, [](const engine::DeviceKind& kind) { return kind.name == k_radio; }))
-    layers.push_back(k_radio);
+  const auto receives = [](const engine::BodyType::Device& device) {
+    return message_fields(device).has_value();
+  };
+  if (has_device(world, receives)) layers.push_back(k_radio);
   if (has_device(world, draws(FrameLayer::sights))) layers.push_back(k_sights);
   if (has_device(world, draws(FrameLayer::grips))) {
     layers.push_back(k_grips);

@@ -75,7 +75,8 @@ void take_shades(const engine::World& world, std::span<const std::uint32_t> plac
 
 /// Returns the names of the layers that this world can have. A layer is a set of lines that the page draws
 /// over the picture of the world:
-/// - "radio": from the sender of each message to the robots that heard it
+/// - "radio": from the sender of each message to the robots that heard it. These are robots with a radio or
+///   with another device whose readings have the fields `count` and `sender` of a radio (u32)
 /// - "sights": from fiducial finders (sensors that detect marked bodies) to the bodies that they detect
 /// - "grips": the light beams of grippers, and lines from grippers to the bodies that they hold
 /// - "carries": from each body that holds other bodies to these bodies

@@ -5,6 +5,8 @@
 namespace troupe::partition {
 namespace {
 
+/// As squared_distance_to_segment(), but rounds in another way. The latter is not used here, because a result
+/// of come_within() at exactly the tested distance would change.
 double squared_distance(const Vec2& point, const Vec2& a, const Vec2& b) {
   const Vec2 along = b - a;
   const double length2 = along.squaredNorm();

@@ -687,14 +687,6 @@ bool RayGrid::met_in_block(const Region& region, std::uint32_t block, const Grid
   return false;
 }
 
-bool RayGrid::is_drawn(const Vec2& point) const {
-  const Cell at = cells_.cell(point);
-  const std::uint32_t slot = directory_.find(cells_.tile(at));
-  if (slot == TileDirectory::k_none || !slots_[slot].seen) return false;
-  const std::uint32_t block = static_cast<std::uint32_t>((at.y >> 3 & 7) << 3 | (at.x >> 3 & 7));
-  return slots_[slot].seen->cells[block] >> ((at.y & 7) << 3 | (at.x & 7)) & 1;
-}
-
 std::size_t RayGrid::fixed_bytes() const {
   return fixed_regions_ * sizeof(Region) + slots_.size() * sizeof(Slot) +
          fixed_marks_ * sizeof(std::uint32_t) + fixed_links_ * sizeof(Link);

@@ -105,8 +105,6 @@ class RayGrid {
   GridHit cast(const GridRay& ray) const;
 
   double resolution_m() const { return cells_.cell_m; }  ///< edge of a cell, metres
-  /// True if a static or a mobile outline is drawn in the cell of this point (world frame, metres).
-  bool is_drawn(const Vec2& point) const;
   /// Number of stored regions (squares of 64 x 64 cells): those with static geometry, those in which bodies
   /// are drawn, and some that bodies have left.
   std::size_t regions() const { return slots_.size(); }

@@ -205,13 +205,8 @@ StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids
 double StaticScene::clearance(const Vec2& point, double most) const {
   double nearest2 = most * most;
   obstacle_edges_.for_each_run(Box::around(point, most), [&](std::span<const FixedEdge> edges) {
-    for (const FixedEdge& edge : edges) {
-      const Vec2 along = edge.b - edge.a;
-      const Vec2 from = point - edge.a;
-      const double length2 = along.squaredNorm();  // 0 for a very short edge, because it underflows
-      const double t = length2 > 0 ? std::clamp(from.dot(along) / length2, 0.0, 1.0) : 0.0;
-      nearest2 = std::min(nearest2, (from - t * along).squaredNorm());
-    }
+    for (const FixedEdge& edge : edges)
+      nearest2 = std::min(nearest2, squared_distance_to_segment(point, edge.a, edge.b));
   });
   return sqrt(nearest2);
 }

@@ -536,9 +536,7 @@ py::array_t<std::uint8_t> picture_of(const BatchHolder& b, std::size_t copy, int
                                                  color_by, color_range, background);
   std::vector<std::uint8_t> bytes;
   b->work([&](BatchEnv& batch) { bytes = batch.simulation(copy).picture(options); });
-  py::array_t<std::uint8_t> rgb({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
-  std::ranges::copy(bytes, rgb.mutable_data());
-  return rgb;
+  return picture_array(bytes, options);
 }
 
 void bind_one_copy(BatchClass& type) {

@@ -181,6 +181,8 @@ PictureOptions picture_options(int width, int height, const std::string& camera,
                                const Two& center_m, const Two& angle_rad,
                                const std::optional<double>& across_m, const std::string& color_by,
                                const Two& color_range, const std::string& background);
+/// Returns a picture as an array with the shape (height, width, 3). rgb: three bytes per pixel, row by row.
+py::array_t<std::uint8_t> picture_array(std::span<const std::uint8_t> rgb, const PictureOptions& options);
 
 using SimulationClass = py::class_<Held, Holder>;
 

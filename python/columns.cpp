@@ -1,7 +1,5 @@
 #include "python/columns.hpp"
 
-#include "base/diagnostics.hpp"
-
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
@@ -111,16 +109,6 @@ std::span<const std::byte> const_bytes_of(const py::array& array) {
   return {static_cast<const std::byte*>(array.data()), static_cast<std::size_t>(array.nbytes())};
 }
 
-const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
-                                        std::string_view whose) {
-  const auto field = std::ranges::find(fields, name, &engine::StateField::name);
-  if (field != fields.end()) return *field;
-  std::vector<std::string_view> known;
-  for (const engine::StateField& each : fields) known.push_back(each.name);
-  throw std::out_of_range(
-      fmt::format("{}: {}", whose, unknown_name("command field", name, std::move(known))));
-}
-
 py::array converted(const engine::StateField& field, const py::array& given, const py::handle& value) {
   require_numbers(field.name, given);
   py::array made;
@@ -189,8 +177,8 @@ std::string_view default_radio(std::span<const std::string_view> radios) {
 
 py::dict message_command(std::span<const engine::StateField> fields, const std::string& device,
                          const py::object& message, py::ssize_t robots) {
-  const auto field = std::ranges::find(fields, k_payload, &engine::StateField::name);
-  if (field == fields.end()) throw std::out_of_range(fmt::format("the device \"{}\" is not a radio", device));
+  const engine::StateField* const field = engine::field_named(fields, k_payload);
+  if (field == nullptr) throw std::out_of_range(fmt::format("the device \"{}\" is not a radio", device));
   const auto columns = static_cast<py::ssize_t>(field->columns);
   const auto require_room = [&](py::ssize_t length) {
     if (length > columns)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "troupe/model_place.hpp"  // command_field()
 #include "python/bindings.hpp"
 
 #include <fmt/format.h>
@@ -69,11 +70,6 @@ py::array empty_rows(const engine::StateField& field, py::ssize_t robots);
 /// Returns the memory of a contiguous array, as bytes. The result is valid while the array exists.
 std::span<std::byte> bytes_of(py::array& array);
 std::span<const std::byte> const_bytes_of(const py::array& array);
-
-/// Returns the field of a command that is called `name`. Throws std::out_of_range if there is none; the
-/// message lists the known names. whose: beginning of this message, such as `device "lamp"`.
-const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
-                                        std::string_view whose);
 
 /// Converts an array to the element type of a field. value: the Python value that the array was made from,
 /// for the text of the error. Throws ValueError if the field has integers and a number is not exactly

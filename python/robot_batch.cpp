@@ -49,26 +49,22 @@ std::size_t RobotBatch::device_named(const std::string& name, bool takes_command
 }
 
 py::array RobotBatch::readings(const std::string& field, const std::string& device) const {
-  const auto index_in = [&field](const UsedDevice& of) {
-    return static_cast<std::size_t>(std::ranges::find(of.readings, field, &engine::StateField::name) -
-                                    of.readings.begin());
-  };
-  std::size_t d = 0;
-  if (!device.empty())
-    d = device_named(device, false);
-  else
-    while (d < prepared_.devices.size() &&
-           index_in(prepared_.devices[d]) == prepared_.devices[d].readings.size())
-      ++d;
-  const std::size_t f = d < prepared_.devices.size() ? index_in(prepared_.devices[d]) : 0;
-  if (d == prepared_.devices.size() || f == prepared_.devices[d].readings.size()) {
+  const auto field_in = [&field](const UsedDevice& of) { return engine::field_named(of.readings, field); };
+  const std::size_t d = device.empty()
+                            ? static_cast<std::size_t>(std::ranges::find_if(prepared_.devices, field_in) -
+                                                       prepared_.devices.begin())
+                            : device_named(device, false);
+  const engine::StateField* const found =
+      d < prepared_.devices.size() ? field_in(prepared_.devices[d]) : nullptr;
+  if (found == nullptr) {
     std::vector<std::string_view> known;
     for (const UsedDevice& each : prepared_.devices)
       if (device.empty() || each.name == device)
         for (const engine::StateField& other : each.readings) known.push_back(other.name);
     throw std::out_of_range(unknown_name("field", field, std::move(known)));
   }
-  py::array out = empty_rows(prepared_.devices[d].readings[f], size());
+  const auto f = static_cast<std::size_t>(found - prepared_.devices[d].readings.data());
+  py::array out = empty_rows(*found, size());
   const std::span<std::byte> to = bytes_of(out);
   const std::size_t bytes = to.size() / std::max<std::size_t>(batch().size(), 1);
   for (std::size_t i = 0; i < batch().size(); ++i)
@@ -89,8 +85,7 @@ std::string RobotBatch::radio_named(const std::string& name) const {
   if (!name.empty()) return name;
   std::vector<std::string_view> radios;
   for (const UsedDevice& device : prepared_.devices)
-    if (std::ranges::find(device.command, k_payload, &engine::StateField::name) != device.command.end())
-      radios.push_back(device.name);
+    if (engine::field_named(device.command, k_payload) != nullptr) radios.push_back(device.name);
   return std::string(default_radio(radios));
 }
 

@@ -30,6 +30,13 @@ PictureOptions picture_options(int width, int height, const std::string& camera,
   return {width, height, camera, center_m, angle_rad, across_m, layers, color_by, color_range, background};
 }
 
+py::array_t<std::uint8_t> picture_array(std::span<const std::uint8_t> rgb, const PictureOptions& options) {
+  py::array_t<std::uint8_t> picture(
+      {py::ssize_t{options.height}, py::ssize_t{options.width}, py::ssize_t{3}});
+  std::ranges::copy(rgb, picture.mutable_data());
+  return picture;
+}
+
 double from_zero(std::string_view what, double value, double most) {
   if (value >= 0 && value <= most) return value;
   throw std::invalid_argument(
@@ -490,9 +497,7 @@ py::array_t<std::uint8_t> picture(const Holder& held, int width, int height, con
                                                  color_by, color_range, background);
   std::vector<std::uint8_t> bytes;
   held->work([&](const Simulation& simulation) { bytes = simulation.picture(options); });
-  py::array_t<std::uint8_t> rgb({py::ssize_t{height}, py::ssize_t{width}, py::ssize_t{3}});
-  std::ranges::copy(bytes, rgb.mutable_data());
-  return rgb;
+  return picture_array(bytes, options);
 }
 
 void bind_pictures(SimulationClass& simulation) {

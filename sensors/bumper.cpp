@@ -18,13 +18,6 @@ struct Strip {
   Vec2 right, left;
 };
 
-double distance(const Vec2& point, const Vec2& a, const Vec2& b) {
-  const Vec2 along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((point - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (point - a - t * along).norm();
-}
-
 bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   const auto differ = [](double x, double y) { return (x < 0 && y > 0) || (x > 0 && y < 0); };
   return differ(cross(b - a, c - a), cross(b - a, d - a)) && differ(cross(d - c, a - c), cross(d - c, b - c));
@@ -33,7 +26,8 @@ bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d
 /// The distance between the segments from a to b and from c to d, m; 0 if they cross.
 double distance(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   if (cross_each_other(a, b, c, d)) return 0;
-  return std::min({distance(a, c, d), distance(b, c, d), distance(c, a, b), distance(d, a, b)});
+  return sqrt(std::min({squared_distance_to_segment(a, c, d), squared_distance_to_segment(b, c, d),
+                        squared_distance_to_segment(c, a, b), squared_distance_to_segment(d, a, b)}));
 }
 
 /// Returns the nearest body with an outline within `thickness` (m) of a strip (world frame). At equal

@@ -37,6 +37,7 @@ PAGES = [
     ("```json\n\"devices\": [1, 2\n```\n", "is no JSON"),
     ("```world\nposition( drive \"hover\" )\n```\n", "does not load"),
     ("```python\nimport sys\nsys.exit(3)\n```\n", "Python says"),
+    ("```python\nenv = troupe.envs.Env(None)\n```\n", "none of its commands is run"),  # there is no gymnasium
     ("```cmake\nfind_package(troop)\n```\n", "no CMakeLists.txt"),
     ("See [there](nowhere.md).\n", "the link leads to nowhere.md"),
     ("# Here\n\nSee [there](#there).\n", "no heading #there"),

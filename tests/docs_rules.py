@@ -54,6 +54,12 @@ NEEDS = [
     (r"perf_paper ", "build/release/bin/perf_paper"),
 ]
 
+# Modules that Python listings need in addition to those that they import: (pattern, module).
+NEEDS_MODULE = [
+    (r"\btroupe\.envs\b", "gymnasium"),
+    (r"\bParallelEnv\b", "pettingzoo"),
+]
+
 # Commands that may end with an exit code other than 0, as their page says: (pattern, exit codes).
 ENDS = [
     (r"^troupe (diff|lint) ", {0, 1}),

@@ -66,6 +66,7 @@ for line in sys.stdin:
     sys.stdout.flush()
     print("\\0", wrong, sep="", flush=True)
 """
+MODULES = ("h5py", "pandas", "matplotlib", "numpy", "gymnasium", "pettingzoo", "troupe")  # that listings may need
 COMMAND_LIMIT_S = 900  # for a busy machine; a command normally takes less than half a minute
 
 
@@ -418,7 +419,8 @@ class Page:
 
     def python(self, block):
         self.wanted += 1
-        modules = set(re.findall(r"^\s*(?:import|from) (h5py|pandas|matplotlib|numpy|gymnasium|troupe)\b", block.text, re.M))
+        modules = set(re.findall(rf"^\s*(?:import|from) ({'|'.join(MODULES)})\b", block.text, re.M))
+        modules |= {module for pattern, module in rules.NEEDS_MODULE if re.search(pattern, block.text)}
         lacking = sorted(modules - self.test.modules)
         bound, used = names_in(block.text)
         if lacking or used & self.unbound - bound:
@@ -582,17 +584,24 @@ def names_in(text):
 
 
 def python_with_modules(build):
-    """Returns the Python interpreter that has most of the modules that listings import: this one, or Debian's."""
-    best = (sys.executable, set())
-    for python in dict.fromkeys((sys.executable, "/usr/bin/python3")):
-        script = ("import importlib.util as u\n"
-                  "print(*[m for m in ('h5py', 'pandas', 'matplotlib', 'numpy', 'gymnasium', 'troupe') if u.find_spec(m)])")
-        result = subprocess.run([python, "-c", script], capture_output=True, text=True,
-                                env={**os.environ, "PYTHONPATH": str(build / "lib/python3/dist-packages")})
-        modules = set(result.stdout.split())
-        if len(modules) > len(best[1]):
-            best = (python, modules)
-    return best
+    """Returns the Python interpreter that has most of the modules that listings import, and these modules. It is this one,
+    Debian's, or one of them with the packages of tests/python/packages.py, which are installed if that is possible."""
+    package = build / "lib/python3/dist-packages"
+    environment = {**os.environ, "PYTHONPATH": str(package)}
+
+    def run(python, *arguments):
+        return subprocess.run([python, *arguments], capture_output=True, text=True, env=environment)
+
+    def modules_of(python):
+        return set(run(python, "-c", f"import importlib.util as u\nprint(*[m for m in {MODULES} if u.find_spec(m)])").stdout.split())
+
+    found = {python: modules_of(python) for python in (sys.executable, "/usr/bin/python3") if os.path.exists(python)}
+    if (package / "troupe").exists():
+        made = run(max(found, key=lambda python: len(found[python])), ROOT / "tests/python/packages.py")
+        if made.returncode == 0:
+            python = made.stdout.strip()
+            found[python] = modules_of(python)
+    return max(found.items(), key=lambda each: len(each[1]))
 
 
 def main():

@@ -77,8 +77,8 @@ void put(Element element, std::byte* to, double x) {
 void command(Model& model, const Act& act) {
   const Model::Asked asked = model.asked(act.device);
   const auto field_of = [&](const std::string& name) -> const StateField& {
-    const auto found = std::ranges::find(asked.fields, name, &StateField::name);
-    if (found == asked.fields.end()) {
+    const StateField* const found = engine::field_named(asked.fields, name);
+    if (found == nullptr) {
       std::string known;
       for (const StateField& field : asked.fields) known += (known.empty() ? "" : ", ") + field.name;
       refuse_act(fmt::format("device \"{}\" takes no command \"{}\"; known: {}", act.device, name, known));

@@ -3,6 +3,7 @@
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/batch_impl.hpp"
+#include "troupe/model_place.hpp"
 #include "troupe/swarm.hpp"
 
 #include <fmt/format.h>
@@ -211,20 +212,18 @@ void BatchEnv::Impl::plan_drive_action(const BatchAction& action, bool has_drive
 /// fields of this command.
 void BatchEnv::Impl::plan_device_action(const BatchAction& action, std::span<const engine::StateField> fields,
                                         TeamData& team) {
-  const auto field = std::ranges::find(fields, action.command, &engine::StateField::name);
-  if (field == fields.end())
-    throw std::out_of_range(fmt::format("device \"{}\": {}", action.device,
-                                        unknown_name("command", action.command, name_list(fields))));
-  if (field->columns != 1)
+  const engine::StateField& field =
+      command_field(fields, action.command, fmt::format("device \"{}\"", action.device));
+  if (field.columns != 1)
     refuse(
         fmt::format("command \"{}\" of device \"{}\" has {} numbers, but an action sets only one: give "
                     "a command with one number",
-                    action.command, action.device, field->columns));
+                    action.command, action.device, field.columns));
   const auto of_devices = std::ranges::count_if(
       team.actions_plan, [](const Action& before) { return before.command >= k_drive; });
   team.actions_plan.push_back({.command = k_drive + static_cast<std::size_t>(of_devices),
-                               .element = field->element,
-                               .is_bool = field->is_bool,
+                               .element = field.element,
+                               .is_bool = field.is_bool,
                                .low = action.low,
                                .span = action.high - action.low});
 }
@@ -304,11 +303,17 @@ void BatchEnv::Impl::bind_readings(const TeamData& team, const Part& part, const
                       team.names.front(), reading.field->columns,
                       engine::element_name(reading.field->element), robot.name()));
     // The device is the one whose table of readings has this field.
+    const std::size_t before = bound.readings.size();
     for (const engine::BodyType::Device& device : world.type(world.row(robot.id())).devices) {
       const std::span<const engine::StateField> fields = world.percepts(device).fields();
       for (std::size_t f = 0; f < fields.size(); ++f)
         if (&fields[f] == reading.field) bound.readings.push_back({&device, f});
     }
+    if (bound.readings.size() == before)
+      refuse(
+          fmt::format("team \"{}\" observes \"{}\", the memory of a controller, but the controllers of its "
+                      "robots do not run: give the name of a device",
+                      team.spec->name, part.spec->device));
   }
 }
 
@@ -344,8 +349,8 @@ void BatchEnv::Impl::bind_commands(const TeamData& team, std::vector<Model>& rob
     if (team.actions_plan[a].command < k_drive) continue;
     for (Model& robot : robots) {
       const std::span<const engine::StateField> fields = robot.command_fields(action.device);
-      const auto field = std::ranges::find(fields, action.command, &engine::StateField::name);
-      if (field == fields.end() || field->element != team.actions_plan[a].element)
+      const engine::StateField* const field = engine::field_named(fields, action.command);
+      if (field == nullptr || field->element != team.actions_plan[a].element)
         refuse(fmt::format(
             "robots of team \"{}\" differ: each robot must have the command \"{}\" of device \"{}\", "
             "and the numbers of this command must be of the same type in all robots; make two teams",

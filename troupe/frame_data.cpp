@@ -40,11 +40,6 @@ bool has_name(const StateTable& table, std::string_view name) {
   return engine::selects(name, table.component());
 }
 
-const StateField* field_of(const StateTable& table, std::string_view name) {
-  const auto found = std::ranges::find(table.fields(), name, &StateField::name);
-  return found == table.fields().end() ? nullptr : &*found;
-}
-
 std::set<std::string> value_names(const World& world) {
   std::set<std::string> names;
   const auto add = [&names](const StateTable& table) {
@@ -119,7 +114,7 @@ Result<ChosenValue> find_value(const World& world, const std::string& name) {
   for (ChosenValue& reading : readings_of(name)) {
     bool is_resting = true;
     for (const StateTable& table : world.tables()) {
-      const StateField* const field = field_of(table, reading.field);
+      const StateField* const field = engine::field_named(table.fields(), reading.field);
       if (!field || !has_name(table, reading.component)) continue;
       if (reading.column >= field->columns) return no_such_column(reading, field->columns);
       reading.text = with_unit(name, field->unit);
@@ -130,7 +125,7 @@ Result<ChosenValue> find_value(const World& world, const std::string& name) {
       return reading;
     }
     for (const StateTable& table : unused) {
-      const StateField* const field = field_of(table, reading.field);
+      const StateField* const field = engine::field_named(table.fields(), reading.field);
       if (!field || !has_name(table, reading.component)) continue;
       if (reading.column >= field->columns) return no_such_column(reading, field->columns);
       reading.text = fmt::format("{}: no robot has the value", with_unit(name, field->unit));
@@ -147,7 +142,7 @@ std::vector<double> values_of(const World& world, const ChosenValue& value, cons
   std::vector<double> values(frame.mobile.size(), std::numeric_limits<double>::quiet_NaN());
   const std::vector<std::uint32_t> places = places_of(world, frame);
   for (const StateTable& table : world.tables()) {
-    const StateField* const field = field_of(table, value.field);
+    const StateField* const field = engine::field_named(table.fields(), value.field);
     if (!field || !has_name(table, value.component) || value.column >= field->columns) continue;
     const auto index = static_cast<std::size_t>(field - table.fields().data());
     const engine::SensedRows readings(world, table);

@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace troupe {
 namespace {
@@ -60,6 +62,13 @@ void refuse_stopped(const engine::BodyType::Device& sensor, std::string_view own
       "sensor \"{}\" of \"{}\" does not run: call subscribe() before the first step", sensor.name, owner));
 }
 
+const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
+                                        std::string_view whose) {
+  if (const engine::StateField* const field = engine::field_named(fields, name)) return *field;
+  throw std::out_of_range(
+      fmt::format("{}: {}", whose, unknown_name("command field", name, name_list(fields))));
+}
+
 void check_subscribable(const engine::World& world) {
   if (world.tick() > 0)
     throw std::logic_error(fmt::format(
@@ -102,13 +111,11 @@ std::vector<std::string_view> Model::Place::names_of(Counted&& counted) const {
   return names;
 }
 
-template <class Counted>
-[[noreturn]] void Model::Place::throw_unknown(std::string_view what, std::string_view wanted,
-                                              Counted&& counted) const {
-  const std::vector<std::string_view> known = names_of(counted);
+void Model::Place::throw_unknown(std::string_view what, std::string_view wanted,
+                                 std::span<const std::string_view> known) const {
   if (known.empty()) throw std::out_of_range(fmt::format("\"{}\" has no {}", name, what));
-  throw std::out_of_range(
-      fmt::format("\"{}\" has no {} \"{}\"; it has: {}", name, what, wanted, comma_list(known)));
+  throw std::out_of_range(fmt::format("\"{}\" has no {} \"{}\"; it has: {}{}", name, what, wanted,
+                                      comma_list(known), did_you_mean(wanted, known)));
 }
 
 void Model::Place::check_running(const engine::BodyType::Device& sensor) const {
@@ -120,15 +127,51 @@ const engine::BodyType::Device& Model::Place::ranger(std::string_view wanted) co
   const auto* found = find([&](const engine::BodyType::Device& d) {
     return is_ranger(d) && (wanted.empty() || d.name == wanted);
   });
-  if (!found) throw_unknown("ranger", wanted, is_ranger);
-  check_running(*found);
+  if (!found) throw_unknown("ranger", wanted, names_of(is_ranger));
   return *found;
 }
 
-const engine::BodyType::Device& Model::Place::device(std::string_view wanted) const {
-  const auto* found = find([&](const engine::BodyType::Device& d) { return d.name == wanted; });
-  if (!found) throw_unknown("device", wanted, [](const auto&) { return true; });
-  return *found;
+std::string Model::Place::State::text() const {
+  return fmt::format("{} \"{}\"", device != nullptr ? "device" : "controller", name());
+}
+
+Model::Place::State Model::Place::state(std::string_view wanted) const {
+  if (const auto* found = find([&](const engine::BodyType::Device& d) { return d.name == wanted; }))
+    return {found, &world->percepts(*found)};
+  std::vector<std::string_view> known = names_of([](const engine::BodyType::Device&) { return true; });
+  for (std::size_t c = 0; c < type().controllers.size(); ++c) {
+    const std::optional<std::size_t>& memory = type().controllers[c].table;
+    if (!memory || !owns_controller(c)) continue;
+    const engine::StateTable& table = world->tables()[*memory];
+    if (table.component() == wanted) return {nullptr, &table};
+    known.push_back(table.component());
+  }
+  throw_unknown("device", wanted, known);
+}
+
+Model::Place::Reading Model::Place::reading(std::string_view field, std::string_view wanted) const {
+  const auto find_in = [&](const State& state) -> std::optional<Reading> {
+    const std::span<const engine::StateField> fields = state.table->fields();
+    const engine::StateField* const found = engine::field_named(fields, field);
+    if (found == nullptr) return {};
+    return Reading{state, static_cast<std::size_t>(found - fields.data())};
+  };
+  if (!wanted.empty()) {
+    const State state = this->state(wanted);
+    if (const auto found = find_in(state)) return *found;
+    throw std::out_of_range(fmt::format("{} of \"{}\": {}", state.text(), name,
+                                        unknown_name("field", field, name_list(state.table->fields()))));
+  }
+  std::vector<std::string_view> known;
+  for (const engine::BodyType::Device& device : type().devices) {
+    if (!owns(device)) continue;
+    const State state{&device, &world->percepts(device)};
+    if (const auto found = find_in(state)) return *found;
+    for (const engine::StateField& other : state.table->fields())
+      if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
+  }
+  throw std::out_of_range(
+      fmt::format("devices of \"{}\": {}", name, unknown_name("field", field, std::move(known))));
 }
 
 Model::Model(std::shared_ptr<const Place> place) : place_(std::move(place)) {}
@@ -272,57 +315,37 @@ std::vector<std::string> Model::sensors() const {
 
 std::span<const float> Model::ranges(std::string_view sensor) const {
   const auto& found = place_->ranger(sensor);
+  place_->check_running(found);
   return place_->world->percepts(found).cell<float>(place_->world->slot(place_->row()), 0);
 }
 
 std::span<const float> Model::intensities(std::string_view sensor) const {
   const auto& found = place_->ranger(sensor);
+  place_->check_running(found);
   const engine::StateTable& table = place_->world->percepts(found);
   if (table.fields().size() < 2) return {};
   return table.cell<float>(place_->world->slot(place_->row()), 1);
 }
 
 Model::Reading Model::reading(std::string_view field, std::string_view wanted) const {
-  const engine::World& world = *place_->world;
-  const auto index_in = [&](const engine::BodyType::Device& device) {
-    const std::span<const engine::StateField> fields = world.percepts(device).fields();
-    const auto found = std::ranges::find(fields, field, &engine::StateField::name);
-    return found == fields.end() ? std::optional<std::size_t>()
-                                 : static_cast<std::size_t>(found - fields.begin());
-  };
-  const engine::BodyType::Device* device =
-      wanted.empty()
-          ? place_->find([&](const engine::BodyType::Device& each) { return index_in(each).has_value(); })
-          : &place_->device(wanted);
-  const std::optional<std::size_t> f = device ? index_in(*device) : std::nullopt;
-  if (!f) {
-    std::vector<std::string_view> known;
-    for (const engine::BodyType::Device& each : place_->type().devices)
-      if (place_->owns(each) && (!device || device == &each))
-        for (const engine::StateField& other : world.percepts(each).fields())
-          if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
-    const std::string of = device ? fmt::format("device \"{}\" of \"{}\"", device->name, name())
-                                  : fmt::format("devices of \"{}\"", name());
-    throw std::out_of_range(fmt::format("{}: {}", of, unknown_name("field", field, known)));
-  }
-  if (device->kind->is_sensor()) place_->check_running(*device);
-  const engine::StateTable& table = world.percepts(*device);
-  const engine::StateField& found = table.fields()[*f];
-  return {device->name, &found, {table.cell<std::byte>(place_->slot(), *f).data(), found.bytes()}};
+  const auto [state, index] = place_->reading(field, wanted);
+  if (state.device != nullptr && state.device->kind->is_sensor()) place_->check_running(*state.device);
+  const engine::StateField& found = state.table->fields()[index];
+  return {state.name(), &found, {state.table->cell<std::byte>(place_->slot(), index).data(), found.bytes()}};
 }
 
 std::span<const std::byte> Model::cell(std::string_view field, std::string_view wanted,
                                        engine::Element element) const {
   const Reading found = reading(field, wanted);
   if (const engine::Element own = found.field->element; own != element)
-    throw std::invalid_argument(fmt::format("field \"{}\" of device \"{}\" of \"{}\" has the type {}, not {}",
-                                            field, found.device, name(), engine::element_name(own),
-                                            engine::element_name(element)));
+    throw std::invalid_argument(fmt::format("field \"{}\" of {} of \"{}\" has the type {}, not {}", field,
+                                            place_->state(found.device).text(), name(),
+                                            engine::element_name(own), engine::element_name(element)));
   return found.bytes;
 }
 
 std::span<const engine::StateField> Model::fields(std::string_view device) const {
-  return place_->world->percepts(place_->device(device)).fields();
+  return place_->state(device).table->fields();
 }
 
 std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
@@ -340,7 +363,8 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
       throw std::out_of_range(
           fmt::format("\"{}\" has no device that takes this command struct; devices that take commands: {}",
                       name(), comma_list(known)));
-  if (!device) place_->throw_unknown("device that takes this command struct", wanted, takes);
+  if (!device)
+    place_->throw_unknown("device that takes this command struct", wanted, place_->names_of(takes));
   if (!takes_these(*device))
     throw std::invalid_argument(
         fmt::format("\"{}\" of \"{}\" takes commands of kind {}, with the fields {} in {} bytes; the given "
@@ -354,7 +378,7 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
 const engine::BodyType::Device& Model::Place::commanded(std::string_view wanted) const {
   const auto takes = [](const engine::BodyType::Device& d) { return d.command_table.has_value(); };
   const auto* device = find([&](const engine::BodyType::Device& d) { return takes(d) && d.name == wanted; });
-  if (!device) throw_unknown("device that takes commands", wanted, takes);
+  if (!device) throw_unknown("device that takes commands", wanted, names_of(takes));
   return *device;
 }
 

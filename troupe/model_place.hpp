@@ -3,6 +3,8 @@
 #include "engine/world/world.hpp"
 #include "troupe/simulation.hpp"
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -44,6 +46,10 @@ struct Model::Place {
     const auto& parts = world->spec().type(body).parts;
     return part == 0 || device.name == parts[part].name;
   }
+  /// Whether a controller, given by its index in TypeSpec::controllers, belongs to this model.
+  bool owns_controller(std::size_t controller) const {
+    return part == 0 || world->spec().type(body).controllers[controller].part == part;
+  }
   /// Returns the first device of this model for which wanted(device) is true; null if there is none.
   template <class Wanted>
   const engine::BodyType::Device* find(Wanted&& wanted) const {
@@ -57,19 +63,42 @@ struct Model::Place {
   /// Throws std::out_of_range with the text `"r0" has no ranger "eye"; it has: ...`.
   /// what: the sort of device that was searched for; in this example "ranger"
   /// wanted: the name that was searched for; in this example "eye"
-  /// counted: the text lists the devices of this model for which counted(device) is true
-  template <class Counted>
-  [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted, Counted&& counted) const;
+  /// known: names that the text lists, and of which it suggests one that is similar to `wanted`
+  [[noreturn]] void throw_unknown(std::string_view what, std::string_view wanted,
+                                  std::span<const std::string_view> known) const;
   /// Throws std::logic_error if `sensor`, a sensor of this model, does not run. A sensor runs only if the
   /// world file, a controller of the robot or Simulation::subscribe() makes it run.
   void check_running(const engine::BodyType::Device& sensor) const;
   /// Returns the ranger (range sensor) named `wanted` of this model, or its first ranger if `wanted` is
-  /// empty. Throws std::out_of_range, with the known names, if there is none, and std::logic_error if the
-  /// ranger does not run.
+  /// empty. Throws std::out_of_range, with the known names, if there is none.
   const engine::BodyType::Device& ranger(std::string_view wanted) const;
-  /// Returns the device named `wanted` of this model. Throws std::out_of_range, with the known names, if
-  /// there is none.
-  const engine::BodyType::Device& device(std::string_view wanted) const;
+  /// A state that readings() reads: that of a device, or the memory of a controller.
+  struct State {
+    const engine::BodyType::Device* device = nullptr;  ///< null: the memory of a controller
+    const engine::StateTable* table = nullptr;
+
+    /// The name by which readings() selects this state.
+    std::string_view name() const {
+      return device != nullptr ? std::string_view(device->name) : table->component();
+    }
+    /// `device "eye"` or `controller "wander/0"`, for messages.
+    std::string text() const;
+  };
+  /// Returns the state of the device named `wanted` of this model or, if there is none, the memory of a
+  /// controller of this model whose component of the state is `wanted`. Throws std::out_of_range, with the
+  /// known names, if there is no such memory either.
+  State state(std::string_view wanted) const;
+  /// A field of such a state.
+  struct Reading {
+    State state;
+    std::size_t index = 0;  ///< index of the field in the table
+
+    const engine::StateField& field() const { return state.table->fields()[index]; }
+  };
+  /// Returns the field named `field` of state(wanted) or, if `wanted` is empty, of the first device of this
+  /// model that has such a field. Throws std::out_of_range, with the known names, if there is no such state
+  /// or field.
+  Reading reading(std::string_view field, std::string_view wanted) const;
   /// Returns the device of this model that is named `wanted` and takes commands. Throws std::out_of_range,
   /// with the known names, if there is none.
   const engine::BodyType::Device& commanded(std::string_view wanted) const;
@@ -77,6 +106,11 @@ struct Model::Place {
 
 /// Throws std::logic_error because a sensor of the model or robot `owner` does not run.
 [[noreturn]] void refuse_stopped(const engine::BodyType::Device& sensor, std::string_view owner);
+/// Returns the field of the command of a device that is called `name`. Throws std::out_of_range, with the
+/// known names, if there is none. fields: all fields of the command. whose: the beginning of the message,
+/// such as `device "lamp"`
+const engine::StateField& command_field(std::span<const engine::StateField> fields, std::string_view name,
+                                        std::string_view whose);
 /// Throws std::logic_error if sensors can no longer be subscribed, because the world has made a step.
 void check_subscribable(const engine::World& world);
 

@@ -9,7 +9,6 @@
 #include "troupe/simulation_source.hpp"
 #include "worldio/files.hpp"
 #include "worldio/images/png.hpp"
-#include "worldio/partial_file.hpp"
 #include "worldio/whole_file.hpp"
 
 #ifdef TROUPE_HAS_RENDER
@@ -447,17 +446,6 @@ struct Pictures::Impl {
     }
   }
 
-  /// Throws std::runtime_error if a picture of this name cannot replace the existing file of this name.
-  static void check_replaceable(const fs::path& file) {
-    std::error_code ignored;
-    if (fs::is_other(file, ignored)) return;  // write_whole() writes into devices and pipes
-    try {
-      const worldio::PartialFile trial(file);
-    } catch (const std::system_error& error) {
-      fail_to_write(file, error.code());
-    }
-  }
-
   [[noreturn]] static void fail_to_write(const fs::path& name, std::string_view reason) {
     throw std::runtime_error(fmt::format("{}: error: cannot be written: {}", name.string(), reason));
   }
@@ -567,7 +555,11 @@ Pictures::Shot Pictures::between(const Shot& earlier, const Shot& later, double 
 }
 
 void Pictures::rehearse(const std::filesystem::path& file) {
-  Impl::check_replaceable(file);
+  try {
+    worldio::check_replaceable(file);
+  } catch (const std::system_error& error) {
+    Impl::fail_to_write(file, error.code());
+  }
   std::filesystem::path beside = file;
   beside += fmt::format(".{}{}", getpid(), vector_format(file) ? file.extension().string() : ".png");
   render::View view = impl_->view;

@@ -358,7 +358,9 @@ class Model {
   ///
   /// field   name of the field; docs/library.md lists the fields of all kinds of devices, and fields() lists
   ///         those of one device
-  /// device  name of the device; empty: the first device that has this field
+  /// device  name of the device; empty: the first device that has this field. May also be the component of
+  /// the
+  ///         state with the memory of a controller, such as `wander/0`, unless a device has this name
   /// result  all values of the field, in the unit of the field. The span stays valid while the simulation
   ///         lives, and its content changes with each step
   /// errors  std::out_of_range, with the known names, for an unknown field or device; std::logic_error for a
@@ -371,15 +373,17 @@ class Model {
   /// The values of one field of a device as bytes, for callers that know the type of these values only at run
   /// time.
   struct Reading {
-    std::string_view device;                    ///< name of the device; lives as long as the simulation
+    /// Name of the device, or component of the state with the memory; lives as long as the simulation.
+    std::string_view device;
     const engine::StateField* field = nullptr;  ///< description of the field; lives as long as the simulation
     std::span<const std::byte> bytes;           ///< all values of the field
   };
   /// Returns one field of a device as bytes. The parameters are those of readings(). Throws std::out_of_range
   /// and std::logic_error as readings() does.
   Reading reading(std::string_view field, std::string_view device = {}) const;
-  /// The fields of a device that readings() can return, with their names, element types, numbers of values
-  /// and units. Throws std::out_of_range, with the known names, if there is no such device.
+  /// The fields of a device, or of the memory of a controller, that readings() can return, with their names,
+  /// element types, numbers of values and units. Throws std::out_of_range, with the known names, if there is
+  /// no such device.
   std::span<const engine::StateField> fields(std::string_view device) const;
   /// Returns a reference to the command of a device. A program may write the command between two steps; it
   /// applies from the next step on. If a controller of the robot uses the device, the controller overrides

@@ -1,6 +1,5 @@
 #include "troupe/swarm.hpp"
 
-#include "base/diagnostics.hpp"
 #include "engine/kinds/finite.hpp"
 #include "engine/observing/measures.hpp"
 #include "engine/world/world.hpp"
@@ -11,7 +10,6 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -125,17 +123,15 @@ void Swarm::speeds(std::span<Model::Speed> out) const {
   });
 }
 
+/// The robot with this row, for the search of its devices.
+Model::Place Swarm::place(Row row) const {
+  const BodyId body = world_->body(row);
+  return {world_, body, 0, world_->spec().name(body)};
+}
+
 Swarm::Ranger Swarm::ranger_of(Row row, std::string_view sensor) const {
-  std::vector<std::string_view> known;
-  for (const engine::BodyType::Device& device : world_->type(row).devices) {
-    if (!device.is_ranger()) continue;
-    if (sensor.empty() || device.name == sensor) return {&device, &world_->percepts(device)};
-    known.push_back(device.name);
-  }
-  const std::string name = world_->spec().name(world_->body(row));
-  if (known.empty()) throw std::out_of_range(fmt::format("\"{}\" has no ranger", name));
-  throw std::out_of_range(
-      fmt::format("\"{}\" has no ranger \"{}\"; it has: {}", name, sensor, comma_list(known)));
+  const engine::BodyType::Device& device = place(row).ranger(sensor);
+  return {&device, &world_->percepts(device)};
 }
 
 /// Calls visit(ranger, row, i) for each robot i, with its ranger named `sensor`. Throws std::out_of_range if
@@ -198,82 +194,17 @@ struct Swarm::Cells {
   const engine::StateTable* readings = nullptr;  ///< null: the field belongs to a command
 };
 
-namespace {
-
-[[noreturn]] void throw_unknown_device(const engine::World& world, Row row, std::string_view what,
-                                       std::string_view name, std::vector<std::string_view> known) {
-  throw std::out_of_range(fmt::format("robot \"{}\": {}", world.spec().name(world.body(row)),
-                                      unknown_name(what, name, std::move(known))));
-}
-
-/// Returns the first device named `name` that takes commands. Throws std::out_of_range with the names of all
-/// devices that take commands.
-const engine::BodyType::Device& commanded_device(const engine::World& world, Row row, std::string_view name) {
-  std::vector<std::string_view> known;
-  for (const engine::BodyType::Device& device : world.type(row).devices) {
-    if (!device.command_table) continue;
-    if (device.name == name) return device;
-    known.push_back(device.name);
-  }
-  throw_unknown_device(world, row, "device that takes commands", name, std::move(known));
-}
-
-std::size_t index_of(std::span<const engine::StateField> fields, std::string_view name) {
-  return static_cast<std::size_t>(std::ranges::find(fields, name, &engine::StateField::name) -
-                                  fields.begin());
-}
-
-/// owner: "device" or "controller", whose name is `its_name`
-[[noreturn]] void throw_unknown_field(std::string_view what, std::string_view owner,
-                                      std::string_view its_name, std::string_view name,
-                                      std::span<const engine::StateField> fields) {
-  throw std::out_of_range(
-      fmt::format("{} \"{}\": {}", owner, its_name, unknown_name(what, name, name_list(fields))));
-}
-
-}  // namespace
-
 Swarm::Cells Swarm::readings_of(Row row, std::string_view field, std::string_view wanted) const {
-  const auto cells_in = [&](const engine::StateTable& table,
-                            const engine::BodyType::Device* device) -> std::optional<Cells> {
-    const std::size_t index = index_of(table.fields(), field);
-    if (index == table.fields().size()) return {};
-    return Cells{device, &table.fields()[index], index, &table};
-  };
-  const engine::BodyType& type = world_->type(row);
-  std::vector<std::string_view> known;
-  if (!wanted.empty()) {
-    for (const engine::BodyType::Device& device : type.devices) {
-      known.push_back(device.name);
-      if (device.name != wanted) continue;
-      if (const auto cells = cells_in(world_->percepts(device), &device)) return *cells;
-      throw_unknown_field("field", "device", wanted, field, world_->percepts(device).fields());
-    }
-    for (const engine::BodyType::Controller& controller : type.controllers) {
-      if (!controller.table) continue;  // it has no memory
-      const engine::StateTable& memory = world_->tables()[*controller.table];
-      known.push_back(memory.component());
-      if (memory.component() != wanted) continue;
-      if (const auto cells = cells_in(memory, nullptr)) return *cells;
-      throw_unknown_field("field", "controller", wanted, field, memory.fields());
-    }
-    throw_unknown_device(*world_, row, "device", wanted, std::move(known));
-  }
-  for (const engine::BodyType::Device& device : type.devices) {
-    if (const auto cells = cells_in(world_->percepts(device), &device)) return *cells;
-    for (const engine::StateField& other : world_->percepts(device).fields())
-      if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
-  }
-  throw std::out_of_range(fmt::format("devices of \"{}\": {}", world_->spec().name(world_->body(row)),
-                                      unknown_name("field", field, std::move(known))));
+  const Model::Place::Reading found = place(row).reading(field, wanted);
+  return {found.state.device, &found.field(), found.index, found.state.table};
 }
 
 Swarm::Cells Swarm::commands_of(Row row, std::string_view field, std::string_view wanted) const {
-  const engine::BodyType::Device& device = commanded_device(*world_, row, wanted);
-  const std::vector<engine::StateField>& fields = device.prepared.commands;
-  const std::size_t index = index_of(fields, field);
-  if (index == fields.size()) throw_unknown_field("command", "device", device.name, field, fields);
-  return {.device = &device, .field = &fields[index]};
+  const engine::BodyType::Device& device = place(row).commanded(wanted);
+  return {.device = &device,
+          .field = &command_field(
+              device.prepared.commands, field,
+              fmt::format("device \"{}\" of \"{}\"", device.name, world_->spec().name(world_->body(row))))};
 }
 
 /// Calls visit(cells, row, i) for each robot i. bytes: size of the caller's span. Throws
@@ -332,15 +263,14 @@ void Swarm::readings(std::span<std::byte> out, std::string_view field, std::stri
 
 std::span<const engine::StateField> Swarm::command_fields(std::string_view device) const {
   if (ids_.empty()) throw std::logic_error("a swarm without robots has no commands");
-  return commanded_device(*world_, row(0), device).prepared.commands;
+  return place(row(0)).commanded(device).prepared.commands;
 }
 
 std::vector<std::string_view> Swarm::devices_with_command(std::string_view field) const {
   if (ids_.empty()) throw std::logic_error("a swarm without robots has no devices");
   std::vector<std::string_view> names;
   for (const engine::BodyType::Device& device : world_->type(row(0)).devices)
-    if (index_of(device.prepared.commands, field) < device.prepared.commands.size())
-      names.push_back(device.name);
+    if (engine::field_named(device.prepared.commands, field) != nullptr) names.push_back(device.name);
   return names;
 }
 

@@ -182,6 +182,7 @@ class Swarm {
   friend class Simulation;
   Swarm(engine::World& world, std::vector<BodyId> ids);
   Row row(std::size_t i) const;
+  Model::Place place(Row row) const;
   template <class Read>
   void read(std::size_t room, Read&& one) const;
   template <class Write>

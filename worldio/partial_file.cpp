@@ -49,7 +49,7 @@ mode_t first_mode(const std::optional<FileRights>& replaced) {
 
 /// Throws std::system_error if the system would not allow commit() to replace the existing file `file`. A run
 /// then fails before its first tick, and not at its end.
-void check_replaceable(const fs::path& file, const FileRights& replaced) {
+void check_may_replace(const fs::path& file, const FileRights& replaced) {
   struct statx mounted {};
   if (statx(AT_FDCWD, file.c_str(), 0, 0, &mounted) == 0 &&
       (mounted.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0)  // for example a single file of a container
@@ -93,7 +93,7 @@ PartialFile::PartialFile(fs::path file, std::string_view ending) : file_(std::mo
   if (fs::is_symlink(file_, ignored))
     throw std::system_error(std::make_error_code(std::errc::too_many_symbolic_link_levels));
   replaced_ = rights_of(file_);
-  if (replaced_) check_replaceable(file_, *replaced_);
+  if (replaced_) check_may_replace(file_, *replaced_);
   for (int n = 1; n <= k_most_writers; ++n) {
     const std::string number = n == 1 ? "" : fmt::format(".{}", n);
     const auto called = [&](const std::string& middle) {

@@ -38,4 +38,10 @@ void write_whole(const std::filesystem::path& file, std::initializer_list<std::s
   out.commit();
 }
 
+void check_replaceable(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_other(file, ignored)) return;
+  const PartialFile trial(file);
+}
+
 }  // namespace troupe::worldio

@@ -14,4 +14,10 @@ namespace troupe::worldio {
 /// On failure, throws std::system_error, which has the reason but no path. No temporary file remains.
 void write_whole(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
 
+/// Checks that write_whole() can write `file`: that its temporary file can be created, and can replace an
+/// existing file `file`, which for example a mount point does not allow. Creates the temporary file and
+/// removes it. Accepts devices and pipes, without opening them. On failure, throws std::system_error as
+/// write_whole() does.
+void check_replaceable(const std::filesystem::path& file);
+
 }  // namespace troupe::worldio

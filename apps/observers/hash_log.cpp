@@ -100,9 +100,7 @@ class HashLogOutput : public FileOutput<HashLogOutput> {
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
-    check_unlocked(file_);
-    if (!simulation.resumed_at_tick())
-      check_replaced(file_, {.name = "a hash log (--hash-log)", .mark = k_hash_log_mark});
+    check_lines_file(file_, simulation, {.name = "a hash log (--hash-log)", .mark = k_hash_log_mark});
     return opening(std::make_unique<HashLog>(file_, simulation));
   }
 };

@@ -206,11 +206,9 @@ class MeasuresOutput : public FileOutput<MeasuresOutput> {
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
-    check_unlocked(file_);
-    if (!simulation.resumed_at_tick())
-      check_replaced(
-          file_,
-          {.name = "a table of measures (--measures)", .mark = k_measures_mark, .other = k_events_mark});
+    check_lines_file(
+        file_, simulation,
+        {.name = "a table of measures (--measures)", .mark = k_measures_mark, .other = k_events_mark});
     return opening(std::make_unique<MeasuresTable>(file_, simulation, Measures(simulation, names_),
                                                    interval(simulation)));
   }
@@ -250,9 +248,7 @@ class EventsOutput : public FileOutput<EventsOutput> {
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;
-    check_unlocked(file_);
-    if (!simulation.resumed_at_tick())
-      check_replaced(file_, {.name = "a table of events (--events)", .mark = k_events_mark});
+    check_lines_file(file_, simulation, {.name = "a table of events (--events)", .mark = k_events_mark});
     return opening(std::make_unique<EventsTable>(file_, simulation));
   }
 };

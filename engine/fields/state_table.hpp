@@ -103,6 +103,12 @@ struct StateField {
   }  ///< size of the values of a row, bytes
 };
 
+/// The field with this name; null if there is none. The result is an element of `fields`.
+inline const StateField* field_named(std::span<const StateField> fields, std::string_view name) {
+  const auto found = std::ranges::find(fields, name, &StateField::name);
+  return found == fields.end() ? nullptr : &*found;
+}
+
 /// Whether two components have the same fields: equal names, element types and numbers of columns, in the
 /// same order.
 inline bool same_fields(std::span<const StateField> a, std::span<const StateField> b) {

@@ -592,9 +592,6 @@ class World {
   /// which it can sense bodies (DeviceKind::Prepared::reach_m). All types that are not static count. For each
   /// of their devices, the present parameters count, and all parameters that interventions of spec() set.
   double longest_reach() const;
-  /// Number of bodies in the world that are disabled or have a fault, such as a broken device. Bodies whose
-  /// rows are elsewhere (RowLocation::elsewhere) do not count.
-  std::size_t impaired_count() const { return state_.now.impaired; }
 
   using Placed = engine::Placed;  ///< argument of set_poses(): a row, and a pose for its body
   /// Sets the poses of bodies. Call this between steps. Each call rebuilds the spatial index of all bodies,

@@ -325,13 +325,13 @@ class OfState : public OfRobots {
   }
   /// The index of the field in a table; std::nullopt if the table does not have it.
   static std::optional<std::size_t> field_of(const StateTable& table, const Params& params) {
-    const auto field = std::ranges::find(table.fields(), params.field, &engine::StateField::name);
-    if (field == table.fields().end()) return {};
+    const engine::StateField* const field = engine::field_named(table.fields(), params.field);
+    if (field == nullptr) return {};
     if (params.column >= field->columns)
       throw std::invalid_argument(
           fmt::format("there is no column {}: the last column of the field \"{}\" is {} (counted from 0)",
                       params.column, params.field, field->columns - 1));
-    return static_cast<std::size_t>(field - table.fields().begin());
+    return static_cast<std::size_t>(field - table.fields().data());
   }
   static std::vector<BodyId> with(const std::vector<Cell>& cells, std::vector<BodyId> robots) {
     std::erase_if(robots, [&](BodyId id) { return cells[id.index()].table == k_none; });

@@ -3,12 +3,12 @@
 
     python3 python/examples/evolve_dispersion.py [--seeds 1 2 3] [--generations N] [--reach RETURN] [--out FOLDER]
 
-The policy is linear: each action is a weighted sum of the 12 ranges and a constant. In each generation, each policy drives
-all 12 robots of one copy of the world, and all copies have the same seed, which is a new one in each generation. In the
-end, the mean of the search distribution of CMA-ES, which is also a policy, is tested in 8 copies with the seeds 1 to 8. The
-exit code is 1 if the test of a seed gives a mean return below RETURN. With --out, the script writes the generations to
-FOLDER/dispersion.csv and the weights to FOLDER/dispersion-SEED.npz. The returns of given weights are the same on every
-machine, but the arithmetic of cma is not.
+The policy is linear: each action is a weighted sum of the 12 ranges and a constant. In each generation, each policy
+drives all 12 robots of one copy of the world, and all copies have the same seed, which is a new one in each generation.
+In the end, the mean of the search distribution of CMA-ES, which is also a policy, is tested in 8 copies with the seeds
+1 to 8. The exit code is 1 if the test of a seed gives a mean return below RETURN. With --out, the script writes the
+generations to FOLDER/dispersion.csv and the weights to FOLDER/dispersion-SEED.npz. The returns of given weights are the
+same on every machine, but the arithmetic of cma is not.
 """
 
 import argparse

@@ -3,8 +3,8 @@
 
     python3 python/examples/train_navigation.py [--seeds 1 2 3] [--samples N] [--reach RETURN] [--out FOLDER]
 
-All 8 robots of all copies of the world use the same policy, and each robot is one environment of skrl's PPO. After every
-tenth update, the policy is tested in 8 copies of the world. The exit code is 1 if the last test of a seed
+All 8 robots of all copies of the world use the same policy, and each robot is one environment of skrl's PPO. After
+every tenth update, the policy is tested in 8 copies of the world. The exit code is 1 if the last test of a seed
 gives a mean return below RETURN. With --out, the script writes the tests to FOLDER/navigation.csv, the policies to
 FOLDER/navigation-SEED.npz, and, if matplotlib is installed, a picture of the tests to FOLDER/navigation.png.
 """
@@ -141,8 +141,8 @@ def test(weights, copies=8):
 
 
 def train(seed, samples):
-    """Trains a policy. Yields after each test: the samples so far (steps of all robots), the processor time, s, the mean
-    return of the test, and the weights of the policy."""
+    """Trains a policy. Yields after each test: the samples so far (steps of all robots), the processor time, s, the
+    mean return of the test, and the weights of the policy."""
     began = time.process_time()
     set_seed(seed)
     envs = troupe.envs.VectorEnv(troupe.envs.Navigation(), 8 * COPIES, threads=1)

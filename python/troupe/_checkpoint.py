@@ -22,8 +22,8 @@ def to_bytes(self: Simulation) -> bytes:
 
 
 def from_bytes(data: Union[bytes, bytearray, memoryview], **options: Any) -> Simulation:
-    """Returns a new simulation that continues from a checkpoint of to_bytes(). options: the keyword arguments of resume().
-    Raises TypeError if `data` is not bytes, and the exceptions of resume()."""
+    """Returns a new simulation that continues from a checkpoint of to_bytes(). options: the keyword arguments of
+    resume(). Raises TypeError if `data` is not bytes, and the exceptions of resume()."""
     if not isinstance(data, (bytes, bytearray, memoryview)):
         raise TypeError(f"data: found {data!r}: give the bytes that to_bytes() has returned")
     with tempfile.TemporaryDirectory() as folder:
@@ -34,6 +34,11 @@ def from_bytes(data: Union[bytes, bytearray, memoryview], **options: Any) -> Sim
             return Simulation.resume(file, **options)
         except InputError as error:
             raise InputError(str(error).replace(file, "data")) from None
+        except TypeError as error:
+            if not str(error).startswith("resume() has "):
+                raise
+            text = str(error).replace("resume()", "from_bytes()", 1).replace("; known: checkpoint, ", "; known: data, ")
+            raise TypeError(text) from None
 
 
 setattr(Simulation, "to_bytes", to_bytes)

@@ -105,8 +105,8 @@ def measure(function: Optional[Callable[..., Any]] = None, *, unit: str = "", na
 
 
 def _attribute_hint(error: BaseException) -> str:
-    """Returns a hint for an unknown attribute: a similar one, and for the robots of a controller or measure all that they
-    have."""
+    """Returns a hint for an unknown attribute: a similar one, and for the robots of a controller or measure all that
+    they have."""
     name, owner = getattr(error, "name", None), getattr(error, "obj", None)  # since Python 3.10
     if not isinstance(error, AttributeError) or name is None or owner is None:
         return ""
@@ -194,8 +194,8 @@ def _row_type(cls: Any, file: str, line: int) -> Tuple[List[Tuple[str, Any, int,
 
 
 def _params(cls: Any, file: str, line: int) -> List[Tuple[str, Any]]:
-    """Returns the names and default values of the parameters of a controller class. A default value is a bool, an int, a
-    float, a str or a list of floats."""
+    """Returns the names and default values of the parameters of a controller class. A default value is a bool, an int,
+    a float, a str or a list of floats."""
     if not isinstance(cls.params, dict):
         _fail(file, line, f"{cls.__name__}.params is {cls.params!r}: expected a dict of names and default values")
     params: List[Tuple[str, Any]] = []
@@ -237,7 +237,8 @@ def _require_fit(name: str, field: "np.dtype[Any]", given: Any) -> None:
 
 
 class Parameters(Dict[str, Any]):
-    """The parameters of a controller: names and values. The text of the KeyError for an unknown name lists the names."""
+    """The parameters of a controller: names and values. The text of the KeyError for an unknown name lists the
+    names."""
 
     def __missing__(self, name: str) -> NoReturn:
         raise KeyError(_unknown("parameter", str(name), self))

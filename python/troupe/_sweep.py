@@ -91,7 +91,8 @@ def _end_time_s(world: Any, name: str, study: Dict[str, Any], simulation: _core.
 
 def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dict[str, Any],
           has_ended: threading.Event) -> Rows:
-    """Makes the run with this index. Raises CancelledError if `has_ended` is set: the caller no longer needs the run."""
+    """Makes the run with this index. Raises CancelledError if `has_ended` is set: the caller no longer needs the
+    run."""
     simulation = _load(world, name, study, index, options)
     seed = simulation.seed
     values = [json.loads(text) for text in study["runs"][index][0]]
@@ -149,8 +150,8 @@ def _thread_count(threads: Any) -> int:
 
 
 def _read(study: Any, name: Union[str, "os.PathLike[str]"], options: Mapping[str, Any]) -> Tuple[Any, Any, str]:
-    """Reads the arguments `study`, `name` and `options` of sweep(). Returns the study, its world (a dict or the name of a
-    file), and the name of its file; for a dict, this is `name`."""
+    """Reads the arguments `study`, `name` and `options` of sweep(). Returns the study, its world (a dict or the name of
+    a file), and the name of its file; for a dict, this is `name`."""
     world: Any = None
     kinds = {option: options[option] for option in ("plugin_path", "controllers") if option in options}
     if isinstance(study, Mapping):
@@ -174,7 +175,8 @@ def _read(study: Any, name: Union[str, "os.PathLike[str]"], options: Mapping[str
 
 def _make_all(world: Any, name: str, read: Any, options: Dict[str, Any], runs_at_once: int
               ) -> Tuple[List[Dict[str, Any]], List[Dict[str, Any]], Dict[int, Exception]]:
-    """Makes all runs. Returns the rows of sweep(), its rows with `series`, and the exceptions of failed runs by index."""
+    """Makes all runs. Returns the rows of sweep(), its rows with `series`, and the exceptions of failed runs by
+    index."""
     rows: List[Dict[str, Any]] = []
     looks: List[Dict[str, Any]] = []
     failed: Dict[int, Exception] = {}

@@ -279,8 +279,8 @@ def _positions(lines: Mapping[_Key, Sequence[Tuple[str, float, float, int]]]) ->
 
 
 def _finite(lines: Mapping[_Key, _Points], measure: str) -> Dict[_Key, _Points]:
-    """Returns the points whose means are finite, and the lines that have such points. Raises PlotError if there are none,
-    or if a point is too large for a plot."""
+    """Returns the points whose means are finite, and the lines that have such points. Raises PlotError if there are
+    none, or if a point is too large for a plot."""
     finite = {key: [point for point in points if math.isfinite(point[1])] for key, points in lines.items()}
     finite = {key: points for key, points in finite.items() if points}
     if not finite:
@@ -302,8 +302,8 @@ def _short(text: str) -> str:
 
 
 def _write(file: str, content: bytes) -> None:
-    """Writes a file by way of a temporary file in the same folder. Raises OSError if this fails, for example because the
-    disk is full; a file that exists then keeps its content. A device or a pipe is written directly."""
+    """Writes a file by way of a temporary file in the same folder. Raises OSError if this fails, for example because
+    the disk is full; a file that exists then keeps its content. A device or a pipe is written directly."""
     file = os.path.realpath(file)  # a symbolic link remains
     is_special = os.path.exists(file) and not os.path.isfile(file)
     partial = file if is_special else f"{file}.{os.getpid()}.partial"

@@ -21,6 +21,22 @@ TEST(CrossesRay, AnEndAtTheHeightOfThePointCountsAsBelow) {
   EXPECT_FALSE(crosses_ray({1, 0}, {2, -1}, {0, 0}));
 }
 
+TEST(SquaredDistanceToSegment, IsThatToItsNearestPoint) {
+  const Vec2 a(1, 1);
+  const Vec2 b(5, 4);
+  EXPECT_EQ(squared_distance_to_segment({3, 2.5}, a, b), 0) << "on the segment";
+  EXPECT_EQ(squared_distance_to_segment({0, 6.5}, a, b), 25) << "at right angles to its middle";
+  EXPECT_EQ(squared_distance_to_segment({0, 6.5}, b, a), 25);
+  EXPECT_EQ(squared_distance_to_segment({-2, -3}, a, b), 25) << "beyond a";
+  EXPECT_EQ(squared_distance_to_segment({8, 8}, a, b), 25) << "beyond b";
+}
+
+TEST(SquaredDistanceToSegment, ToASegmentWithoutLengthIsThatToItsEnd) {
+  const Vec2 a(1, 1);
+  EXPECT_EQ(squared_distance_to_segment({4, 5}, a, a), 25);
+  EXPECT_EQ(squared_distance_to_segment({0, 5}, {0, 0}, {1e-200, 0}), 25) << "its squared length underflows";
+}
+
 TEST(ZInterval, IsClosedForPointsAndOpenForOverlap) {
   const ZInterval z = {1, 2};
   EXPECT_TRUE(z.contains(1) && z.contains(1.5) && z.contains(2));

@@ -183,7 +183,7 @@ TEST(Experiment, WhoIsDisabledStandsStillAndSeesNothingUntilItIsEnabled) {
   EXPECT_FLOAT_EQ(seen, 5 - 0.9f) << "of tick 9, which tick 10 has looked at";
   step(*world, 10);
   EXPECT_TRUE(world->is_disabled(r0));
-  EXPECT_EQ(world->impaired_count(), 1u);
+  EXPECT_EQ(test::count_impaired(*world), 1u);
   EXPECT_NEAR(x_of(*world, "r0"), 1, 1e-12);
   EXPECT_NEAR(x_of(*world, "r1"), 2, 1e-12);
   EXPECT_EQ(range("r0"), seen);
@@ -276,11 +276,11 @@ TEST(Experiment, DropOutsComeAsAPoissonProcessWould) {
   row.scene.spec.experiment.faults = {fault(population("r"), 1, "drop_out", {{"rate", 0.1}})};
   const auto world = row.world();
   step(*world, 11);
-  EXPECT_LE(world->impaired_count(), k_squad / 20u) << "from 1 s on";
+  EXPECT_LE(test::count_impaired(*world), k_squad / 20u) << "from 1 s on";
   step(*world, 100);
   // 10 s after it began 1 - exp(-1) of them are out, within four standard deviations.
   const double share = 1 - std::exp(-1.0);
-  EXPECT_NEAR(static_cast<double>(world->impaired_count()), share * k_squad,
+  EXPECT_NEAR(static_cast<double>(test::count_impaired(*world)), share * k_squad,
               4 * std::sqrt(k_squad * share * (1 - share)));
 }
 
@@ -292,7 +292,7 @@ TEST(Experiment, DropOutsThatPassComeAgain) {
   step(*world, 100);
   // In for 1 s on average, and half a tick as ticks round up; out for 1 s.
   const double share = 1 / 2.05;
-  EXPECT_NEAR(static_cast<double>(world->impaired_count()), share * k_squad,
+  EXPECT_NEAR(static_cast<double>(test::count_impaired(*world)), share * k_squad,
               4 * std::sqrt(k_squad * share * (1 - share)));
 }
 
@@ -467,7 +467,7 @@ TEST(Experiment, AnEntryForEachOfManyGroupsTakesNoSearchOfAllBodies) {
   }
   World world = scene.world();
   world.step();
-  EXPECT_EQ(world.impaired_count(), k_robots);
+  EXPECT_EQ(test::count_impaired(world), k_robots);
 }
 
 TEST(Experiment, AGroupHasAllBodiesWhoseNamesContinueInDigits) {
@@ -966,12 +966,12 @@ class Trial {
 TEST(Experiment, IsTheSameOnAnyThreadsAndTilesAndAfterAReset) {
   Trial first({.threads = 1});
   const auto expected = first.run(Trial::k_ticks);
-  EXPECT_GT(first.world().impaired_count(), 10u);
+  EXPECT_GT(test::count_impaired(first.world()), 10u);
   EXPECT_EQ(first.world().robots(), 60u - 10 + 40);
   EXPECT_EQ(Trial({.threads = 2, .tile_size_m = 0.9}).run(Trial::k_ticks), expected);
   EXPECT_EQ(Trial({.threads = 8, .tile_size_m = 30}).run(Trial::k_ticks), expected);
   first.world().reset();
-  EXPECT_EQ(first.world().impaired_count(), 0u);
+  EXPECT_EQ(test::count_impaired(first.world()), 0u);
   EXPECT_EQ(first.run(Trial::k_ticks), expected) << "after a reset";
 }
 

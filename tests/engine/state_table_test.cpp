@@ -65,6 +65,13 @@ std::vector<StateField> packed_fields() {
   return fields;
 }
 
+TEST(FieldNamed, IsTheElementWithThisName) {
+  const StateField* const found = field_named(k_fields, k_fields[2].name);
+  EXPECT_EQ(found, &k_fields[2]);
+  EXPECT_EQ(field_named(k_fields, "nothing"), nullptr);
+  EXPECT_EQ(field_named({}, ""), nullptr);
+}
+
 TEST(StateTable, HashesAlikeInEveryLayout) {
   StateTable columns("pose", HashGroup::pose, Layout::columns, k_fields, k_ids);
   StateTable rows("pose", HashGroup::pose, Layout::rows, k_fields, k_ids);

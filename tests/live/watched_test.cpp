@@ -2,8 +2,10 @@
 
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
+#include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -34,6 +36,19 @@ TEST(LinesOf, ADisabledRobotHasNoRadioLinks) {
   simulation.run_for(0.5);
   EXPECT_EQ(links(simulation), 2u) << "between the other two";
   simulation.act({.kind = engine::Act::Kind::enable, .whom = "a"});
+  simulation.run_for(0.5);
+  EXPECT_EQ(links(simulation), 6u);
+}
+
+TEST(LinesOf, DevicesOfOtherKindsThatReceiveMessagesHaveLinks) {
+  engine::Registry registry = make_registry();
+  engine::DeviceKind modem = *registry.device("radio");
+  modem.name = "modem";
+  registry.devices.push_back(modem);
+  std::string text = k_radios;
+  text.replace(text.find("radio"), std::string("radio").size(), "modem");  // its kind
+  Simulation simulation = Simulation::from_text(text, "w.json", {.threads = 1}, registry);
+  EXPECT_THAT(layers_of(simulation.world()), testing::ElementsAre("radio"));
   simulation.run_for(0.5);
   EXPECT_EQ(links(simulation), 6u);
 }

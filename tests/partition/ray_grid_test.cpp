@@ -55,8 +55,6 @@ class Canvas {
     if (!drawn) mark(place(ring[0]));
   }
 
-  bool is_drawn(const Vec2& p) const { return cells_.contains(place(p)); }
-
   GridHit cast(const GridRay& ray) const {
     const double cos = std::abs(ray.direction.x());
     const double sin = std::abs(ray.direction.y());
@@ -231,6 +229,11 @@ class Scene {
   std::vector<Pose> poses_;
 };
 
+/// A ray that passes only the cell in which it starts. Its range is 0 if a surface is there.
+GridRay ray_of_one_cell(const Vec2& start, double resolution) {
+  return {start, {1, 0}, 0.5, static_cast<float>(1.5 * resolution), k_no_body};
+}
+
 TEST(RayGrid, SeesWhatPaperAndPencilSee) {
   std::array<Parallel, 4> parallel{Parallel(1), Parallel(2), Parallel(3), Parallel(8)};
   std::size_t hits = 0;
@@ -245,8 +248,8 @@ TEST(RayGrid, SeesWhatPaperAndPencilSee) {
       scene.redraw(grid, parallel[(seed + tick) % parallel.size()]);
       const Canvas canvas = scene.canvas();
       for (std::size_t n = 0; n < 300; ++n) {
-        const Vec2 point = scene.point(draw);
-        ASSERT_EQ(grid.is_drawn(point), canvas.is_drawn(point)) << point.transpose();
+        const GridRay one_cell = ray_of_one_cell(scene.point(draw), resolution);
+        ASSERT_EQ(grid.cast(one_cell).range, canvas.cast(one_cell).range) << one_cell.origin.transpose();
       }
       for (std::size_t n = 0; n < 300; ++n) {
         const GridRay ray = scene.ray(draw);
@@ -315,11 +318,12 @@ GridRay ray_from(double x, double y, const Vec2& direction, float range_max = 10
 }
 
 TEST(RayGrid, AnEdgeIsAStaircaseFromItsStartToBeforeItsEnd) {
-  // A triangle: right along y = 0, back and up by one, and down again.
-  const RayGrid grid = grid_of({{{{{{0.5, 0.5}, {3.5, 0.5}, {0.5, 1.5}}}, {0, 1}}, BodyId(1)}});
+  // A triangle: right along y = 1, back and up by one, and down again.
+  const RayGrid grid = grid_of({{{{{{1.5, 1.5}, {4.5, 1.5}, {1.5, 2.5}}}, {0, 1}}, BodyId(1)}});
   std::string picture;
-  for (int y = 2; y >= -1; --y, picture += '\n')
-    for (int x = -1; x <= 4; ++x) picture += grid.is_drawn({x + 0.5, y + 0.5}) ? '#' : '.';
+  for (int y = 3; y >= 0; --y, picture += '\n')
+    for (int x = 0; x <= 5; ++x)
+      picture += grid.cast(ray_of_one_cell({x + 0.5, y + 0.5}, 1)).range == 0 ? '#' : '.';
   EXPECT_EQ(picture,
             "......\n"
             ".###..\n"
@@ -329,18 +333,10 @@ TEST(RayGrid, AnEdgeIsAStaircaseFromItsStartToBeforeItsEnd) {
 
 TEST(RayGrid, OutlinesAreHollowAndSeenFromBothSides) {
   const RayGrid grid = grid_of({wall(2.5, -3.5, 6.5, 3.5)});
-  EXPECT_FALSE(grid.is_drawn({4, 0}));
   EXPECT_EQ(grid.cast(ray_from(0.5, 0.5, {1, 0})).range, 2);
   EXPECT_EQ(grid.cast(ray_from(4.5, 0.5, {1, 0})).range, 2);
   EXPECT_EQ(grid.cast(ray_from(4.5, 0.5, {-1, 0})).range, 2);
   EXPECT_EQ(grid.cast(ray_from(9.5, 0.5, {-1, 0})).range, 3);
-}
-
-TEST(RayGrid, CellsAreCountedDownwardsBelowTheOrigin) {
-  const RayGrid grid = grid_of({wall(-5.5, -0.5, -4.5, -0.2)});
-  EXPECT_TRUE(grid.is_drawn({-4.1, -0.9}));  // of the cell [-5, -4) x [-1, 0)
-  EXPECT_FALSE(grid.is_drawn({-3.9, -0.9}));
-  EXPECT_FALSE(grid.is_drawn({-4.1, 0.1}));
 }
 
 // A wall far away in y draws nothing that the rays could meet, but lets them step through its 32 x 32 cells.
@@ -429,9 +425,12 @@ TEST(RayGrid, GroundThatBodiesHaveLeftIsForgotten) {
     for (const Vec2& v : ring) vertices.push_back(v + Vec2(x, 0));
     grid.redraw(vertices, std::vector<Pose>(1), parallel);
     ASSERT_LE(grid.regions(), 64 + 4 * (fixed + 4)) << tick;
-    ASSERT_TRUE(grid.is_drawn({x, 0})) << tick;
-    ASSERT_TRUE(grid.is_drawn({-5, 0})) << tick;
-    ASSERT_FALSE(grid.is_drawn({x - 7, 0})) << tick;
+    const auto is_drawn = [&](double at_x) {
+      return grid.cast(ray_of_one_cell({at_x, 0.05}, 0.1)).range == 0;
+    };
+    ASSERT_TRUE(is_drawn(x + 0.05)) << tick;
+    ASSERT_TRUE(is_drawn(5.05)) << tick;  // the wall, in a region that the body has left
+    ASSERT_FALSE(is_drawn(x - 7 + 0.05)) << tick;
   }
 }
 

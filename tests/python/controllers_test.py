@@ -209,6 +209,8 @@ class Controllers(InAFolder):
         order = np.argsort(memories.ids)
         self.assertEqual(troupe.Measures(world, ["my:turn"]).values()[0], memories["turn"][order][7])
         np.testing.assert_array_equal(world.swarm("r").readings("seen", "roam/0"), memories["seen"][order])
+        np.testing.assert_array_equal(world.find("r0").readings("seen", "roam/0"), memories["seen"][order][0])
+        self.assertEqual([field.name for field in world.find("r0").fields("roam/0")], ["turn", "steps", "seen"])
         self.write("my.py", "import troupe\n\n\n@troupe.measure\ndef turn(robots):\n    return robots.memory['turn'][7]\n")
         made = self.troupe("run", "w.json", "--controller", "my.py", "--measures", "m.csv", "--measure", "my:turn", code=1)
         self.assertRegex(made.stderr, r"my.py:6: AttributeError: .*'memory'; known: .*, readings, ")

@@ -6,6 +6,7 @@ import contextlib
 import copy
 import dataclasses
 import gc
+import inspect
 import io
 import pathlib
 import pickle
@@ -1059,6 +1060,8 @@ class Vector(unittest.TestCase):
         for steps in (0, -1, 2.5, "3"):
             with self.assertRaisesRegex(ValueError, "^" + re.escape(f"max_episode_steps={steps!r}: give a whole number above 0, or None")):
                 troupe.envs.VectorEnv(task, 2, max_episode_steps=steps)
+        for kind in (troupe.envs.Batch, troupe.envs.Env, troupe.envs.ParallelEnv, troupe.envs.VectorEnv):
+            self.assertIn("max_episode_steps", inspect.signature(kind.__init__).parameters)
         self.assertEqual(set(troupe.envs.TASKS), {name[7:-3] for name in gymnasium.registry if name.startswith("troupe/")})
 
     def test_says_what_is_wrong(self):

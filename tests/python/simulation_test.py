@@ -1,5 +1,6 @@
 """Tests of the simulation in the Python package."""
 
+import ast
 import contextlib
 import copy
 import functools
@@ -278,6 +279,14 @@ class Loading(InAFolder):
         self.assertGreater(len(texts), 200)
         self.assertEqual([(name, line) for name, lines in texts.items() for line in lines if len(line) > 120 and "->" not in line],
                          [])
+        sources = list(pathlib.Path(troupe.__file__).parent.rglob("*.py"))
+        self.assertGreater(len(sources), 10)
+        for file in sources:
+            lines = file.read_text(encoding="utf-8").splitlines()
+            for node in ast.walk(ast.parse("\n".join(lines))):
+                if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(node) is not None:
+                    text = node.body[0]
+                    self.assertEqual([line for line in lines[text.lineno - 1:text.end_lineno] if len(line) > 120], [], file)
         for name in troupe.math.__all__:
             self.assertRegex(getattr(troupe.math, name).__doc__, r"(?m)^Returns ")
 
@@ -347,6 +356,10 @@ class Running(InAFolder):
         with self.assertRaises(TypeError) as raised:
             troupe.Simulation.from_bytes("c.h5")
         self.assertEqual(str(raised.exception), "data: found 'c.h5': give the bytes that to_bytes() has returned")
+        with self.assertRaises(TypeError) as raised:
+            troupe.Simulation.from_bytes(data, thread=2)
+        self.assertRegex(str(raised.exception), r'^from_bytes\(\) has no keyword argument "thread"; known: data, threads, set, '
+                                                r'.* \(did you mean "threads"\?\)$')
 
     def test_ranks_give_the_same_bits(self):
         def drive(world):

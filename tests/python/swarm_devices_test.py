@@ -106,7 +106,7 @@ class Devices(unittest.TestCase):
             self.assertTrue(swarm.heard("S5")[1].any())
         silent = troupe.Simulation({**TALKERS, "types": {"bot": {**TALKERS["types"]["bot"], "sensors": []}}}).swarm()
         empty = troupe.Simulation(TALKERS, robots={"r": 0}).swarm("r")
-        for swarm, error, text in ((silent, LookupError, 'unknown device .*"radio"'),
+        for swarm, error, text in ((silent, LookupError, 'has no device .*"radio"'),
                                    (empty, RuntimeError, "a swarm without robots has no devices")):
             for use in (lambda: swarm.say(b"hello"), lambda: swarm.heard("S5")):
                 with self.assertRaisesRegex(error, text):
@@ -114,7 +114,7 @@ class Devices(unittest.TestCase):
 
     def test_what_is_wrong_changes_nothing(self):
         for error, text, call in (
-            (LookupError, r'device "radio": unknown field "cuont"; known: ', lambda: self.swarm.readings("cuont", "radio")),
+            (LookupError, r'device "radio" of "r0": unknown field "cuont"; known: ', lambda: self.swarm.readings("cuont", "radio")),
             (LookupError, 'did you mean "lamp"', lambda: self.swarm.command("lump", red=1)),
             (LookupError, 'device "lamp": unknown command field "rde"; known: ',
              lambda: self.swarm.command("lamp", red=1, rde=1)),

@@ -1,9 +1,11 @@
 #pragma once
 
+#include "engine/kinds/components.hpp"
 #include "engine/kinds/sensor_params.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/registry.hpp"
 
+#include <cstddef>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -81,6 +83,16 @@ inline engine::DriveSpec drive(
 inline engine::ControllerSpec controller(
     std::string kind, std::initializer_list<std::pair<std::string_view, engine::Value>> values = {}) {
   return {.kind = kind, .params = record(registry().controller(kind)->params, values)};
+}
+
+/// Number of bodies in the world that are disabled or have a fault, such as a broken device.
+inline std::size_t count_impaired(const engine::World& world) {
+  std::size_t count = 0;
+  for (const engine::StateTable& table : world.tables())
+    if (table.component() == "condition")
+      for (std::size_t row = 0; row < table.rows(); ++row)
+        count += !table.as<engine::Condition>(row).is_sound();
+  return count;
 }
 
 /// Builds a WorldSpec, the engine's description of a world. The world contains the ground (body 0) and the

@@ -667,6 +667,14 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   is_wrong(
       k_name, [](auto&, auto& t) { t.arrays[0].parts[0].field = "rangs"; }, "did you mean \"ranges\"?");
   is_wrong(
+      k_argument,
+      [](auto&, auto& t) {
+        t.arrays[0].parts[0].device = "wander/0";
+        t.arrays[0].parts[0].field = "avoid_updates";
+      },
+      "team \"bots\" observes \"wander/0\", the memory of a controller, but the controllers of its robots do "
+      "not run: give the name of a device");
+  is_wrong(
       k_name, [](auto&, auto& t) { t.arrays[2].parts[0].name = "gaol"; },
       "there is no model \"gaol0\", which would be the target of robot \"r0\"; give the name of one model");
   is_wrong(
@@ -677,7 +685,7 @@ TEST(BatchEnv, SaysWhatIsWrong) {
       "an action without a device commands the drive: unknown command \"forwards\"");
   is_wrong(
       k_name, [](auto&, auto& t) { t.actions[2].command = "reed"; },
-      "device \"lamp\": unknown command \"reed\"");
+      "device \"lamp\": unknown command field \"reed\"");
   for (const auto& range : {std::pair(0.0, HUGE_VAL), {double{NAN}, 1.0}, {-1e308, 1e308}})
     is_wrong(
         k_argument,

@@ -67,6 +67,7 @@ TEST(Capabilities, NoTextOfTheEngineOrTheLibraryIsTheNameOfAKind) {
       R"(engine/spec/spec_description.cpp "fiducial")",  // a member of bodies
       R"(engine/spec/watch_spec.cpp "camera")",          // a parameter of a world's window
       R"(engine/spec/world_spec.cpp "ground")",          // the type of body 0
+      R"(live/watched.cpp "radio")",                     // the name of a layer of lines
       R"(troupe/model.cpp "ranger")",                    // the word of a message for all that measures ranges
       R"(troupe/pictures.cpp "camera")",  // the same as in watch_spec.cpp, and the option --camera
       // Another parameter of a window.
@@ -77,7 +78,7 @@ TEST(Capabilities, NoTextOfTheEngineOrTheLibraryIsTheNameOfAKind) {
   const Names names = kind_names();
   std::vector<std::string> found;
   std::size_t files = 0;
-  for (const char* folder : {"base", "partition", "engine", "troupe"}) {
+  for (const char* folder : {"base", "partition", "engine", "troupe", "live"}) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder)) {
       const std::string extension = entry.path().extension().string();
       const std::string file = std::filesystem::relative(entry.path(), root).generic_string();

@@ -535,7 +535,7 @@ TEST_F(SimulationTest, SubscribingToWhatIsNotThereIsAnError) {
 TEST_F(SimulationTest, UnknownSensorsAreAnsweredWithTheKnown) {
   Simulation simulation = json();
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("r0").ranges("frnt")); }),
-            "\"r0\" has no ranger \"frnt\"; it has: front, top");
+            "\"r0\" has no ranger \"frnt\"; it has: front, top (did you mean \"front\"?)");
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("slider").ranges()); }),
             "\"slider\" has no ranger");
   EXPECT_EQ(message_of<std::out_of_range>([&] { static_cast<void>(simulation.find("wall").intensities()); }),

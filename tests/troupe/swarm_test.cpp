@@ -412,12 +412,27 @@ TEST(SwarmDevices, IncludeTheMemoriesOfControllers) {
   EXPECT_EQ(read<std::int32_t>(bots, "avoid_updates", "wander/0"), expected);
   std::vector<std::byte> bytes(4);
   EXPECT_THAT(message_of<std::out_of_range>([&] { bots.readings(bytes, "avoid", "wander/0"); }),
-              HasSubstr("controller \"wander/0\": unknown field \"avoid\"; known: "));
-  EXPECT_THAT(message_of<std::out_of_range>([&] { bots.readings(bytes, "avoid", "wander"); }),
-              HasSubstr("robot \"b0\": unknown device \"wander\"; known: eye, wander/0"));
+              HasSubstr("controller \"wander/0\" of \"b0\": unknown field \"avoid\"; known: "));
+  EXPECT_THAT(
+      message_of<std::out_of_range>([&] { bots.readings(bytes, "avoid", "wander"); }),
+      HasSubstr("\"b0\" has no device \"wander\"; it has: eye, wander/0 (did you mean \"wander/0\"?)"));
   EXPECT_THAT(
       message_of<std::out_of_range>([&] { simulation.swarm("s").readings(bytes, "avoid", "wander/0"); }),
-      HasSubstr("robot \"s0\": unknown device \"wander/0\"; known: eye"));
+      HasSubstr("\"s0\" has no device \"wander/0\"; it has: eye"));
+  // A model reads and says the same.
+  for (std::size_t i = 0; i < bots.size(); ++i) {
+    const Model robot = simulation.model(bots.ids()[i]);
+    EXPECT_THAT(robot.readings<std::int32_t>("avoid_updates", "wander/0"), ElementsAre(expected[i]));
+  }
+  const Model b0 = simulation.find("b0");
+  EXPECT_THAT(b0.fields("wander/0"),
+              testing::Contains(testing::Field(&engine::StateField::name, "avoid_updates")));
+  EXPECT_EQ(message_of<std::invalid_argument>([&] { b0.readings<float>("avoid_updates", "wander/0"); }),
+            "field \"avoid_updates\" of controller \"wander/0\" of \"b0\" has the type int32, not float32");
+  EXPECT_THAT(message_of<std::out_of_range>([&] { b0.reading("avoid", "wander/0"); }),
+              HasSubstr("controller \"wander/0\" of \"b0\": unknown field \"avoid\"; known: "));
+  EXPECT_EQ(message_of<std::out_of_range>([&] { b0.reading("avoid_updates", "wander/1"); }),
+            "\"b0\" has no device \"wander/1\"; it has: eye, wander/0 (did you mean \"wander/0\"?)");
 }
 
 TEST(SwarmDevices, SayWhatIsWrong) {
@@ -425,15 +440,14 @@ TEST(SwarmDevices, SayWhatIsWrong) {
   Swarm all = simulation.swarm();
   std::vector<std::byte> bytes(4);
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "cuont", "radio"); }),
-              HasSubstr("device \"radio\": unknown field \"cuont\"; known: bearing, count, "));
+              HasSubstr("device \"radio\" of \"b0\": unknown field \"cuont\"; known: bearing, count, "));
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "cuont", ""); }),
               AllOf(HasSubstr("devices of \"b0\": unknown field \"cuont\"; known: bearing, "),
                     HasSubstr("(did you mean \"count\"?)")));
-  EXPECT_THAT(
-      message_of<std::out_of_range>([&] { all.readings(bytes, "count", "radoi"); }),
-      HasSubstr("robot \"b0\": unknown device \"radoi\"; known: lamp, radio (did you mean \"radio\"?)"));
+  EXPECT_THAT(message_of<std::out_of_range>([&] { all.readings(bytes, "count", "radoi"); }),
+              HasSubstr("\"b0\" has no device \"radoi\"; it has: radio, lamp (did you mean \"radio\"?)"));
   EXPECT_THAT(message_of<std::out_of_range>([&] { all.command_fields("eye"); }),
-              HasSubstr("robot \"b0\": unknown device that takes commands \"eye\"; known: lamp, radio"));
+              HasSubstr("\"b0\" has no device that takes commands \"eye\"; it has: radio, lamp"));
   EXPECT_THAT(message_of<std::invalid_argument>([&] { all.readings(bytes, "count", "radio"); }),
               HasSubstr("found 4 bytes for \"count\" of 4 robots with 1 columns each"));
   bytes.resize(4 * 5 * 4);

@@ -209,8 +209,7 @@ std::optional<std::string> name_for_path(const World& world, std::string_view na
       const std::string_view field = rest.substr(device.name.size() + 1);
       const std::vector<engine::StateField>& fields = device.prepared.percepts;
       if ((separator == '.' || separator == '/') &&
-          std::ranges::find(fields, field.substr(0, field.find('.')), &engine::StateField::name) !=
-              fields.end())
+          engine::field_named(fields, field.substr(0, field.find('.'))) != nullptr)
         return fmt::format("{}.{}", device.name, field);
     }
   }

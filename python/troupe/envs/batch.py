@@ -33,8 +33,8 @@ class Batch:
     max_episode_steps
              number of steps after which an episode is truncated, if it has not reached task.seconds before
     options  keyword arguments of troupe.Simulation, except threads
-    errors   TypeError or ValueError for an invalid task or number of copies or steps; LookupError for an unknown robot and for
-             unknown names in the task; InputError for an invalid world
+    errors   TypeError or ValueError for an invalid task or number of copies or steps; LookupError for an unknown robot
+             and for unknown names in the task; InputError for an invalid world
     """
 
     def __init__(
@@ -107,9 +107,9 @@ class Batch:
         return self.core.array(name, team)
 
     def starts(self, name: str) -> npt.NDArray[np.float64]:
-        """Returns the array into which Task.place() writes the poses at which the bodies of an entry of Task.starts begin
-        the next episodes: copies x bodies x 3: x, y (m) and heading (rad) in the world frame. NaN in a row (at first, in
-        all rows): the body begins where the world places it. Raises LookupError for an unknown name."""
+        """Returns the array into which Task.place() writes the poses at which the bodies of an entry of Task.starts
+        begin the next episodes: copies x bodies x 3: x, y (m) and heading (rad) in the world frame. NaN in a row (at
+        first, in all rows): the body begins where the world places it. Raises LookupError for an unknown name."""
         return self.core.starts(name)
 
     def reset(
@@ -121,8 +121,8 @@ class Batch:
         """Begins an episode in some copies. which: one bool per copy, True for copies that begin one; None: all copies.
         seeds: one seed per copy. A copy without a seed (None, or an empty list) begins its next episode, whose seed is
         derived from the last seed that the copy was given (at first: the seed of the world plus the index of the copy).
-        options: a dict that Task.place() and Task.begin() find as batch.options. Raises TypeError for options that are not a dict and
-        for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1 and
+        options: a dict that Task.place() and Task.begin() find as batch.options. Raises TypeError for options that are
+        not a dict and for a seed that is not a whole number, and ValueError for one that is not from 0 to 2^64 - 1 and
         for a list of another length than the number of copies; the copies then remain as they are."""
         if isinstance(seeds, str) or not hasattr(seeds, "__iter__"):
             raise TypeError(f"seeds: found {seeds!r}: give a list with one seed or None per copy")
@@ -214,8 +214,8 @@ class Batch:
         self._needs_reset[:] = False
 
     def _check_result(self, function: str, team: Team, result: Any, shape: Sequence[Optional[int]], axes: str, kinds: str) -> None:
-        """Raises ValueError if a function of the task returned an array of another shape, which NumPy would broadcast, or
-        of another kind of elements. shape: a number per axis; None: any number."""
+        """Raises ValueError if a function of the task returned an array of another shape, which NumPy would broadcast,
+        or of another kind of elements. shape: a number per axis; None: any number."""
         found = np.asarray(result)
         of = f'{type(self.task).__name__}.{function}(), team "{team.name}"'
         if found.ndim != len(shape) or any(size not in (None, own) for size, own in zip(shape, found.shape)):
@@ -275,8 +275,9 @@ class Batch:
         return own.copy() if shape is None else own.reshape(own.shape[:2] + shape).copy()
 
     def _added(self, name: str, parts: List[Dict[str, Any]], team: int, columns: Optional[int]) -> Any:
-        """Returns the columns that Task.observe() adds to an observed array, copies x robots x columns, or None if there
-        are none. columns: their number; None: any number. Raises ValueError if the function returns anything else."""
+        """Returns the columns that Task.observe() adds to an observed array, copies x robots x columns, or None if
+        there are none. columns: their number; None: any number. Raises ValueError if the function returns anything
+        else."""
         more = self.task.observe(self, team, name)
         if more is None and not columns:
             return None
@@ -321,8 +322,8 @@ class Batch:
 
 def one_copy(task: Task, **options: Any) -> Batch:
     """Returns a Batch with one copy of the world and one thread, because a copy uses only one. options: those of Batch,
-    except threads, which raises TypeError. Without the option seed, the seed of the world is random, as Gymnasium requires
-    for the first reset() without a seed: several environments must differ."""
+    except threads, which raises TypeError. Without the option seed, the seed of the world is random, as Gymnasium
+    requires for the first reset() without a seed: several environments must differ."""
     if "threads" in options:
         raise TypeError("threads: an environment with one copy of the world uses one thread: omit threads, or use VectorEnv")
     if options.get("seed") is None:

@@ -24,11 +24,13 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
     """An environment in which each robot of each team of a task is an agent. The name of an agent is the name of its
     robot. Agents of different teams may have different observation and action spaces.
 
+    max_episode_steps
+                 number of steps after which an episode is truncated, if it has not reached task.seconds before
     render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
                  that the first reset() prints
     render_size  width and height of pictures, pixels
     render_look  keyword arguments of Simulation.picture(), a dict such as {"camera": "perspective"}
-    options      keyword arguments of troupe.Simulation, except threads, and max_episode_steps, as in VectorEnv
+    options      keyword arguments of troupe.Simulation, except threads
     episodes     an episode ends for all agents after task.seconds, and for a single agent when its robot is finished
                  (by Team.ends, Task.terminated() or the world's `stop_when`) or dies. A robot that is born during an
                  episode becomes an agent at that time
@@ -49,17 +51,20 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         self,
         task: Task,
         *,
+        max_episode_steps: Optional[int] = None,
         render_mode: Optional[str] = None,
         render_size: Tuple[int, int] = RENDER_SIZE,
         render_look: Optional[Dict[str, Any]] = None,
         **options: Any,
     ) -> None:
-        EzPickle.__init__(self, task, render_mode=render_mode, render_size=render_size, render_look=render_look, **options)
+        EzPickle.__init__(
+            self, task, max_episode_steps=max_episode_steps, render_mode=render_mode, render_size=render_size,
+            render_look=render_look, **options)
         require_task(task)
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size, render_look)
-        self._batch = one_copy(task, **options)
+        self._batch = one_copy(task, max_episode_steps=max_episode_steps, **options)
         self.metadata = {**self.metadata, **render_metadata(self._batch)}
         self._places: Dict[str, Tuple[int, int]] = {}  # team and row of each agent
         for team, names in enumerate(self._batch.names):
@@ -82,15 +87,16 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         return self.action_spaces[agent]
 
     def state(self) -> npt.NDArray[Any]:
-        """Returns the observations of all possible agents after the last step as one row, for methods that train a central
-        critic: the observations, flattened, in the order of `possible_agents`. The row has the same length in all steps: it
-        also has the observations of finished robots, and zeros for robots that are not in the world."""
+        """Returns the observations of all possible agents after the last step as one row, for methods that train a
+        central critic: the observations, flattened, in the order of `possible_agents`. The row has the same length in
+        all steps: it also has the observations of finished robots, and zeros for robots that are not in the world."""
         observations = tuple(self._observations(self.possible_agents).values())
         return np.asarray(spaces.flatten(self._observed_by_all, observations))
 
     def reset(self, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None) -> Tuple[_PerAgent, _PerAgent]:
-        """Begins an episode and returns (observations, infos), dicts by agent, of the robots that are in the world. An info
-        has the values that Task.info() returns. options: a dict for Task.begin(), which finds it as batch.options."""
+        """Begins an episode and returns (observations, infos), dicts by agent, of the robots that are in the world. An
+        info has the values that Task.info() returns. options: a dict for Task.begin(), which finds it as
+        batch.options."""
         self.batch.reset(seeds=[] if seed is None else [seed], options=options)
         self.renderer.begin(self.batch)
         is_alive = self._values_of(self.batch.core.alive)
@@ -102,10 +108,10 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         """Advances the world by one step. actions: a dict with one action per agent; the action of a missing agent is
         all zeros (in a discrete space the action with the index 0). Returns (observations, rewards, terminations,
         truncations, infos), dicts by agent, of the robots that were agents before the step and of robots born in the
-        step; all dicts are empty if there are no agents. Raises TypeError for actions that are not a dict, ValueError for
-        a name that is not in `agents` and for an action of a wrong shape or, in a discrete space, that is not a whole
-        number, and RuntimeError before the first reset(), and before the next reset() after a step that an exception
-        has ended."""
+        step; all dicts are empty if there are no agents. Raises TypeError for actions that are not a dict, ValueError
+        for a name that is not in `agents` and for an action of a wrong shape or, in a discrete space, that is not a
+        whole number, and RuntimeError before the first reset(), and before the next reset() after a step that an
+        exception has ended."""
         batch = self.batch
         batch.require_reset()
         if not self.agents:
@@ -141,7 +147,8 @@ class ParallelEnv(OneCopy, EzPickle, _ParallelEnv):
         )
 
     def _values_of(self, array: Callable[[int], npt.NDArray[Any]]) -> _PerAgent:
-        """Returns numbers or bools by possible agent: the elements of array(team), which is 1 x robots, of all teams."""
+        """Returns numbers or bools by possible agent: the elements of array(team), which is 1 x robots, of all
+        teams."""
         rows = [array(team)[0].tolist() for team in range(len(self.batch.teams))]
         return {agent: rows[team][row] for agent, (team, row) in self._places.items()}
 

@@ -43,7 +43,8 @@ def _checked_size(size: Any) -> Tuple[int, int]:
 
 
 def _checked_look(look: Any) -> Dict[str, Any]:
-    """Returns the argument `render_look` as a dict. Raises TypeError unless it is None or a dict with names in _LOOK."""
+    """Returns the argument `render_look` as a dict. Raises TypeError unless it is None or a dict with names in
+    _LOOK."""
     if look is not None and (not isinstance(look, dict) or not set(look) <= set(_LOOK)):
         raise TypeError(f"render_look={look!r}: give a dict of options of pictures; known: {', '.join(_LOOK)}")
     return dict(look or {})
@@ -57,8 +58,8 @@ class Renderer:
     size  width and height of pictures, pixels
     look  keyword arguments of Simulation.picture(), such as camera; None: none
 
-    Raises ValueError for an unknown mode or a wrong size, TypeError for a look with unknown names, and RuntimeError, which
-    names the package to install, if the mode is rgb_array and pictures cannot be drawn.
+    Raises ValueError for an unknown mode or a wrong size, TypeError for a look with unknown names, and RuntimeError,
+    which names the package to install, if the mode is rgb_array and pictures cannot be drawn.
     """
 
     def __init__(self, mode: Optional[str], size: Tuple[int, int], look: Optional[Dict[str, Any]]) -> None:
@@ -126,8 +127,8 @@ class OneCopy(Copies):
     """The members that the environments with one copy of the world share."""
 
     def render(self) -> Optional[npt.NDArray[np.uint8]]:
-        """Returns a picture of the world, with the options `render_look`: height x width x 3, uint8, RGB. None unless the
-        render mode is rgb_array."""
+        """Returns a picture of the world, with the options `render_look`: height x width x 3, uint8, RGB. None unless
+        the render mode is rgb_array."""
         pictures = self.renderer.pictures(self.batch)
         return None if pictures is None else pictures[0]
 

@@ -28,8 +28,8 @@ def info_of(infos: Dict[str, npt.NDArray[Any]], *index: int) -> Dict[str, Any]:
 
 
 def checked(action: Any, space: "gymnasium.Space[Any]", what: str) -> npt.NDArray[Any]:
-    """Returns an action as an array. Raises ValueError unless it has the shape of the action space, and, if the space is
-    discrete, consists of whole numbers. what: the name of the action in the error text."""
+    """Returns an action as an array. Raises ValueError unless it has the shape of the action space, and, if the space
+    is discrete, consists of whole numbers. what: the name of the action in the error text."""
     given = np.asarray(action)
     shape = space.shape or ()
     if given.shape != shape:
@@ -43,19 +43,21 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
     """An environment in which one robot of a task learns. The other robots run the controllers of the world file.
 
     robot        name of the robot that learns; None: the first robot of the team
+    max_episode_steps
+                 number of steps after which an episode is truncated, if it has not reached task.seconds before
     render_mode  rgb_array: render() returns a picture. human: the world runs in real time in a browser, at the address
                  that the first reset() prints
     render_size  width and height of pictures, pixels
     render_look  keyword arguments of Simulation.picture(), a dict such as {"camera": "perspective"}
-    options      keyword arguments of troupe.Simulation, except threads, and max_episode_steps, as in VectorEnv
+    options      keyword arguments of troupe.Simulation, except threads
     seeds        reset(seed=s) begins an episode with the seed s. A later reset() without a seed begins an episode whose
                  seed is derived from s. If no seed was ever given, the first seed is the option `seed`, or else random
     pickle       a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
                  needs a reset()
-    options and  a dict `options` that reset() is given is passed to Task.begin(), as batch.options; the infos of reset() and
-    infos        step() have the values that Task.info() returns
-    errors       TypeError if `task` is not a Task; ValueError if the task has several teams; LookupError if no robot has
-                 the name `robot`; RuntimeError after close()
+    options and  a dict `options` that reset() is given is passed to Task.begin(), as batch.options; the infos of
+    infos        reset() and step() have the values that Task.info() returns
+    errors       TypeError if `task` is not a Task; ValueError if the task has several teams; LookupError if no robot
+                 has the name `robot`; RuntimeError after close()
     """
 
     metadata = {"render_modes": RENDER_MODES, "render_fps": 10.0}  # render_fps of an object: that of its world
@@ -65,20 +67,22 @@ class Env(OneCopy, EzPickle, gymnasium.Env[Any, Any]):
         task: Task,
         *,
         robot: Optional[str] = None,
+        max_episode_steps: Optional[int] = None,
         render_mode: Optional[str] = None,
         render_size: Tuple[int, int] = RENDER_SIZE,
         render_look: Optional[Dict[str, Any]] = None,
         **options: Any,
     ) -> None:
         EzPickle.__init__(
-            self, task, robot=robot, render_mode=render_mode, render_size=render_size, render_look=render_look, **options)
+            self, task, robot=robot, max_episode_steps=max_episode_steps, render_mode=render_mode, render_size=render_size,
+            render_look=render_look, **options)
         require_one_team(task, "Env")
         self.task = task
         self.render_mode = render_mode
         self.renderer = Renderer(render_mode, render_size, render_look)
         if robot is None:
             robot = one_copy(task, **options).names[0][0]
-        self._batch = one_copy(task, robot=robot, **options)
+        self._batch = one_copy(task, robot=robot, max_episode_steps=max_episode_steps, **options)
         self.metadata = {**self.metadata, **render_metadata(self._batch)}
         self.robot = robot
         self.observation_space = self._batch.observation_spaces[0]

@@ -84,10 +84,10 @@ class Task:
         """Called before some copies begin an episode, to choose where bodies begin it: writes x, y (m) and the heading
         (rad) of these bodies to batch.starts(name), for an entry `name` of the member `starts`. Rows that it does not
         write keep the poses of the previous episode; NaN means the place that the world gives. copies: one bool per
-        copy, True for the copies that begin an episode. seeds: one seed per copy, that of the episode that it begins next;
-        if poses are drawn from numpy.random.default_rng(seed), episodes with equal seeds are equal. batch.options has the
-        options that reset() of the environment was given. Placed bodies may overlap others. A pose outside the bounds of
-        the world makes the reset or step raise ValueError. By default it does nothing."""
+        copy, True for the copies that begin an episode. seeds: one seed per copy, that of the episode that it begins
+        next; if poses are drawn from numpy.random.default_rng(seed), episodes with equal seeds are equal. batch.options
+        has the options that reset() of the environment was given. Placed bodies may overlap others. A pose outside the
+        bounds of the world makes the reset or step raise ValueError. By default it does nothing."""
 
     def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
         """Called after some copies have begun an episode. copies: one bool per copy, True for the copies that have
@@ -122,12 +122,12 @@ class Task:
         return None
 
     def info(self, batch: "Batch", team: int) -> Optional[Dict[str, npt.NDArray[Any]]]:
-        """Returns values that the environments return in their infos, such as the terms of a reward: a dict from names to
-        arrays of numbers or bools, copies x robots or copies x robots x further axes, or None for no values. Called by
-        each reset, after begin(), and by each step, after terminated(). Robots that are not in the world also have elements. A
-        result of another shape or type makes the reset or the step raise ValueError or TypeError, and so does a name
-        that the environments use themselves: `finished`, `alive`, `final_obs`, `final_info` and names that begin with
-        an underscore."""
+        """Returns values that the environments return in their infos, such as the terms of a reward: a dict from names
+        to arrays of numbers or bools, copies x robots or copies x robots x further axes, or None for no values. Called
+        by each reset, after begin(), and by each step, after terminated(). Robots that are not in the world also have
+        elements. A result of another shape or type makes the reset or the step raise ValueError or TypeError, and so
+        does a name that the environments use themselves: `finished`, `alive`, `final_obs`, `final_info` and names that
+        begin with an underscore."""
         return None
 
     def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
@@ -145,7 +145,8 @@ def is_whole(value: Any) -> bool:
 
 
 def require_task(task: Any) -> None:
-    """Raises TypeError if the argument `task` of an environment is not a Task, or if its teams are not a list of Teams."""
+    """Raises TypeError if the argument `task` of an environment is not a Task, or if its teams are not a list of
+    Teams."""
     if not isinstance(task, Task):
         raise TypeError(f"task: must be a troupe.envs.Task, found {task!r}")
     if task.teams and not (isinstance(task.teams, (list, tuple)) and all(isinstance(team, Team) for team in task.teams)):
@@ -153,8 +154,8 @@ def require_task(task: Any) -> None:
 
 
 def require_one_team(task: Any, environment: str) -> None:
-    """Raises TypeError if the argument `task` of an environment is not a Task, and ValueError if the task has several teams.
-    environment: the class, for the error text."""
+    """Raises TypeError if the argument `task` of an environment is not a Task, and ValueError if the task has several
+    teams. environment: the class, for the error text."""
     require_task(task)
     if task.teams and len(task.teams) != 1:
         raise ValueError(
@@ -164,8 +165,8 @@ def require_one_team(task: Any, environment: str) -> None:
 
 
 def check_task(task: Task) -> None:
-    """Raises TypeError if Task.seconds is not a number, or if Task.measures is not a list of texts. Warns of attributes of
-    a task that Task does not have but whose names are similar to those of its members, such as `second`."""
+    """Raises TypeError if Task.seconds is not a number, or if Task.measures is not a list of texts. Warns of attributes
+    of a task that Task does not have but whose names are similar to those of its members, such as `second`."""
     if not isinstance(task.seconds, numbers.Real):
         raise TypeError(f"{type(task).__name__}.seconds: must be a number of seconds, found {task.seconds!r}")
     if not isinstance(task.measures, (list, tuple)) or not all(isinstance(name, str) for name in task.measures):
@@ -177,7 +178,8 @@ def check_task(task: Task) -> None:
 
 
 def _level_of_the_program() -> int:
-    """Returns the stack level, for warnings of the function that calls this one, of the code that called this package."""
+    """Returns the stack level, for warnings of the function that calls this one, of the code that called this
+    package."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("troupe."):
         level, frame = level + 1, frame.f_back
@@ -187,8 +189,8 @@ def _level_of_the_program() -> int:
 def check_team(team: Team) -> None:
     """Raises TypeError if a member of a team is not made of lists as Team describes. Raises ValueError if `choices` or
     `levels` do not fit `actions`, have numbers outside of -1 to 1, or are both given, if an array has the name of an
-    observation, if a part with a shape is not the only part of its list, or if the member low, high or shape of a part is
-    invalid."""
+    observation, if a part with a shape is not the only part of its list, or if the member low, high or shape of a part
+    is invalid."""
     if not isinstance(team.arrays, dict):
         raise TypeError(f"Team.arrays: must be a dict from names to lists of parts, found {team.arrays!r}")
     observation = team.observation

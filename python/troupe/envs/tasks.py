@@ -46,7 +46,8 @@ def room(size: float, populations: List[Dict[str, Any]], types: Dict[str, Any], 
 
 def robot_type(color: str = "SteelBlue", beams: int = LIDAR_BEAMS) -> Dict[str, Any]:
     """Returns a type of robots with a differential drive and a lidar: `beams` beams at equal angles over 360 degrees,
-    with a range of 3 m. Robots that do not learn run the controller `wander`. color: name of the colour of the robots."""
+    with a range of 3 m. Robots that do not learn run the controller `wander`. color: name of the colour of the
+    robots."""
     return {
         "size_m": [0.3, 0.3, 0.2],
         "color": color,
@@ -81,8 +82,8 @@ def spread(name: str, kind: str, count: int, size: float) -> Dict[str, Any]:
 
 def gathered(name: str, kind: str, count: int, size: float, deviation: float) -> Dict[str, Any]:
     """Returns a population of `count` bodies of the type `kind` whose positions are normally distributed around the
-    origin, in a square room that is centred there, at least 0.5 m from its sides. size: length of a side of the room, m.
-    deviation: standard deviation along each axis, m."""
+    origin, in a square room that is centred there, at least 0.5 m from its sides. size: length of a side of the room,
+    m. deviation: standard deviation along each axis, m."""
     population = spread(name, kind, count, size)
     population["place"] |= {"rule": "gaussian", "mean_m": [0, 0], "deviation_m": [deviation, deviation]}
     return population
@@ -94,14 +95,14 @@ def lidar(scale: float = 1 / LIDAR_RANGE) -> Dict[str, Any]:
 
 
 def located(target: Dict[str, Any], size: float) -> Dict[str, Any]:
-    """Returns a part of an observation: a part "target" of the task, whose lengths are divided by the side of the room, size
-    (m). Two bodies in the room are at most sqrt(2) * size apart."""
+    """Returns a part of an observation: a part "target" of the task, whose lengths are divided by the side of the room,
+    size (m). Two bodies in the room are at most sqrt(2) * size apart."""
     return {**target, "scale": 1 / size, "low": -1.5, "high": 1.5}
 
 
 def own_speed() -> Dict[str, Any]:
-    """Returns a part of an observation: the speeds of the robot in m/s and rad/s. The drive of robot_type() limits them to
-    0.5 m/s and, by default, pi / 2 rad/s."""
+    """Returns a part of an observation: the speeds of the robot in m/s and rad/s. The drive of robot_type() limits them
+    to 0.5 m/s and, by default, pi / 2 rad/s."""
     return {"of": "speed", "low": -2.0, "high": 2.0}
 
 

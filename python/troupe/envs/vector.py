@@ -41,11 +41,11 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
                     that ends an episode returns these two infos of the ended episode in infos["final_info"]. If a robot
                     has not been born yet, infos["alive"] is False for the robot, its observation and its rewards are 0,
                     and its episode ends with that of its copy. The infos also have the values that Task.info() returns
-    seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a list
-                    with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then need
-                    the same seed. The seeds of later episodes of the copy are derived from this seed
-    pickle          a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments, which
-                    needs a reset()
+    seeds           after reset(seed=s) the first episode of copy c has the seed s + c, modulo 2^64. s may also be a
+                    list with one seed per copy, or, as in Gymnasium, per environment; all environments of a copy then
+                    need the same seed. The seeds of later episodes of the copy are derived from this seed
+    pickle          a copy of the environment, also by copy.deepcopy(), is a new environment with the same arguments,
+                    which needs a reset()
     errors          TypeError if `task` is not a Task; ValueError if the task does not have exactly one team, or if
                     num_envs is not a positive multiple of the number of robots that learn in each copy; RuntimeError
                     after close(), and from step() with AutoresetMode.DISABLED if the episode of a copy has ended
@@ -105,12 +105,12 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         seed: Union[None, int, Sequence[Optional[int]]] = None,
         options: Optional[Dict[str, Any]] = None,
     ) -> Tuple[Any, Dict[str, Any]]:
-        """Begins an episode in some copies, and returns (observations, infos), one row of observations per environment. The
-        infos have the values that Task.info() returns, for the copies that begin an episode. seed: see the class.
+        """Begins an episode in some copies, and returns (observations, infos), one row of observations per environment.
+        The infos have the values that Task.info() returns, for the copies that begin an episode. seed: see the class.
         options: a dict. Its entry "reset_mask" is an array of one bool per environment, True for all environments of
         the copies that begin an episode; without a mask, all copies begin one. Task.begin() finds the other entries in
-        batch.options. Raises TypeError for options that are not a dict and for a mask that is not a NumPy array of bool;
-        ValueError for a mask of a wrong shape or that marks no environment or only some robots
+        batch.options. Raises TypeError for options that are not a dict and for a mask that is not a NumPy array of
+        bool; ValueError for a mask of a wrong shape or that marks no environment or only some robots
         of a copy, and for a list of seeds of a wrong length or with different seeds for one copy."""
         seeds = self._seeds_of(seed)  # first, because Gymnasium has other errors for wrong seeds
         if seed is None or isinstance(seed, (int, np.integer)):
@@ -163,8 +163,8 @@ class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):
         return infos
 
     def _infos(self, which: Flags) -> Dict[str, Any]:
-        """Returns the infos of the task and, if several robots learn in each copy, `finished` and `alive`, in the format of
-        _task_infos()."""
+        """Returns the infos of the task and, if several robots learn in each copy, `finished` and `alive`, in the
+        format of _task_infos()."""
         infos = self._task_infos(which)
         if self.robots == 1:
             return infos
