@@ -358,9 +358,8 @@ class Model {
   ///
   /// field   name of the field; docs/library.md lists the fields of all kinds of devices, and fields() lists
   ///         those of one device
-  /// device  name of the device; empty: the first device that has this field. May also be the component of
-  /// the
-  ///         state with the memory of a controller, such as `wander/0`, unless a device has this name
+  /// device  name of the device, or component of the state with the memory of a controller, such as
+  ///         `wander/0`; empty: the first device that has this field
   /// result  all values of the field, in the unit of the field. The span stays valid while the simulation
   ///         lives, and its content changes with each step
   /// errors  std::out_of_range, with the known names, for an unknown field or device; std::logic_error for a
