@@ -25,7 +25,8 @@ Without --over, the x axis is the time, and the study file must have "series": t
 over all runs that have a value at this time; the band around the line shows one standard deviation of these runs above
 and below the mean. With --over, the x axis is a parameter of the study, and each point shows a result of table.csv: the
 mean over the runs with this value of the parameter, with a bar of one standard deviation. Without --by there is one
-line per combination of values of the parameters that vary between runs.
+line per combination of values of the parameters that vary between runs (with --over: between runs with the same value
+of that parameter).
 
 Needs Python with matplotlib: the interpreter in TROUPE_PYTHON, else the one for which the Python package was built,
 else the first python3 on PATH.

@@ -134,7 +134,8 @@ class _Table:
         self.rows = {row[0]: dict(zip(self.head, row)) for row in rows}
 
     def varying(self, by: Optional[str], without: Optional[str] = None) -> List[str]:
-        """Returns the parameters that distinguish the lines: those of `by`, or else all that vary, but `without`."""
+        """Returns the parameters that distinguish the lines: those of `by`, or else all that vary. without: the parameter
+        of the x axis, if there is one; then only those that vary between runs with the same value of this parameter."""
         if by is not None:
             listed = [by] if by in self.parameters else next(csv.reader([by]), [])
             names = [_known("parameter", name, self.parameters) for name in listed or [by]]
@@ -142,8 +143,10 @@ class _Table:
                 raise PlotError(f'error: the parameter "{without}" is on the x axis, so it cannot distinguish lines: leave it out '
                                 "of --by (in Python: by)")
             return names
+        # Without parameters that vary together with the one on the x axis, as each line would have one point.
+        of_axis = {run: row[without] if without is not None else "" for run, row in self.rows.items()}
         return [name for name in self.parameters
-                if name != without and len({row[name] for row in self.rows.values()}) > 1]
+                if len({(of_axis[run], row[name]) for run, row in self.rows.items()}) > len(set(of_axis.values()))]
 
     def key_of(self, run: str, names: Sequence[str]) -> _Key:
         return tuple(self.rows[run][name] for name in names)
@@ -239,7 +242,8 @@ def final_by(folder: _File, over: str, measure: Optional[str] = None,
     over     name of the parameter of the x axis
     measure  a column of results in table.csv: a measure, with or without its unit, or a statistic of a measure
              (coverage_mean); also time_s, the simulated time at which a run ended. None: the first measure
-    by       as in series_by(), but without `over`
+    by       as in series_by(), but without `over`. None: all parameters that have several values in runs with the same
+             value of `over`
     returns  the name of the column, the names of the parameters that distinguish the lines, and a dict from their
              values to the points of a line: a list of (value of `over` as in the table, mean, sample standard
              deviation, number of runs). Numbers come first, in ascending order, then other values. Runs that failed

@@ -304,6 +304,35 @@ TEST_F(Sweep, DoesNotMixStudiesOfWhichAChosenFileHasChanged) {
               HasSubstr("the folder contains runs of another study"));
 }
 
+// The image that has changed fits only in the world of its own run: it has no room for the robots of run 0.
+TEST_F(Sweep, DoesNotMixStudiesOfWhichAFileChosenTogetherWithAnotherValueHasChanged) {
+  write("a.pgm", "P5 4 1 255\n" + std::string("\0\xff\xff\0", 4));
+  write("b.pgm", "P5 4 1 255\n" + std::string("\0\0\0\0", 4));
+  std::string world(k_world);
+  world.replace(world.find("\"bounds_m\""), 10,
+                R"("floorplans": [{"name": "walls", "bitmap": "a.pgm", "size_m": [12, 12, 1]}], "bounds_m")");
+  write("w.json", world);
+  write("study.json",
+        R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"], "parameters": [
+    {"set": "/floorplans/0/bitmap", "name": "image", "values": ["a.pgm", "b.pgm"]},
+    {"set": "/populations/0/count", "name": "robots", "values": [2, 0], "with": "image"}]})");
+  ASSERT_EQ(troupe({"run", "w.json", "--for", "1", "--set", "/floorplans/0/bitmap=b.pgm", "--quiet"}).code,
+            2);
+  const Outcome made = troupe({"sweep", "study.json", "-o", "out"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  const std::string whole = table("out");
+  const std::vector<std::string> lines = lines_of(whole);
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_THAT(lines[0], StartsWith("run,image,robots,seed,"));
+  EXPECT_THAT(lines[1], StartsWith("0,a.pgm,2,"));
+  EXPECT_THAT(lines[2], StartsWith("1,b.pgm,0,"));
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  EXPECT_EQ(table("out"), whole);
+  write("b.pgm", "P5 4 1 255\n" + std::string("\0\xff\0\0", 4));
+  EXPECT_THAT(troupe({"sweep", "study.json", "-o", "out"}).err,
+              HasSubstr("the folder contains runs of another study"));
+}
+
 TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
   std::string study(k_study);
   study.replace(study.find("[2, 5]"), 6, "[2, 5000]");  // there is no room for them

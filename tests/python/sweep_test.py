@@ -53,6 +53,14 @@ SERIES = "run,time_s,order\n0,0,0\n0,1,1\n1,0,2\n1,1,3\n2,0,4\n2,1,5\n3,0,nan\n3
 
 
 class Sweep(unittest.TestCase):
+    def test_parameters_vary_together(self):
+        speed = {"set": "/types/bot/drive/velocity_max_x_mps", "name": "speed", "values": [0.2, 0.4], "with": "robots"}
+        study = {**STUDY, "parameters": [*STUDY["parameters"], speed]}
+        table = troupe.sweep(study, threads=1)
+        self.assertEqual(list(zip(table["robots"], table["speed"])), 3 * [(2, 0.2)] + 3 * [(4, 0.4)])
+        with self.assertRaisesRegex(troupe.InputError, '/parameters/1/with: the number of values is 1, but "robots" has 2'):
+            troupe.sweep({**study, "parameters": [*STUDY["parameters"], {**speed, "values": [0.2]}]})
+
     def test_a_row_is_a_run(self):
         table = troupe.sweep(STUDY, threads=2)
         self.assertEqual(list(table.columns), ["run", "robots", "seed", "ticks", "time_s", "path_length_m",
@@ -324,10 +332,10 @@ class Plot(unittest.TestCase):
 
     def test_results_are_averaged_over_a_parameter(self):
         (self.folder / "series.csv").unlink()
-        (self.folder / "table.csv").write_text(
-            "run,robots,rule,seed,ticks,time_s,order_m,order_m_mean,stopped_by,state_hash,error\n"
-            "0,10,near,1,10,4,1,6,,0,\n1,10,near,2,10,2,3,6,,0,\n2,2,near,1,10,1,5,6,,0,\n3,2,far,1,10,1,nan,7,,0,\n"
-            "4,10,far,1,10,1,8,7,,0,\n5,10,far,2,0,0,nan,nan,,,no room\n")
+        table = ("run,robots,rule,seed,ticks,time_s,order_m,order_m_mean,stopped_by,state_hash,error\n"
+                 "0,10,near,1,10,4,1,6,,0,\n1,10,near,2,10,2,3,6,,0,\n2,2,near,1,10,1,5,6,,0,\n3,2,far,1,10,1,nan,7,,0,\n"
+                 "4,10,far,1,10,1,8,7,,0,\n5,10,far,2,0,0,nan,nan,,,no room\n")
+        (self.folder / "table.csv").write_text(table)
         measure, names, lines = troupe.plot.final_by(self.folder, "robots")
         self.assertEqual((measure, names), ("order_m", ["rule"]))
         self.assertEqual(lines, {("near",): [("2", 5.0, 0.0, 1), ("10", 2.0, math.sqrt(2), 2)], ("far",): [("10", 8.0, 0.0, 1)]})
@@ -337,6 +345,16 @@ class Plot(unittest.TestCase):
         self.assertEqual(lines[("10",)], [("far", 7.0, 0.0, 1), ("near", 6.0, 0.0, 2)])
         self.assertEqual(troupe.plot.final_by(self.folder, "robots", "time_s", by="rule")[2][("near",)][1][1], 3)
         self.assertEqual(troupe.plot.final_by(self.folder, "robots", "order")[0], "order_m")
+
+        # A parameter that varies together with that of the axis does not distinguish lines.
+        (self.folder / "table.csv").write_text(
+            "run,robots,size_m,rule,seed,ticks,time_s,order_m,stopped_by,state_hash,error\n" + "".join(
+                f"{run},{robots},{size_m},{rule},1,10,1,{run},,0,\n"
+                for run, (robots, size_m, rule) in enumerate(((2, 5, "far"), (2, 5, "near"), (8, 5, "near"), (9, 6, "near")))))
+        self.assertEqual(troupe.plot.final_by(self.folder, "robots")[1], ["rule"])
+        self.assertEqual(list(troupe.plot.final_by(self.folder, "size_m")[2]), [("2", "far"), ("2", "near"), ("8", "near"), ("9", "near")])
+        self.assertEqual(troupe.plot.final_by(self.folder, "robots", by="size_m")[1], ["size_m"])
+        (self.folder / "table.csv").write_text(table)
 
         for arguments, text in ((("size",), 'unknown parameter "size"; known: robots, rule'),
                                 (("robots", "seed"), 'unknown measure "seed"; known: order_m, order_m_mean, time_s'),
