@@ -294,6 +294,28 @@ def _finite(lines: Mapping[_Key, _Points], measure: str) -> Dict[_Key, _Points]:
     return finite
 
 
+def _positive(lines: Mapping[_Key, _Points], over: Optional[str], measure: str, log: Tuple[bool, bool],
+              file: str) -> Dict[_Key, _Points]:
+    """Returns the points that logarithmic axes can show: those above 0. Warns if others are left out, but not of points
+    at the time 0, which each series has. Raises PlotError if there is no such point. over: parameter of the x axis; None:
+    the time. log: whether the x and the y axis are logarithmic. file: the table of the points, for the warning"""
+    for column, (is_log, option, name) in enumerate(zip(log, ("log-x", "log-y"), (over or "the time", measure))):
+        if not is_log:
+            continue
+        values = [point[column] for points in lines.values() for point in points]
+        lines = {key: [point for point in points if point[column] > 0] for key, points in lines.items()}
+        lines = {key: points for key, points in lines.items() if points}
+        what = f'means of "{name}"' if column == 1 else f'values of "{name}"'
+        if not lines:
+            raise PlotError(f"error: all {what if column == 1 or over else 'times'} are 0 or negative, so they cannot be on a "
+                            f"logarithmic axis: leave out --{option} (in Python: {option.replace('-', '_')})")
+        missing = sum(value <= 0 for value in values)
+        if missing and (column == 1 or over):
+            warnings.warn(f"{file}: warning: {missing} of {len(values)} points are not in the plot, because their {what} are 0 "
+                          "or negative and the axis is logarithmic", RuntimeWarning, stacklevel=3)
+    return dict(lines)
+
+
 def _literal(text: str) -> str:
     """Returns the text for a label in which matplotlib draws dollar signs, instead of a formula between them."""
     return text.replace("$", r"\$")
@@ -354,15 +376,17 @@ def _save(figure: Any, file: str, title: Optional[str]) -> None:
 
 
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
-         title: Optional[str] = None, over: Optional[str] = None) -> str:
+         title: Optional[str] = None, over: Optional[str] = None, log_x: bool = False, log_y: bool = False) -> str:
     """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter
     of the x axis, for the results at the end of the runs as final_by() reads them; None: the time, for the series that
     series_by() reads. folder, measure, by: as in these functions. out: name of the file; None: MEASURE.png or
     MEASURE-over-PARAMETER.png in the folder. title: title of the plot, which may contain formulas between dollar signs
-    as matplotlib draws them; None: no title. Points with an infinite mean are left out, and so are failed runs, which a
-    RuntimeWarning counts. Points of a single run have no band and no bar; if there are several lines, the legend states
-    how many runs a point averages. Raises PlotError in the cases of these functions, if all means are infinite, if a
-    value exceeds 1e300, if the name has another ending, if a formula in the title is invalid, and if the file cannot be
+    as matplotlib draws them; None: no title. log_x, log_y: whether the x and the y axis are logarithmic; they have only
+    the points above 0, and a RuntimeWarning counts the others, except those at the time 0. Points with an infinite mean
+    are left out, and so are failed runs, which a RuntimeWarning counts. Points of a single run have no band and no bar;
+    if there are several lines, the legend states how many runs a point averages. Raises PlotError in the cases of these
+    functions, if all means are infinite, if a value exceeds 1e300, if a logarithmic axis has no point or values that
+    are not numbers, if the name has another ending, if a formula in the title is invalid, and if the file cannot be
     written; raises ImportError if matplotlib is missing. After an error, a file that existed is unchanged."""
     ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
     if over is None:
@@ -373,7 +397,11 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         lines = {key: [(positions[value], mean, deviation, runs) for value, mean, deviation, runs in points]
                  for key, points in final.items()}
         ticks = None if are_numbers else positions
-    lines = _finite(lines, measure)
+        if log_x and not are_numbers:
+            raise PlotError(f'error: the parameter "{over}" has values that are not numbers or exceed {LARGEST:g}, so they '
+                            "cannot be on a logarithmic axis: leave out --log-x (in Python: log_x)")
+    lines = _positive(_finite(lines, measure), over, measure, (log_x, log_y),
+                      os.path.join(folder, "series.csv" if over is None else "table.csv"))
     _warn_of_failed_runs(folder)
     file = _file_of_plot(folder, out, measure, over)
     import matplotlib
@@ -410,6 +438,11 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
                         rotation=0 if is_level else 90)
     label = f"{measure}, mean and standard deviation" if most > 1 else measure
     axes.set_ylabel(_literal(textwrap.fill(label, LABEL_WIDTH)))
+    # A band or a bar that reaches down to 0 or below ends at the edge of the plot (nonpositive="clip").
+    if log_x:
+        axes.set_xscale("log")
+    if log_y:
+        axes.set_yscale("log", nonpositive="clip")
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
     if names:
@@ -452,11 +485,13 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument("--by")
     parser.add_argument("--out")
     parser.add_argument("--title")
+    parser.add_argument("--log-x", action="store_true")
+    parser.add_argument("--log-y", action="store_true")
     given = parser.parse_args(arguments)
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", RuntimeWarning)  # PYTHONWARNINGS may hide warnings, or make them errors
-            file = draw(given.folder, given.measure, given.by, given.out, given.title, given.over)
+            file = draw(given.folder, given.measure, given.by, given.out, given.title, given.over, given.log_x, given.log_y)
     except PlotError as error:
         text = str(error)
         _print(text if not text.startswith("error:") else f"troupe plot: {text}", sys.stderr)

@@ -381,6 +381,48 @@ class Plot(unittest.TestCase):
         self.assertEqual(pathlib.Path(file).name, "order-over-rule-0.png")
         self.assertEqual([label.get_text() for label in texts.get_xticklabels()], ["2", "ten"])
 
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_logarithmic_axes_have_the_points_above_zero(self):
+        from matplotlib import pyplot
+
+        def axes(**named):
+            with unittest.mock.patch.object(pyplot, "close"), warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                troupe.plot.draw(self.folder, out=self.folder / "p.png", **named)
+            self.addCleanup(pyplot.close, pyplot.gcf())
+            return pyplot.gcf().axes[0], [str(warning.message) for warning in caught]
+
+        linear, told = axes(over="robots")
+        self.assertEqual((linear.get_xscale(), linear.get_yscale(), told), ("linear", "linear", []))
+        both, told = axes(over="robots", log_x=True, log_y=True)
+        self.assertEqual((both.get_xscale(), both.get_yscale(), told), ("log", "log", []))
+        self.assertEqual(list(both.lines[0].get_xdata()), [2, 10])
+
+        # Time 0 is left out without a warning, a mean of 0 with one; the band of the other means reaches below 0.
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0,1\n0,1,0.1\n0,2,0\n1,0,1\n1,1,9\n1,2,0\n")
+        series, told = axes(log_x=True)
+        self.assertEqual((series.get_xscale(), series.get_yscale(), told), ("log", "linear", []))
+        self.assertEqual(list(series.lines[0].get_xdata()), [1, 2])
+        series, told = axes(log_y=True)
+        self.assertEqual(list(series.lines[0].get_xdata()), [0, 1])
+        self.assertEqual(told, [f'{self.folder / "series.csv"}: warning: 1 of 3 points are not in the plot, because their means of '
+                                '"order" are 0 or negative and the axis is logarithmic'])
+        self.assertGreater(series.get_ylim()[0], 0)
+        (self.folder / "table.csv").write_text(TABLE.replace(",2,1,", ",0,1,").replace(",2,2,", ",0,2,"))
+        numbers, told = axes(over="robots", log_x=True)
+        self.assertEqual(list(numbers.lines[0].get_xdata()), [10])
+        self.assertIn('1 of 2 points are not in the plot, because their values of "robots" are 0', told[0])
+
+        (self.folder / "table.csv").write_text(TABLE.replace(",10,1,10,", ",ten,1,10,"))
+        with self.assertRaisesRegex(troupe.plot.PlotError, '"robots" has values that are not numbers.*leave out --log-x'):
+            troupe.plot.draw(self.folder, over="robots", log_x=True)
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0,0\n0,1,-1\n")
+        with self.assertRaisesRegex(troupe.plot.PlotError, 'all means of "order" are 0 or negative.*leave out --log-y .in Python: log_y'):
+            troupe.plot.draw(self.folder, log_y=True)
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0,1\n")
+        with self.assertRaisesRegex(troupe.plot.PlotError, "all times are 0 or negative.*leave out --log-x"):
+            troupe.plot.draw(self.folder, log_x=True)
+
     def test_the_end_of_a_stopped_run_is_no_point_between_samples(self):
         def points(*runs):  # of a line with two runs, whose values are always 10 and 11
             rows = [f"{run},{time_s},{10 + run}" for run, times in enumerate(runs) for time_s in times]
