@@ -596,6 +596,10 @@ class InABrowser(unittest.TestCase):
     def test_all_robots_stay_in_a_window_that_becomes_narrower(self):
         with self.opened() as (_, page):
             self.pause(page)
+            # Until the page was open, the robots may have driven anywhere.
+            for robot, x, y in (("red", -4, -1), ("blue", 4, 1)):
+                page.run(f"troupe.act({{do: 'move', robot: '{robot}', pose: [{x}, {y}, 0, 0]}})")
+                page.wait(f"Math.abs(troupe.pose('{robot}')[0] - {x}) < 1e-2")
             page.run("document.getElementById('follow-all').click()")
             page.wait("troupe.screenPlace('blue')[0] - troupe.screenPlace('red')[0] > 500")
             page.call("Emulation.setDeviceMetricsOverride", width=420, height=SIZE[1], deviceScaleFactor=1, mobile=False)
