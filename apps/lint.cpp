@@ -17,9 +17,9 @@ namespace {
 constexpr const char* k_lint_footer = R"(
 Reports likely mistakes in a world: bodies that overlap at the start, robots in walls, sensors that can never detect
 anything or never run, floor plans that block no robot, robots that can never drive, never stand still or never reach
-their goals, power contacts that exchange no energy, unused types and macros, properties, interventions and faults
-without effect, conditions with other parameters than a listed measure, and all warnings of loading. Each finding is one
-line with file and line number: maze.world:41: warning: ...
+their goals, power contacts that exchange no energy, colours that LEDs hide, unused types and macros, properties,
+interventions and faults without effect, conditions with other parameters than a listed measure, and all warnings of
+loading. Each finding is one line with file and line number: maze.world:41: warning: ...
 
 Exit codes: 0 nothing found; 1 findings; 2 the world cannot be loaded, or its measures or its recording have errors
 (errors on standard error).

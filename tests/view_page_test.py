@@ -461,6 +461,20 @@ class InABrowser(unittest.TestCase):
                 self.assertEqual(self.told(page), f'The command "red" must be numbers, separated by commas; found "{text}".')
             self.assertEqual(page.problems, [])
 
+    def test_the_past_has_no_commands(self):
+        is_shown = "document.querySelector('[data-command=red]')?.closest('details').getClientRects().length > 0"
+        with self.opened(world=YARD) as (_, page):
+            page.run("troupe.select('b0')")
+            page.wait(f"troupe.state().time > 2 && {is_shown}")
+            self.pause(page)
+            page.run("(back => { back.value = Number(back.max) - 1; back.oninput({target: back}); })(document.getElementById('back'))")
+            page.wait("document.getElementById('now').textContent.endsWith(' s ago')")
+            self.assertFalse(page.run(is_shown))
+            self.press_button_of(page, "#now")
+            page.wait("document.getElementById('now').textContent === 'now'")
+            self.assertTrue(page.run(is_shown))
+            self.assertEqual(page.problems, [])
+
     def test_a_device_without_commands_to_show_is_listed_once(self):
         with self.opened(world=YARD, script=EMPTY_COMMANDS) as (_, page):
             page.run("troupe.select('b0')")
@@ -596,6 +610,10 @@ class InABrowser(unittest.TestCase):
     def test_all_robots_stay_in_a_window_that_becomes_narrower(self):
         with self.opened() as (_, page):
             self.pause(page)
+            # Until the page was open, the robots may have driven anywhere.
+            for robot, x, y in (("red", -4, -1), ("blue", 4, 1)):
+                page.run(f"troupe.act({{do: 'move', robot: '{robot}', pose: [{x}, {y}, 0, 0]}})")
+                page.wait(f"Math.abs(troupe.pose('{robot}')[0] - {x}) < 1e-2")
             page.run("document.getElementById('follow-all').click()")
             page.wait("troupe.screenPlace('blue')[0] - troupe.screenPlace('red')[0] > 500")
             page.call("Emulation.setDeviceMetricsOverride", width=420, height=SIZE[1], deviceScaleFactor=1, mobile=False)

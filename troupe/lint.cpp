@@ -5,6 +5,7 @@
 #include "engine/interventions/groups.hpp"
 #include "engine/observing/measures.hpp"
 #include "engine/observing/stop_conditions.hpp"
+#include "engine/sensing/shown_color.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "models/controllers/always_turns.hpp"
@@ -20,6 +21,7 @@
 #include "troupe/plugins.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/script.hpp"
+#include "worldio/colors.hpp"
 #include "worldio/load.hpp"
 #include "worldio/results/recording_fields.hpp"
 #include "worldio/window_fields.hpp"
@@ -150,6 +152,7 @@ class Lint {
     check_lights();
     check_ground();
     check_blobs();
+    check_hidden_colors();
     check_radios();
     check_grippers();
     check_floor_plans();
@@ -184,6 +187,8 @@ class Lint {
   void check_lights();
   void check_ground();
   void check_blobs();
+  void check_hidden_colors();
+  std::vector<std::uint32_t> color_hiding_parts(std::uint32_t t) const;
   std::map<std::int32_t, Marks> marks() const;
   std::vector<std::uint32_t> lifting_types() const;
   bool has_others(std::span<const std::uint32_t> types, std::uint32_t type) const;
@@ -684,6 +689,57 @@ void Lint::check_blobs() {
       diagnostics_.warning(given.where, called_text(given.name, spec_.types[t].name) +
                                             "no body has one of the colours in its \"colors\"");
   });
+}
+
+/// Returns the parts of a type that never show the colour of the world file, because a device sets their
+/// colour, such as an LED. A device whose parameters are not the default ones has a chosen colour: its part
+/// is left out. So is a part without a colour of its own if another part shows the body's colour.
+std::vector<std::uint32_t> Lint::color_hiding_parts(std::uint32_t t) const {
+  const engine::TypeSpec& type = spec_.types[t];
+  const engine::BodyType& built = world_.types()[t];
+  std::vector<std::uint32_t> parts;
+  bool shows_color_of_body = false;
+  for (std::uint32_t p = 0; p < type.parts.size(); ++p) {
+    if (type.parts[p].solids.empty()) continue;
+    const engine::BodyType::Device* device = engine::color_device(built, p);
+    if (device == nullptr)
+      shows_color_of_body = shows_color_of_body || !type.parts[p].color;
+    else if (type.devices[static_cast<std::size_t>(device - built.devices.data())].params ==
+             device->kind->params.defaults())
+      parts.push_back(p);
+  }
+  if (shows_color_of_body) std::erase_if(parts, [&](std::uint32_t p) { return !type.parts[p].color; });
+  return parts;
+}
+
+/// Warns of colours that are not the default ones, but that no part shows (color_hiding_parts()).
+void Lint::check_hidden_colors() {
+  const std::vector<Color> default_colors = worldio::default_colors(spec_.types);
+  std::vector<std::vector<std::uint32_t>> hiding(spec_.types.size());
+  for (std::uint32_t t = 0; t < spec_.types.size(); ++t) hiding[t] = color_hiding_parts(t);
+  const auto text = [](const Color& color) {
+    return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", color.r, color.g, color.b);
+  };
+  for (std::size_t b = 0; b < spec_.bodies.size(); ++b) {
+    const std::uint32_t t = spec_.bodies[b].type.value;
+    const Row row = world_.row(BodyId(b));
+    if (hiding[t].empty() || !row.valid()) continue;
+    std::erase_if(hiding[t], [&](std::uint32_t p) {
+      const std::optional<Color>& own = spec_.types[t].parts[p].color;
+      const Color color = own.value_or(spec_.bodies[b].color);
+      const Color shown = engine::shown_color(world_.view(), row, p).value_or(color);
+      if (sensors::is_same_color(shown, color) || (!own && color == default_colors[t])) return false;
+      const engine::BodyType& built = world_.types()[t];
+      const auto d = static_cast<std::size_t>(engine::color_device(built, p) - built.devices.data());
+      const engine::DeviceSpec& device = spec_.types[t].devices[d];
+      diagnostics_.warning(
+          device.where,
+          fmt::format("the \"color\" {} has no effect on the part with {}, which gives the part its own "
+                      "colour, {} at the start: give the device the colour, or a part of its own",
+                      text(color), device_text(device.kind, device.name, spec_.types[t].name), text(shown)));
+      return true;
+    });
+  }
 }
 
 /// Warns of radios on channels on which no other body has a radio.

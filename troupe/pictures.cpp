@@ -130,7 +130,7 @@ namespace {
 
 constexpr double k_default_pitch = 40 * k_pi / 180;
 constexpr double k_follow_widths = 24;  // width of the picture, as a multiple of the followed model's radius
-constexpr double k_least_followed_m = 0.05;
+constexpr double k_across_shapeless_m = 1.2;     // width of the picture of a followed model without a shape
 constexpr double k_stage_fov = 70 * k_pi / 180;  // vertical angle of view of Stage's camera
 
 /// Reads members of the entry `window` of a world by their names.
@@ -392,7 +392,8 @@ struct Pictures::Impl {
       const engine::FrameType& type = type_of(frame, *body);
       const Pose& pose = body->pose_world_body;
       last_center = Eigen::Vector3d(pose.x, pose.y, pose.z);
-      last_across_m = k_follow_widths * std::max(type.radius, k_least_followed_m);
+      last_across_m =
+          type.radius > 0 ? std::max(k_follow_widths * type.radius, k_least_across_m) : k_across_shapeless_m;
     }
     shot.center = last_center;
     shot.across_m = last_across_m;

@@ -130,7 +130,11 @@ Summary summary_of_study(const std::filesystem::path& file, const std::string& t
   if (study.for_s) summary.emplace_back("ends at", fmt::format("{:.10g} s", *study.for_s));
   summary.emplace_back("parameters", fmt::format("{}", study.parameters.size()));
   for (std::size_t p = 0; p < study.parameters.size(); ++p)
-    summary.emplace_back("  " + study.parameters[p].name, choice_text(study.choices[p]));
+    summary.emplace_back("  " + study.parameters[p].name,
+                         study.parameters[p].with
+                             ? fmt::format("{}, with {}", choice_text(study.choices[p]),
+                                           study.parameters[*study.parameters[p].with].name)
+                             : choice_text(study.choices[p]));
   if (study.samples) summary.emplace_back("samples", fmt::format("{}", *study.samples));
   summary.emplace_back("seeds",
                        study.seeds.empty() ? "that of the world" : fmt::format("{}", study.seeds.size()));

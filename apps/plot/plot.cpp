@@ -25,7 +25,11 @@ Without --over, the x axis is the time, and the study file must have "series": t
 over all runs that have a value at this time; the band around the line shows one standard deviation of these runs above
 and below the mean. With --over, the x axis is a parameter of the study, and each point shows a result of table.csv: the
 mean over the runs with this value of the parameter, with a bar of one standard deviation. Without --by there is one
-line per combination of values of the parameters that vary between runs.
+line per combination of values of the parameters that vary between runs (with --over: between runs with the same value
+of that parameter).
+
+Logarithmic axes (--log-x, --log-y) have only the points above 0. A warning counts the others, except those at 0 s. A
+band or bar that reaches down to 0 or below ends at the edge of the plot.
 
 Needs Python with matplotlib: the interpreter in TROUPE_PYTHON, else the one for which the Python package was built,
 else the first python3 on PATH.
@@ -35,7 +39,7 @@ Exit codes: 0 plotted; 1 failed, or python3 or matplotlib is missing; 2 bad inpu
 Examples:
   troupe sweep apps/examples/study/coverage.json -o results
   troupe plot results --measure coverage --by robots -o coverage.pdf
-  troupe plot results --measure coverage --over robots)";
+  troupe plot results --measure coverage --over robots --log-x)";
 
 void add_text(CLI::App& command, const char* name, const char* value, const char* help, std::string& to) {
   add_value(command, name, value, help, [name, &to](const std::string& text) {
@@ -56,6 +60,8 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
            "quotes, as in CSV (default: those that vary)",
            options.by);
   add_text(command, "--title", "TEXT", "Title above the plot", options.title);
+  command.add_flag("--log-x", options.log_x, "Draw the x axis logarithmically")->disable_flag_override();
+  command.add_flag("--log-y", options.log_y, "Draw the y axis logarithmically")->disable_flag_override();
   add_value(command, "-o,--out", "FILE",
             "Output, a .png, .svg or .pdf (default: DIR/MEASURE.png, or DIR/MEASURE-over-NAME.png)",
             [&options](const std::string& text) { options.out = file_name("--out", text); });
@@ -73,6 +79,8 @@ ExitCode plot(const PlotOptions& options) {
   add("--by", options.by);
   add("--title", options.title);
   add("--out", options.out.string());
+  if (options.log_x) words.emplace_back("--log-x");
+  if (options.log_y) words.emplace_back("--log-y");
   words.insert(words.end(), {"--", options.folder.string()});
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());

@@ -21,6 +21,8 @@ struct PlotOptions {
   std::string by;                ///< parameters, "A,B": one line in the plot per combination of values
   std::string title;             ///< title above the plot
   std::filesystem::path out;     ///< picture to write
+  bool log_x = false;            ///< whether the x axis is logarithmic
+  bool log_y = false;            ///< whether the y axis is logarithmic
 };
 
 /// Adds the options of `plot`; parsing fills `options`, which must outlive `command`.

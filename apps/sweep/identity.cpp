@@ -72,10 +72,12 @@ std::string hash_of_choices(const Study& study, const SweepOptions& options) {
   const std::vector<fs::path> plugins = plugin_path(options.sources.plugin_path);
   std::string hashes;
   for (std::size_t p = 0; p < study.choices.size(); ++p)
-    for (const std::string& value : study.choices[p].values) {
+    for (std::size_t i = 0; i < study.choices[p].values.size(); ++i) {
+      const std::string& value = study.choices[p].values[i];
       if (!names_file(nlohmann::json::parse(value), study.world, plugins)) continue;
       Study::Run run = study.run(0);
-      run.values[p] = value;
+      for (std::size_t q = 0; q < study.choices.size(); ++q)  // those that vary together
+        if (study.leader_of(q) == study.leader_of(p)) run.values[q] = study.choices[q].value(i);
       try {
         hashes +=
             hex(hash_text(contents_of(Simulation(study.world, simulation_options(study, run, options)))));

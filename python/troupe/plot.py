@@ -134,7 +134,8 @@ class _Table:
         self.rows = {row[0]: dict(zip(self.head, row)) for row in rows}
 
     def varying(self, by: Optional[str], without: Optional[str] = None) -> List[str]:
-        """Returns the parameters that distinguish the lines: those of `by`, or else all that vary, but `without`."""
+        """Returns the parameters that distinguish the lines: those of `by`, or else all that vary. without: the parameter
+        of the x axis, if there is one; then only those that vary between runs with the same value of this parameter."""
         if by is not None:
             listed = [by] if by in self.parameters else next(csv.reader([by]), [])
             names = [_known("parameter", name, self.parameters) for name in listed or [by]]
@@ -142,8 +143,10 @@ class _Table:
                 raise PlotError(f'error: the parameter "{without}" is on the x axis, so it cannot distinguish lines: leave it out '
                                 "of --by (in Python: by)")
             return names
+        # Without parameters that vary together with the one on the x axis, as each line would have one point.
+        of_axis = {run: row[without] if without is not None else "" for run, row in self.rows.items()}
         return [name for name in self.parameters
-                if name != without and len({row[name] for row in self.rows.values()}) > 1]
+                if len({(of_axis[run], row[name]) for run, row in self.rows.items()}) > len(set(of_axis.values()))]
 
     def key_of(self, run: str, names: Sequence[str]) -> _Key:
         return tuple(self.rows[run][name] for name in names)
@@ -239,7 +242,8 @@ def final_by(folder: _File, over: str, measure: Optional[str] = None,
     over     name of the parameter of the x axis
     measure  a column of results in table.csv: a measure, with or without its unit, or a statistic of a measure
              (coverage_mean); also time_s, the simulated time at which a run ended. None: the first measure
-    by       as in series_by(), but without `over`
+    by       as in series_by(), but without `over`. None: all parameters that have several values in runs with the same
+             value of `over`
     returns  the name of the column, the names of the parameters that distinguish the lines, and a dict from their
              values to the points of a line: a list of (value of `over` as in the table, mean, sample standard
              deviation, number of runs). Numbers come first, in ascending order, then other values. Runs that failed
@@ -288,6 +292,28 @@ def _finite(lines: Mapping[_Key, _Points], measure: str) -> Dict[_Key, _Points]:
     if any(abs(mean) + deviation > LARGEST for points in finite.values() for _, mean, deviation, _ in points):
         raise PlotError(f'error: the measure "{measure}" has values above {LARGEST:g}, which a plot cannot show')
     return finite
+
+
+def _positive(lines: Mapping[_Key, _Points], over: Optional[str], measure: str, log: Tuple[bool, bool],
+              file: str) -> Dict[_Key, _Points]:
+    """Returns the points that logarithmic axes can show: those above 0. Warns if others are left out, but not of points
+    at the time 0, which each series has. Raises PlotError if there is no such point. over: parameter of the x axis; None:
+    the time. log: whether the x and the y axis are logarithmic. file: the table of the points, for the warning"""
+    for column, (is_log, option, name) in enumerate(zip(log, ("log-x", "log-y"), (over or "the time", measure))):
+        if not is_log:
+            continue
+        values = [point[column] for points in lines.values() for point in points]
+        lines = {key: [point for point in points if point[column] > 0] for key, points in lines.items()}
+        lines = {key: points for key, points in lines.items() if points}
+        what = f'means of "{name}"' if column == 1 else f'values of "{name}"'
+        if not lines:
+            raise PlotError(f"error: all {what if column == 1 or over else 'times'} are 0 or negative, so they cannot be on a "
+                            f"logarithmic axis: leave out --{option} (in Python: {option.replace('-', '_')})")
+        missing = sum(value <= 0 for value in values)
+        if missing and (column == 1 or over):
+            warnings.warn(f"{file}: warning: {missing} of {len(values)} points are not in the plot, because their {what} are 0 "
+                          "or negative and the axis is logarithmic", RuntimeWarning, stacklevel=3)
+    return dict(lines)
 
 
 def _literal(text: str) -> str:
@@ -350,15 +376,17 @@ def _save(figure: Any, file: str, title: Optional[str]) -> None:
 
 
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
-         title: Optional[str] = None, over: Optional[str] = None) -> str:
+         title: Optional[str] = None, over: Optional[str] = None, log_x: bool = False, log_y: bool = False) -> str:
     """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter
     of the x axis, for the results at the end of the runs as final_by() reads them; None: the time, for the series that
     series_by() reads. folder, measure, by: as in these functions. out: name of the file; None: MEASURE.png or
     MEASURE-over-PARAMETER.png in the folder. title: title of the plot, which may contain formulas between dollar signs
-    as matplotlib draws them; None: no title. Points with an infinite mean are left out, and so are failed runs, which a
-    RuntimeWarning counts. Points of a single run have no band and no bar; if there are several lines, the legend states
-    how many runs a point averages. Raises PlotError in the cases of these functions, if all means are infinite, if a
-    value exceeds 1e300, if the name has another ending, if a formula in the title is invalid, and if the file cannot be
+    as matplotlib draws them; None: no title. log_x, log_y: whether the x and the y axis are logarithmic; they have only
+    the points above 0, and a RuntimeWarning counts the others, except those at the time 0. Points with an infinite mean
+    are left out, and so are failed runs, which a RuntimeWarning counts. Points of a single run have no band and no bar;
+    if there are several lines, the legend states how many runs a point averages. Raises PlotError in the cases of these
+    functions, if all means are infinite, if a value exceeds 1e300, if a logarithmic axis has no point or values that
+    are not numbers, if the name has another ending, if a formula in the title is invalid, and if the file cannot be
     written; raises ImportError if matplotlib is missing. After an error, a file that existed is unchanged."""
     ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
     if over is None:
@@ -369,7 +397,11 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         lines = {key: [(positions[value], mean, deviation, runs) for value, mean, deviation, runs in points]
                  for key, points in final.items()}
         ticks = None if are_numbers else positions
-    lines = _finite(lines, measure)
+        if log_x and not are_numbers:
+            raise PlotError(f'error: the parameter "{over}" has values that are not numbers or exceed {LARGEST:g}, so they '
+                            "cannot be on a logarithmic axis: leave out --log-x (in Python: log_x)")
+    lines = _positive(_finite(lines, measure), over, measure, (log_x, log_y),
+                      os.path.join(folder, "series.csv" if over is None else "table.csv"))
     _warn_of_failed_runs(folder)
     file = _file_of_plot(folder, out, measure, over)
     import matplotlib
@@ -406,6 +438,11 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
                         rotation=0 if is_level else 90)
     label = f"{measure}, mean and standard deviation" if most > 1 else measure
     axes.set_ylabel(_literal(textwrap.fill(label, LABEL_WIDTH)))
+    # A band or a bar that reaches down to 0 or below ends at the edge of the plot (nonpositive="clip").
+    if log_x:
+        axes.set_xscale("log")
+    if log_y:
+        axes.set_yscale("log", nonpositive="clip")
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
     if names:
@@ -448,11 +485,13 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument("--by")
     parser.add_argument("--out")
     parser.add_argument("--title")
+    parser.add_argument("--log-x", action="store_true")
+    parser.add_argument("--log-y", action="store_true")
     given = parser.parse_args(arguments)
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", RuntimeWarning)  # PYTHONWARNINGS may hide warnings, or make them errors
-            file = draw(given.folder, given.measure, given.by, given.out, given.title, given.over)
+            file = draw(given.folder, given.measure, given.by, given.out, given.title, given.over, given.log_x, given.log_y)
     except PlotError as error:
         text = str(error)
         _print(text if not text.startswith("error:") else f"troupe plot: {text}", sys.stderr)

@@ -198,10 +198,12 @@ TEST_F(Info, OfAnExperiment) {
 
 TEST_F(Info, OfAStudyAndItsTables) {
   write("s.json", R"({"troupe_study": 1, "world": "room.world", "for_s": 1, "series": true, "seeds": [4, 5],
-    "parameters": [{"name": "period_s", "set": "/period_s", "values": [0.5, 0.25]}], "measures": ["stalls"]})");
+    "parameters": [{"name": "period_s", "set": "/period_s", "values": [0.5, 0.25]},
+    {"set": "/speed", "from": 1, "to": 3, "steps": 2, "with": "period_s"}], "measures": ["stalls"]})");
   EXPECT_THAT(info("s.json"),
               ElementsAre("s.json", "kind study, format 1", "world room.world", "runs 4", "ends at 1 s",
-                          "parameters 1", "period_s 0.5, 0.25", "seeds 2", "measures stalls"));
+                          "parameters 2", "period_s 0.5, 0.25", "speed 1 to 3 in 2 steps, with period_s",
+                          "seeds 2", "measures stalls"));
   const std::string columns = "columns run,period_s,seed,ticks,time_s,stalls,stopped_by,state_hash,error";
   write("table", columns.substr(8) + "\n0,0.5,4,10,1,0,,aa,\n1,0.5,5,0,nan,nan,,,\"a,\nb\"\n");
   EXPECT_THAT(info("table"),

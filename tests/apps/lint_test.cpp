@@ -807,8 +807,38 @@ TEST_F(LintTest, ReportsSensorsWithoutLightsGroundAndColours) {
           "w.json:6: warning: sensor \"eye\" of \"bot\" sees nothing: no body has one of the colours in "
           "its \"colors\"",
           "w.json: 1 finding"));
-  expect_nothing("led.json",
-                 world(R"("color": "green", "devices": [{"kind": "blinkenlight"}, {"kind": "led"}])"));
+  expect_nothing("led.json", world(R"("devices": [{"kind": "blinkenlight"}, {"kind": "led"}])"));
+}
+
+TEST_F(LintTest, ReportsColoursThatADeviceHides) {
+  const auto world = [](const std::string& type, const std::string& model = "") {
+    return R"({ "troupe": 1, "types": {
+    "bot": {"size_m": [0.4, 0.4, 0.3], "drive": {"kind": "diff"}, )" +
+           type + R"(} },
+  "models": [{"name": "r0", "type": "bot")" +
+           model + R"(}, {"name": "r1", "type": "bot", "pose": {"x_m": 2}}] })";
+  };
+  const std::string lamp = R"("devices": [
+    {"name": "lamp", "kind": "led"}])";
+  const std::string hidden =
+      "w.json:3: warning: the \"color\" [1, 0, 0] has no effect on the part with led \"lamp\" of \"bot\", "
+      "which gives the part its own colour, [1, 1, 1] at the start: give the device the colour, or a part of "
+      "its own";
+  EXPECT_THAT(findings("w.json", world(R"("color": "red", )" + lamp)),
+              ElementsAre(hidden, "w.json: 1 finding"));
+  EXPECT_THAT(findings("w.json", world(lamp, R"(, "color": "red")")),
+              ElementsAre(hidden, "w.json: 1 finding"));
+  EXPECT_THAT(findings("w.json", world(R"("color": "blue", "parts": [{"name": "top", "color": "red",
+    "size_m": [0.1, 0.1, 0.1], "devices": [{"name": "lamp", "kind": "led"}]}])")),
+              ElementsAre(hidden, "w.json: 1 finding"));
+  // The default colour, that of the LED, an LED with a chosen colour, and a colour that another part shows.
+  expect_nothing("w.json", world(lamp));
+  expect_nothing("w.json", world(R"("color": "white", )" + lamp));
+  expect_nothing("w.json", world(R"("color": "red", "devices": [{"kind": "led", "shows": [0, 0, 1]}])"));
+  expect_nothing("w.json",
+                 world(R"("color": "red", "parts": [{"name": "top", "size_m": [0.1, 0.1, 0.1]}], )" + lamp));
+  expect_nothing("w.json", world(R"("color": "red", "parts": [{"name": "top", "size_m": [0.1, 0.1, 0.1],
+    "devices": [{"kind": "led"}]}])"));
 }
 
 TEST_F(LintTest, InterventionsMayChangeWhatSensorsAndControllersLookFor) {

@@ -204,12 +204,14 @@ TEST_F(Sweep, PlotHandsOverToPython) {
   setenv("TROUPE_PYTHON", path("python").c_str(), 1);
   const Outcome outcome =
       troupe({"plot", "out", "--measure", "order", "--over", "speed", "--by", "robots,seed", "-o", "o.pdf"});
+  const Outcome logarithmic = troupe({"plot", "--log-y", "--log-x", "out"});
   const Outcome alone = troupe({"plot", "--", "-odd"});
   setenv("TROUPE_PYTHON", "./no-such-python", 1);
   const Outcome missing = troupe({"plot", "out"});
   unsetenv("TROUPE_PYTHON");
   EXPECT_EQ(outcome.code, 7);
   EXPECT_EQ(outcome.out, "--measure=order --over=speed --by=robots,seed --out=o.pdf -- out\n");
+  EXPECT_EQ(logarithmic.out, "--log-x --log-y -- out\n");
   EXPECT_EQ(alone.out, "-- -odd\n");
   EXPECT_EQ(missing.code, 1);
   EXPECT_THAT(lines_of(missing.err),
@@ -300,6 +302,35 @@ TEST_F(Sweep, DoesNotMixStudiesOfWhichAChosenFileHasChanged) {
   ASSERT_EQ(made.code, 0) << made.err;
   EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
   write("b.pgm", "P5 6 1 255\n" + std::string("\0\xff\xff\xff\xff\0", 6));
+  EXPECT_THAT(troupe({"sweep", "study.json", "-o", "out"}).err,
+              HasSubstr("the folder contains runs of another study"));
+}
+
+// The image that has changed fits only in the world of its own run: it has no room for the robots of run 0.
+TEST_F(Sweep, DoesNotMixStudiesOfWhichAFileChosenTogetherWithAnotherValueHasChanged) {
+  write("a.pgm", "P5 4 1 255\n" + std::string("\0\xff\xff\0", 4));
+  write("b.pgm", "P5 4 1 255\n" + std::string("\0\0\0\0", 4));
+  std::string world(k_world);
+  world.replace(world.find("\"bounds_m\""), 10,
+                R"("floorplans": [{"name": "walls", "bitmap": "a.pgm", "size_m": [12, 12, 1]}], "bounds_m")");
+  write("w.json", world);
+  write("study.json",
+        R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"], "parameters": [
+    {"set": "/floorplans/0/bitmap", "name": "image", "values": ["a.pgm", "b.pgm"]},
+    {"set": "/populations/0/count", "name": "robots", "values": [2, 0], "with": "image"}]})");
+  ASSERT_EQ(troupe({"run", "w.json", "--for", "1", "--set", "/floorplans/0/bitmap=b.pgm", "--quiet"}).code,
+            2);
+  const Outcome made = troupe({"sweep", "study.json", "-o", "out"});
+  ASSERT_EQ(made.code, 0) << made.err;
+  const std::string whole = table("out");
+  const std::vector<std::string> lines = lines_of(whole);
+  ASSERT_THAT(lines, SizeIs(3));
+  EXPECT_THAT(lines[0], StartsWith("run,image,robots,seed,"));
+  EXPECT_THAT(lines[1], StartsWith("0,a.pgm,2,"));
+  EXPECT_THAT(lines[2], StartsWith("1,b.pgm,0,"));
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  EXPECT_EQ(table("out"), whole);
+  write("b.pgm", "P5 4 1 255\n" + std::string("\0\xff\0\0", 4));
   EXPECT_THAT(troupe({"sweep", "study.json", "-o", "out"}).err,
               HasSubstr("the folder contains runs of another study"));
 }

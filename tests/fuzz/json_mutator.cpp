@@ -429,7 +429,7 @@ const JsonMutator& study_mutator() {
       "parameters": {"type": "array", "items": {"type": "object", "required": ["set"], "properties": {
         "set": {"enum": ["/populations/0/count", "/types/bot/drive/velocity_max_x_mps", "/tick_s", "/seed", "/populations/0",
           "/populations/0/name", "/types/bot/size_m/0", "/models/-", "/quit_time_s", "/types/bot", "/"]},
-        "name": {"type": "string"},
+        "name": {"type": "string"}, "with": {"type": "string"},
         "values": {"type": "array", "minItems": 1, "items": {"anyOf": [{"type": "number"}, {"type": "integer"},
           {"type": "string"}, {"type": "boolean"}]}},
         "from": {"type": "number"}, "to": {"type": "number"}, "steps": {"type": "integer", "minimum": 2, "maximum": 1000000},

@@ -53,6 +53,14 @@ SERIES = "run,time_s,order\n0,0,0\n0,1,1\n1,0,2\n1,1,3\n2,0,4\n2,1,5\n3,0,nan\n3
 
 
 class Sweep(unittest.TestCase):
+    def test_parameters_vary_together(self):
+        speed = {"set": "/types/bot/drive/velocity_max_x_mps", "name": "speed", "values": [0.2, 0.4], "with": "robots"}
+        study = {**STUDY, "parameters": [*STUDY["parameters"], speed]}
+        table = troupe.sweep(study, threads=1)
+        self.assertEqual(list(zip(table["robots"], table["speed"])), 3 * [(2, 0.2)] + 3 * [(4, 0.4)])
+        with self.assertRaisesRegex(troupe.InputError, '/parameters/1/with: the number of values is 1, but "robots" has 2'):
+            troupe.sweep({**study, "parameters": [*STUDY["parameters"], {**speed, "values": [0.2]}]})
+
     def test_a_row_is_a_run(self):
         table = troupe.sweep(STUDY, threads=2)
         self.assertEqual(list(table.columns), ["run", "robots", "seed", "ticks", "time_s", "path_length_m",
@@ -324,10 +332,10 @@ class Plot(unittest.TestCase):
 
     def test_results_are_averaged_over_a_parameter(self):
         (self.folder / "series.csv").unlink()
-        (self.folder / "table.csv").write_text(
-            "run,robots,rule,seed,ticks,time_s,order_m,order_m_mean,stopped_by,state_hash,error\n"
-            "0,10,near,1,10,4,1,6,,0,\n1,10,near,2,10,2,3,6,,0,\n2,2,near,1,10,1,5,6,,0,\n3,2,far,1,10,1,nan,7,,0,\n"
-            "4,10,far,1,10,1,8,7,,0,\n5,10,far,2,0,0,nan,nan,,,no room\n")
+        table = ("run,robots,rule,seed,ticks,time_s,order_m,order_m_mean,stopped_by,state_hash,error\n"
+                 "0,10,near,1,10,4,1,6,,0,\n1,10,near,2,10,2,3,6,,0,\n2,2,near,1,10,1,5,6,,0,\n3,2,far,1,10,1,nan,7,,0,\n"
+                 "4,10,far,1,10,1,8,7,,0,\n5,10,far,2,0,0,nan,nan,,,no room\n")
+        (self.folder / "table.csv").write_text(table)
         measure, names, lines = troupe.plot.final_by(self.folder, "robots")
         self.assertEqual((measure, names), ("order_m", ["rule"]))
         self.assertEqual(lines, {("near",): [("2", 5.0, 0.0, 1), ("10", 2.0, math.sqrt(2), 2)], ("far",): [("10", 8.0, 0.0, 1)]})
@@ -337,6 +345,16 @@ class Plot(unittest.TestCase):
         self.assertEqual(lines[("10",)], [("far", 7.0, 0.0, 1), ("near", 6.0, 0.0, 2)])
         self.assertEqual(troupe.plot.final_by(self.folder, "robots", "time_s", by="rule")[2][("near",)][1][1], 3)
         self.assertEqual(troupe.plot.final_by(self.folder, "robots", "order")[0], "order_m")
+
+        # A parameter that varies together with that of the axis does not distinguish lines.
+        (self.folder / "table.csv").write_text(
+            "run,robots,size_m,rule,seed,ticks,time_s,order_m,stopped_by,state_hash,error\n" + "".join(
+                f"{run},{robots},{size_m},{rule},1,10,1,{run},,0,\n"
+                for run, (robots, size_m, rule) in enumerate(((2, 5, "far"), (2, 5, "near"), (8, 5, "near"), (9, 6, "near")))))
+        self.assertEqual(troupe.plot.final_by(self.folder, "robots")[1], ["rule"])
+        self.assertEqual(list(troupe.plot.final_by(self.folder, "size_m")[2]), [("2", "far"), ("2", "near"), ("8", "near"), ("9", "near")])
+        self.assertEqual(troupe.plot.final_by(self.folder, "robots", by="size_m")[1], ["size_m"])
+        (self.folder / "table.csv").write_text(table)
 
         for arguments, text in ((("size",), 'unknown parameter "size"; known: robots, rule'),
                                 (("robots", "seed"), 'unknown measure "seed"; known: order_m, order_m_mean, time_s'),
@@ -362,6 +380,48 @@ class Plot(unittest.TestCase):
         file, texts = axes(over="rule/0")
         self.assertEqual(pathlib.Path(file).name, "order-over-rule-0.png")
         self.assertEqual([label.get_text() for label in texts.get_xticklabels()], ["2", "ten"])
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_logarithmic_axes_have_the_points_above_zero(self):
+        from matplotlib import pyplot
+
+        def axes(**named):
+            with unittest.mock.patch.object(pyplot, "close"), warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                troupe.plot.draw(self.folder, out=self.folder / "p.png", **named)
+            self.addCleanup(pyplot.close, pyplot.gcf())
+            return pyplot.gcf().axes[0], [str(warning.message) for warning in caught]
+
+        linear, told = axes(over="robots")
+        self.assertEqual((linear.get_xscale(), linear.get_yscale(), told), ("linear", "linear", []))
+        both, told = axes(over="robots", log_x=True, log_y=True)
+        self.assertEqual((both.get_xscale(), both.get_yscale(), told), ("log", "log", []))
+        self.assertEqual(list(both.lines[0].get_xdata()), [2, 10])
+
+        # Time 0 is left out without a warning, a mean of 0 with one; the band of the other means reaches below 0.
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0,1\n0,1,0.1\n0,2,0\n1,0,1\n1,1,9\n1,2,0\n")
+        series, told = axes(log_x=True)
+        self.assertEqual((series.get_xscale(), series.get_yscale(), told), ("log", "linear", []))
+        self.assertEqual(list(series.lines[0].get_xdata()), [1, 2])
+        series, told = axes(log_y=True)
+        self.assertEqual(list(series.lines[0].get_xdata()), [0, 1])
+        self.assertEqual(told, [f'{self.folder / "series.csv"}: warning: 1 of 3 points are not in the plot, because their means of '
+                                '"order" are 0 or negative and the axis is logarithmic'])
+        self.assertGreater(series.get_ylim()[0], 0)
+        (self.folder / "table.csv").write_text(TABLE.replace(",2,1,", ",0,1,").replace(",2,2,", ",0,2,"))
+        numbers, told = axes(over="robots", log_x=True)
+        self.assertEqual(list(numbers.lines[0].get_xdata()), [10])
+        self.assertIn('1 of 2 points are not in the plot, because their values of "robots" are 0', told[0])
+
+        (self.folder / "table.csv").write_text(TABLE.replace(",10,1,10,", ",ten,1,10,"))
+        with self.assertRaisesRegex(troupe.plot.PlotError, '"robots" has values that are not numbers.*leave out --log-x'):
+            troupe.plot.draw(self.folder, over="robots", log_x=True)
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0,0\n0,1,-1\n")
+        with self.assertRaisesRegex(troupe.plot.PlotError, 'all means of "order" are 0 or negative.*leave out --log-y .in Python: log_y'):
+            troupe.plot.draw(self.folder, log_y=True)
+        (self.folder / "series.csv").write_text("run,time_s,order\n0,0,1\n")
+        with self.assertRaisesRegex(troupe.plot.PlotError, "all times are 0 or negative.*leave out --log-x"):
+            troupe.plot.draw(self.folder, log_x=True)
 
     def test_the_end_of_a_stopped_run_is_no_point_between_samples(self):
         def points(*runs):  # of a line with two runs, whose values are always 10 and 11

@@ -160,6 +160,29 @@ TEST_F(PicturesTest, AGivenCenterIsShownAlsoByACameraThatFollowsABody) {
   EXPECT_EQ(drawn("follow:" + simulation.robot_names()[0]), drawn("perspective"));
 }
 
+// A robot the size of a coin fills as much of its picture as one the size of a table.
+TEST_F(PicturesTest, AFollowedBodyFillsThePictureAlikeWhateverItsSize) {
+  const auto pixels_of = [&](const std::string& solids) {
+    const Simulation simulation(
+        write("one.json", R"({"troupe": 1, "bounds_m": [[-2, -2], [2, 2]], "types": {"bot": {)" + solids +
+                              R"("drive": {"kind": "diff"}}},
+      "models": [{"name": "b", "type": "bot"}]})"));
+    Pictures pictures(simulation, {.width = 320,
+                                   .height = 240,
+                                   .camera = "follow:b",
+                                   .layers = std::string(k_only_robots) + ",-bounds",
+                                   .background = "white"});
+    const std::vector<std::uint8_t> rgba = pictures.draw(pictures.take(simulation));
+    double pixels = 0;
+    for (std::size_t i = 0; i < rgba.size(); i += 4) pixels += rgba[i] <= 250;
+    return pixels;
+  };
+  const double large = pixels_of(R"("size_m": [0.8, 0.6, 0.4], )");
+  EXPECT_GT(large, 100);
+  EXPECT_NEAR(pixels_of(R"("size_m": [0.04, 0.03, 0.02], )"), large, 0.2 * large);
+  EXPECT_EQ(pixels_of(R"("device": {"kind": "led"}, )"), 0);  // without a shape
+}
+
 TEST_F(PicturesTest, LedsOnPartsAreDrawn) {
   // Two robots of a type whose LED is on a part above the body. The second one's LED is commanded.
   world_ = write(

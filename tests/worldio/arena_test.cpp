@@ -165,11 +165,12 @@ TEST(WallLine, RobotsOnBothSidesOfClosedWallsAreAWarning) {
               ElementsAre(testing::MatchesRegex(
                   "maze.json:6: warning: /populations/1/place: \"r[0-9]+\" starts inside the closed walls of "
                   "floor plan \"ring\", and \"r[0-9]+\" outside: use the rule free_floor, or give a "
-                  "\"polygon_m\" on one side of the walls")));
+                  "\"polygon_m\" on one side of the walls; if both sides are meant, write one population for "
+                  "each side")));
   EXPECT_THAT(found("[[1.9, 0], [0, 1.9], [-1.9, 0], [0, -1.9]]", "", uniform), IsEmpty());
   EXPECT_THAT(found(closed, R"(, "obstacle": false)", uniform), IsEmpty());
-  EXPECT_THAT(found(closed, "", uniform, R"(, "gripper_return": true)"), IsEmpty());  // no robots
-  EXPECT_THAT(found(closed, "", R"({"rule": "free_floor", "from_m": [2, 0]})"), IsEmpty());
+  EXPECT_THAT(found(closed, "", uniform, R"(, "gripper_return": true)"), IsEmpty());         // no robots
+  EXPECT_THAT(found(closed, "", R"({"rule": "free_floor", "from_m": [2, 0]})"), IsEmpty());  // q is outside
   EXPECT_THAT(
       found(closed, "", R"({"rule": "uniform", "polygon_m": [[3.8, 0], [2, 1.8], [0.2, 0], [2, -1.8]]})"),
       IsEmpty());

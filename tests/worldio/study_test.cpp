@@ -101,6 +101,74 @@ TEST_F(StudyFile, AGridIsAllCombinationsTheFirstSlowestAndSeedsFastest) {
               ElementsAre(testing::Pair("/a/0/b", "\"two\""), testing::Pair("/c", "0")));
 }
 
+TEST_F(StudyFile, ParametersVaryTogetherInTheOrderOfTheirLists) {
+  const Study study_of_four = study(R"("parameters": [
+    {"set": "/n", "name": "robots", "values": [2, 4]}, {"set": "/v", "values": [1, 9]},
+    {"set": "/a", "values": [5, 5], "with": "robots"}, {"set": "/b", "from": 0.5, "to": 1, "steps": 2, "with": "a"}],
+    "seeds": [7, 5])");
+  EXPECT_THAT(findings(diagnostics_), IsEmpty());
+  ASSERT_EQ(study_of_four.run_count(), 2u * 2 * 2);
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t r = 0; r < study_of_four.run_count(); r += 2) rows.push_back(study_of_four.run(r).values);
+  EXPECT_THAT(rows, ElementsAre(ElementsAre("2", "1", "5", "0.5"), ElementsAre("2", "9", "5", "0.5"),
+                                ElementsAre("4", "1", "5", "1"), ElementsAre("4", "9", "5", "1")));
+  EXPECT_EQ(study_of_four.run(7).seed, 5u);
+  // The combinations differ, although no list does.
+  EXPECT_EQ(
+      study(
+          R"("parameters": [{"set": "/n", "values": [2, 2, 4]}, {"set": "/a", "values": [1, 2, 2], "with": "n"},
+    {"set": "/b", "from": 3, "to": 3, "steps": 3, "with": "n"}])")
+          .run_count(),
+      3u);
+  EXPECT_THAT(findings(diagnostics_), IsEmpty());
+}
+
+TEST_F(StudyFile, SamplesOfParametersThatVaryTogetherHaveOnePosition) {
+  const auto rows = values(R"("samples": 40, "parameters": [
+    {"set": "/n", "values": [2, 4, 8]}, {"set": "/m", "values": ["a", "b", "c"], "with": "n"},
+    {"set": "/x", "from": 1, "to": 3, "steps": 3, "with": "n"}])");
+  EXPECT_THAT(std::set<std::vector<std::string>>(rows.begin(), rows.end()),
+              ElementsAre(ElementsAre("2", "\"a\"", "1"), ElementsAre("4", "\"b\"", "2"),
+                          ElementsAre("8", "\"c\"", "3")));
+}
+
+TEST_F(StudyFile, SaysWhichParametersCannotVaryTogether) {
+  const auto wrong_second = [&](const std::string& members, const std::string& more = "") {
+    return wrong("\"parameters\": [{\"set\": \"/n\", \"values\": [2, 4]},\n{\"set\": \"/a\", " + members +
+                 "}]" + more);
+  };
+  EXPECT_THAT(
+      wrong_second(R"("values": [1, 2, 3], "with": "n")"),
+      ElementsAre("study.json:3: error: /parameters/1/with: the number of values is 3, but \"n\" has 2: "
+                  "give both the same number of values"));
+  EXPECT_THAT(wrong_second(R"("from": 1, "to": 2, "steps": 5, "with": "n")", R"(, "samples": 3)"),
+              ElementsAre(HasSubstr("/with: the number of values is 5, but \"n\" has 2")));
+  EXPECT_THAT(
+      wrong_second(R"("values": [1, 2], "with": "m")"),
+      ElementsAre("study.json:3: error: /parameters/1/with: unknown earlier parameter \"m\"; known: n"));
+  EXPECT_THAT(wrong_second(R"("values": [1, 2], "with": "a")"),
+              ElementsAre(HasSubstr("unknown earlier parameter \"a\"; known: n")));
+  EXPECT_THAT(wrong_second(R"("values": [1, 2], "with": 0)"),
+              ElementsAre(HasSubstr("/with: expected the name of an earlier parameter, found the number 0")));
+  EXPECT_THAT(
+      wrong_second(R"("uniform": [1, 2], "with": "n")", R"(, "samples": 3)"),
+      ElementsAre("study.json:3: error: /parameters/1/with: values that vary together are at the same "
+                  "position of two lists: instead of random numbers, give this parameter \"values\", or "
+                  "\"from\", \"to\" and \"steps\""));
+  EXPECT_THAT(
+      wrong(R"("samples": 3, "parameters": [{"set": "/n", "integers": [2, 4]},
+    {"set": "/a", "values": [1, 2], "with": "n"}])"),
+      ElementsAre(HasSubstr("study.json:3: error: /parameters/1/with: values that vary together are at the "
+                            "same position of two lists: instead of random numbers, give \"n\" ")));
+  EXPECT_THAT(wrong_second(R"("values": [], "with": "n")"),
+              ElementsAre(HasSubstr("expected a list of 1 to")));
+  EXPECT_THAT(
+      wrong("\"parameters\": [{\"set\": \"/n\", \"values\": [2, 4, 4.0,\n2]},\n"
+            "{\"set\": \"/a\", \"values\": [1, 2, 3, 1], \"with\": \"n\"}]"),
+      ElementsAre("study.json:3: error: /parameters/0/values/3: the lists that vary together already contain "
+                  "this combination of values: remove one of the two"));
+}
+
 TEST_F(StudyFile, StepsEndAtTheLastValueExactly) {
   EXPECT_THAT(values(R"("parameters": [{"set": "/x", "from": 0.1, "to": 0.7, "steps": 7}])").back(),
               ElementsAre("0.7"));

@@ -450,7 +450,9 @@ void WorldExpander::report_separated_robots(std::size_t first) {
           population.where_place,
           fmt::format(
               "{}: \"{}\" starts inside the closed walls of floor plan \"{}\", and \"{}\" outside: use "
-              "the rule free_floor, or give a \"polygon_m\" on one side of the walls",
+              "the rule free_floor, or give a \"polygon_m\" on one side of the walls; if both sides are "
+              "meant, "
+              "write one population for each side",
               population.path, spec_.names.text(inside->name), plan.name, spec_.names.text(outside->name)));
     }
   }

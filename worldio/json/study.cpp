@@ -109,19 +109,11 @@ constexpr std::string_view k_twice = "the list already contains this entry: remo
 using Choice = Study::Choice;
 using ChoiceKind = Choice::Kind;
 
-/// Returns the i-th value of a parameter whose values are a list or equally spaced.
-std::string value_of(const Choice& choice, std::size_t i) {
-  if (choice.kind == ChoiceKind::listed) return choice.values[i];
-  if (i + 1 == choice.steps) return option_text(choice.high);
-  const double share = static_cast<double>(i) / static_cast<double>(choice.steps - 1);
-  return option_text(choice.low + share * (choice.high - choice.low));
-}
-
 /// Returns a random value of a parameter.
 std::string drawn(const Choice& choice, Random& random) {
   switch (choice.kind) {
     case ChoiceKind::listed:
-    case ChoiceKind::steps: return value_of(choice, random.below(static_cast<std::uint32_t>(choice.count())));
+    case ChoiceKind::steps: return choice.value(random.below(static_cast<std::uint32_t>(choice.count())));
     case ChoiceKind::uniform: return option_text(random.uniform(choice.low, choice.high));
     case ChoiceKind::log_uniform:
       return option_text(
@@ -162,6 +154,7 @@ class StudyReader {
     if (const Value samples = read_field(object, whole("samples", 1, k_most_runs, "")); samples.given())
       study_.samples = static_cast<std::size_t>(samples.integer());
     each(object, "parameters", [&](const JsonCursor& at) { read_parameter(at); });
+    check_combinations(root);
     read_seeds(object);
     read_measures(object);
     if (const Value seed = read_field(object, k_random_seed); seed.given())
@@ -193,8 +186,10 @@ class StudyReader {
   }
 
   void read_parameter(const JsonCursor& at);
+  std::optional<std::size_t> read_with(const JsonCursor& at, const Choice& choice) const;
+  void check_combinations(const JsonCursor& root) const;
   Choice read_choice(JsonObject& object) const;
-  Choice read_list_of_values(const JsonCursor& at) const;
+  static Choice read_list_of_values(const JsonCursor& at);
   Choice read_steps(JsonObject& object) const;
   static Choice read_interval(const JsonCursor& at, ChoiceKind kind);
   void read_seeds(JsonObject& object);
@@ -235,9 +230,72 @@ void StudyReader::read_parameter(const JsonCursor& at) {
     at.error(
         fmt::format("the table of results already has a column \"{}\": give this parameter another \"name\"",
                     parameter.name));
-  study_.choices.push_back(read_choice(object));
+  Choice choice = read_choice(object);
+  if (const JsonNode* node = object.find("with"))
+    parameter.with = read_with(JsonCursor(at, "with", *node), choice);
   object.finish();
+  study_.choices.push_back(std::move(choice));
   study_.parameters.push_back(std::move(parameter));
+}
+
+/// Returns the index of the parameter with which a parameter varies together. at: the name of the other one;
+/// choice: the values of the parameter. Empty, with an error, if they cannot vary together.
+std::optional<std::size_t> StudyReader::read_with(const JsonCursor& at, const Choice& choice) const {
+  const std::string* name = read_text(at, "the name of an earlier parameter");
+  if (!name) return std::nullopt;
+  const auto& before = study_.parameters;
+  const auto found = std::ranges::find(before, *name, &Study::Parameter::name);
+  if (found == before.end()) {
+    at.error(unknown_name("earlier parameter", *name, name_list(before)));
+    return std::nullopt;
+  }
+  const auto leader = study_.leader_of(static_cast<std::size_t>(found - before.begin()));
+  const Choice& other = study_.choices[leader];
+  const auto is_random = [](const Choice& one) {
+    return one.kind != ChoiceKind::listed && one.kind != ChoiceKind::steps;
+  };
+  if (is_random(choice) || is_random(other)) {
+    at.error(
+        fmt::format("values that vary together are at the same position of two lists: instead of random "
+                    "numbers, give {} \"values\", or \"from\", \"to\" and \"steps\"",
+                    is_random(choice) ? "this parameter" : fmt::format("\"{}\"", before[leader].name)));
+    return std::nullopt;
+  }
+  // A list that was reported has no values.
+  if (choice.count() > 0 && other.count() > 0 && choice.count() != other.count())
+    at.error(fmt::format("the number of values is {}, but \"{}\" has {}: give both the same number of values",
+                         choice.count(), before[leader].name, other.count()));
+  return leader;
+}
+
+/// Reports combinations of values that a study without samples has twice, so that their runs would be equal.
+void StudyReader::check_combinations(const JsonCursor& root) const {
+  const JsonNode* node = root.node().find("parameters");
+  if (!node || study_.samples || has_error_in(root.diagnostics(), "/parameters")) return;
+  const JsonCursor all(root, "parameters", *node);
+  // For each parameter that varies independently: its list, followed by those of the parameters that vary
+  // with it, and whether one of them is equally spaced, so that all combinations differ.
+  std::vector<std::vector<const JsonNode::List*>> lists(study_.choices.size());
+  std::vector<bool> has_steps(study_.choices.size(), false);
+  for (std::size_t p = 0; p < study_.choices.size(); ++p)
+    if (study_.choices[p].kind == ChoiceKind::listed)
+      lists[study_.leader_of(p)].push_back((*node->list())[p].find("values")->list());
+    else if (study_.choices[p].low != study_.choices[p].high)
+      has_steps[study_.leader_of(p)] = true;
+  for (std::size_t p = 0; p < lists.size(); ++p) {
+    std::set<std::string> known;
+    for (std::size_t i = 0; !has_steps[p] && !lists[p].empty() && i < lists[p].front()->size(); ++i) {
+      std::string texts;
+      for (const JsonNode::List* list : lists[p]) texts.append(text_of_equals((*list)[i])).append(1, '\n');
+      if (known.insert(std::move(texts)).second) continue;
+      const JsonCursor parameter(all, p, (*node->list())[p]);
+      const JsonCursor values(parameter, "values", *parameter.node().find("values"));
+      JsonCursor(values, i, (*lists[p].front())[i])
+          .error(lists[p].size() == 1 ? std::string(k_twice)
+                                      : "the lists that vary together already contain this combination of "
+                                        "values: remove one of the two");
+    }
+  }
 }
 
 Choice StudyReader::read_choice(JsonObject& object) const {
@@ -263,19 +321,13 @@ Choice StudyReader::read_choice(JsonObject& object) const {
                                                   : ChoiceKind::integers);
 }
 
-Choice StudyReader::read_list_of_values(const JsonCursor& at) const {
+Choice StudyReader::read_list_of_values(const JsonCursor& at) {
   Choice choice;
-  std::set<std::string> known;
   const JsonNode::List* list = read_list(at);
   if (list && (list->empty() || list->size() > k_most_runs))
     at.error(fmt::format("expected a list of 1 to {} values, found {}", k_most_runs, list->size()));
   else if (list)
-    for (std::size_t i = 0; i < list->size(); ++i) {
-      const JsonNode& value = (*list)[i];
-      if (!known.insert(text_of_equals(value)).second && !study_.samples)
-        JsonCursor(at, i, value).error(std::string(k_twice));
-      choice.values.push_back(option_text(value));
-    }
+    for (const JsonNode& value : *list) choice.values.push_back(option_text(value));
   return choice;
 }
 
@@ -290,7 +342,7 @@ Choice StudyReader::read_steps(JsonObject& object) const {
   if (!std::isfinite(choice.high - choice.low))
     object.at().error(
         "\"from\" and \"to\" differ by more than 1.8e308, the largest number that can be represented");
-  else if (choice.low == choice.high && !study_.samples)
+  else if (choice.low == choice.high && !study_.samples && !object.find("with"))
     object.at().error(fmt::format(
         "\"from\" and \"to\" are both {}, so {} runs would be equal: give different numbers, or one number "
         "as \"values\"",
@@ -465,7 +517,7 @@ void StudyReader::check_runs(const JsonCursor& at) {
                          fmt::format("/parameters/{}: the values of \"{}\" are random: give the number of "
                                      "samples, as in \"samples\": 100",
                                      p, study_.parameters[p].name));
-    count *= static_cast<double>(study_.choices[p].count());
+    if (!study_.parameters[p].with) count *= static_cast<double>(study_.choices[p].count());
   }
   if (count > static_cast<double>(k_most_runs))
     at.error(fmt::format("the study has {} runs; at most {} are allowed: give fewer values, samples or seeds",
@@ -489,10 +541,17 @@ std::string_view statistic_name(Statistic statistic) {
   return k_statistics[static_cast<std::size_t>(statistic)];
 }
 
+std::string Study::Choice::value(std::size_t i) const {
+  if (kind == Kind::listed) return values[i];
+  if (i + 1 == steps) return option_text(high);
+  const double share = static_cast<double>(i) / static_cast<double>(steps - 1);
+  return option_text(low + share * (high - low));
+}
+
 std::size_t Study::run_count() const {
   std::size_t count = std::max<std::size_t>(seeds.size(), 1) * samples.value_or(1);
-  for (const Choice& choice : choices)
-    if (!samples) count *= choice.count();
+  for (std::size_t p = 0; p < choices.size(); ++p)
+    if (!samples && !parameters[p].with) count *= choices[p].count();
   return count;
 }
 
@@ -503,14 +562,19 @@ Study::Run Study::run(std::size_t index) const {
     index /= seeds.size();
   }
   run.values.resize(choices.size());
+  std::vector<std::size_t> positions(choices.size());  // in the lists of values; without samples
   for (std::size_t p = choices.size(); p-- > 0;) {
-    if (samples) {
-      Random random(random_seed, stream_id("study", stream_name(parameters, p)),
+    if (samples || parameters[p].with) continue;
+    positions[p] = index % choices[p].count();
+    index /= choices[p].count();
+  }
+  for (std::size_t p = 0; p < choices.size(); ++p) {
+    if (samples) {  // with the stream of its leader, a parameter draws the position that the leader draws
+      Random random(random_seed, stream_id("study", stream_name(parameters, leader_of(p))),
                     static_cast<std::uint32_t>(index), 0);
       run.values[p] = drawn(choices[p], random);
     } else {
-      run.values[p] = value_of(choices[p], index % choices[p].count());
-      index /= choices[p].count();
+      run.values[p] = choices[p].value(positions[leader_of(p)]);
     }
   }
   return run;

@@ -31,6 +31,10 @@ struct Study {
     std::string name;     ///< name of its column in the table of results
     std::string pointer;  ///< JSON pointer to the value in the world, as in the option --set of `troupe run`
     Where where;          ///< position in the study, for messages
+    /// Index of the earlier parameter with which this one varies together: in each run, both have the value
+    /// at the same position in their lists. That parameter has no `with` itself. Empty: this parameter varies
+    /// independently.
+    std::optional<std::size_t> with = {};
   };
   /// The values of the parameters and the seed of one run.
   struct Run {
@@ -70,6 +74,8 @@ struct Study {
     std::size_t count() const {
       return kind == Kind::steps ? steps : values.size();
     }  ///< number of values to combine; 0 if the values are random
+    /// Returns the i-th value, as JSON text. `i` must be below count().
+    std::string value(std::size_t i) const;
   };
   std::vector<Choice> choices;       ///< one per parameter, in the order of `parameters`
   std::vector<std::uint64_t> seeds;  ///< seeds of the runs; empty: only the world's seed
@@ -81,13 +87,17 @@ struct Study {
   /// The number of runs of the study: the number of samples or combinations, times the number of seeds. It is
   /// at most k_most_runs if load_study() has reported no error.
   std::size_t run_count() const;
+  /// Returns the index of the parameter that determines which of its values the parameter `p` has: that of
+  /// Parameter::with, or else `p`.
+  std::size_t leader_of(std::size_t p) const { return parameters[p].with.value_or(p); }
   /// Returns the run with this index, which must be below run_count(). The seed varies fastest: each
   /// combination of values, or each sample, is run with all seeds before the next one. Without samples, the
-  /// runs have all combinations of the values, and the first parameter varies slowest. With samples, the
-  /// random value of a parameter follows from `random_seed`, the number of the sample, and the choice and the
-  /// pointer of the parameter. It does not depend on the other parameters. There is one exception: several
-  /// parameters may have the same pointer if it appends to a list, as `/models/-` does. Their values also
-  /// depend on the order of these parameters.
+  /// runs have all combinations of the values, and the first parameter varies slowest; parameters that vary
+  /// together (Parameter::with) count as one. With samples, the random value of a parameter follows from
+  /// `random_seed`, the number of the sample, and the choice and the pointer of the parameter (for one that
+  /// varies together with another: the pointer of its leader_of()). It does not depend on the other
+  /// parameters. There is one exception: several parameters may have the same pointer if it appends to a
+  /// list, as `/models/-` does. Their values also depend on the order of these parameters.
   Run run(std::size_t index) const;
   /// Returns the values of a run as arguments of the option --set: for each parameter, a pair of its JSON
   /// pointer and its value. The seed is not included.

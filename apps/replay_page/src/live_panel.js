@@ -23,7 +23,8 @@ export class LivePanel extends Panel {
     this.parameters ??= new Parameters((message) => this.ask(message), this.recording.mayActs);
     this.commands ??= new Commands((message) => this.act(message), this.recording.mayActs);
     this.commands.clear();
-    this.values.append(this.parameters.object, this.commands.object, this.state);
+    this.present = element("div", {}, this.commands.object, this.state); // known only for the present, unlike the pose above it
+    this.values.append(this.parameters.object, this.present);
     if (robot !== null) this.parameters.show(this.recording.header.types[type].name);
     this.shown = null;
     this.rows = null;
@@ -35,7 +36,7 @@ export class LivePanel extends Panel {
   update(frame, poses) {
     super.update(frame, poses);
     const { inspected, lookTime } = this.recording;
-    if (this.state) this.state.hidden = lookTime !== null; // known only for the present, unlike the pose above it
+    if (this.present) this.present.hidden = lookTime !== null;
     if (this.robot === null || !inspected || inspected === this.shown) return;
     if (inspected.robot !== this.recording.header.robots.name[this.robot]) return;
     this.shown = inspected;
