@@ -204,12 +204,14 @@ TEST_F(Sweep, PlotHandsOverToPython) {
   setenv("TROUPE_PYTHON", path("python").c_str(), 1);
   const Outcome outcome =
       troupe({"plot", "out", "--measure", "order", "--over", "speed", "--by", "robots,seed", "-o", "o.pdf"});
+  const Outcome one_line = troupe({"plot", "out", "--by", "", "--bars", "interval"});
   const Outcome alone = troupe({"plot", "--", "-odd"});
   setenv("TROUPE_PYTHON", "./no-such-python", 1);
   const Outcome missing = troupe({"plot", "out"});
   unsetenv("TROUPE_PYTHON");
   EXPECT_EQ(outcome.code, 7);
   EXPECT_EQ(outcome.out, "--measure=order --over=speed --by=robots,seed --out=o.pdf -- out\n");
+  EXPECT_EQ(one_line.out, "--by= --bars=interval -- out\n");
   EXPECT_EQ(alone.out, "-- -odd\n");
   EXPECT_EQ(missing.code, 1);
   EXPECT_THAT(lines_of(missing.err),
