@@ -26,7 +26,14 @@ over all runs that have a value at this time; the band around the line shows one
 and below the mean. With --over, the x axis is a parameter of the study, and each point shows a result of table.csv: the
 mean over the runs with this value of the parameter, with a bar of one standard deviation. Without --by there is one
 line per combination of values of the parameters that vary between runs (with --over: between runs with the same value
-of that parameter).
+of that parameter); with --by '' there is one line of all runs.
+
+With --bars interval, bars and bands are 95 % confidence intervals of the mean (Student's t distribution). With
+--bars quartiles, points and lines are medians, and bars and bands extend from the first to the third quartile.
+
+The measure stopped_by is the fraction of the runs that a condition of stop_when ended, with its 95 % confidence
+interval (Wilson); stopped_by:CONDITION is the fraction that this condition ended. Over time, it is the fraction that
+ended so up to each time, and needs no "series".
 
 Logarithmic axes (--log-x, --log-y) have only the points above 0. A warning counts the others, except those at 0 s. A
 band or bar that reaches down to 0 or below ends at the edge of the plot.
@@ -39,7 +46,7 @@ Exit codes: 0 plotted; 1 failed, or python3 or matplotlib is missing; 2 bad inpu
 Examples:
   troupe sweep apps/examples/study/coverage.json -o results
   troupe plot results --measure coverage --by robots -o coverage.pdf
-  troupe plot results --measure coverage --over robots --log-x)";
+  troupe plot results --measure coverage --over robots --bars interval --log-x)";
 
 void add_text(CLI::App& command, const char* name, const char* value, const char* help, std::string& to) {
   add_value(command, name, value, help, [name, &to](const std::string& text) {
@@ -55,10 +62,14 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
   add_argument(command, "DIR", "Folder with the results of troupe sweep", options.folder);
   add_text(command, "--measure", "NAME", "Measure to plot (default: the first)", options.measure);
   add_text(command, "--over", "NAME", "Parameter on the x axis (default: the time)", options.over);
-  add_text(command, "--by", "NAME,...",
-           "Parameters: one line per combination of their values; a name that contains a comma is in double "
-           "quotes, as in CSV (default: those that vary)",
-           options.by);
+  add_value(command, "--by", "NAME,...",
+            "Parameters: one line per combination of their values; a name that contains a comma is in double "
+            "quotes, as in CSV; '': one line of all runs (default: those that vary)",
+            [&options](const std::string& text) { options.by = text; });
+  add_text(command, "--bars", "deviation|interval|quartiles",
+           "What bars and bands show: one standard deviation, 95 % confidence interval, quartiles (default: "
+           "deviation)",
+           options.bars);
   add_text(command, "--title", "TEXT", "Title above the plot", options.title);
   command.add_flag("--log-x", options.log_x, "Draw the x axis logarithmically")->disable_flag_override();
   command.add_flag("--log-y", options.log_y, "Draw the y axis logarithmically")->disable_flag_override();
@@ -76,7 +87,8 @@ ExitCode plot(const PlotOptions& options) {
   };
   add("--measure", options.measure);
   add("--over", options.over);
-  add("--by", options.by);
+  if (options.by) words.push_back(fmt::format("--by={}", *options.by));
+  add("--bars", options.bars);
   add("--title", options.title);
   add("--out", options.out.string());
   if (options.log_x) words.emplace_back("--log-x");

@@ -1,4 +1,6 @@
-"""Draws a measure of a sweep, over time or over the values of a parameter: mean and standard deviation over runs.
+"""Draws a measure of a sweep, over time or over the values of a parameter: mean and standard deviation over runs, mean
+and confidence interval, or median and quartiles. Draws also the fraction of the runs that a condition of `stop_when`
+ended.
 
 `troupe plot` runs this file. In Python, call troupe.plot.draw("results", "coverage", by="robots", out="coverage.png"),
 where "results" is the folder of the sweep. The module needs matplotlib and Python's standard library only.
@@ -11,6 +13,7 @@ import bisect
 import csv
 import difflib
 import errno
+import functools
 import io
 import math
 import os
@@ -18,11 +21,14 @@ import shutil
 import sys
 import textwrap
 import warnings
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, TextIO, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, TextIO, Tuple, Union
 
 _File = Union[str, "os.PathLike[str]"]
 _Key = Tuple[str, ...]
 _Points = List[Tuple[float, float, float, int]]
+# A mean, median or fraction, and the lengths of its bar below and above; NaN: there is no bar.
+_Summary = Tuple[float, float, float]
+_Drawn = List[Tuple[float, float, float, float, int]]  # points of a line: x, the three numbers of a summary, number of runs
 
 # The colours of Okabe and Ito, which colour-blind readers can distinguish, and black.
 COLORS = ("#0072b2", "#e69f00", "#009e73", "#d55e00", "#56b4e9", "#cc79a7", "#000000", "#f0e442")
@@ -34,6 +40,8 @@ TICK_WIDTH = 24  # most characters in a line of a text at a tick of the x axis
 MOST_LEVEL = 60  # most characters of all texts at ticks together; more are written upwards, as they would overlap
 MOST_OF_NAME = 48  # most characters of a name or a value in the legend and at a tick
 OWN_COLUMNS = ("run", "seed", "ticks", "time_s", "stopped_by", "state_hash", "error")
+NORMAL_QUANTILE = 1.959963984540054  # 97.5 % of a normally distributed variable are below this number of deviations
+MOST_DEGREES = 1000  # more degrees of freedom count as 1000: the quantile of the t distribution is then 0.1 % too large
 
 
 class PlotError(ValueError):
@@ -134,8 +142,11 @@ class _Table:
         self.rows = {row[0]: dict(zip(self.head, row)) for row in rows}
 
     def varying(self, by: Optional[str], without: Optional[str] = None) -> List[str]:
-        """Returns the parameters that distinguish the lines: those of `by`, or else all that vary. without: the parameter
-        of the x axis, if there is one; then only those that vary between runs with the same value of this parameter."""
+        """Returns the parameters that distinguish the lines: those of `by`, none if `by` is empty, or else all that
+        vary. without: the parameter of the x axis, if there is one; then only those that vary between runs with the
+        same value of this parameter."""
+        if by == "" and by not in self.parameters:
+            return []
         if by is not None:
             listed = [by] if by in self.parameters else next(csv.reader([by]), [])
             names = [_known("parameter", name, self.parameters) for name in listed or [by]]
@@ -151,6 +162,23 @@ class _Table:
     def key_of(self, run: str, names: Sequence[str]) -> _Key:
         return tuple(self.rows[run][name] for name in names)
 
+    def number(self, run: str, column: str) -> float:
+        text = self.rows[run][column]
+        number = _number(text)
+        if number is None:
+            raise PlotError(f'{self.file}: error: "{text}" is not a number, in the column {column} of run {run}')
+        return number
+
+    def stopped(self, measure: str) -> Dict[str, bool]:
+        """Returns for each run, except failed runs, whether a condition of `stop_when` ended it. measure: "stopped_by"
+        for any condition, or "stopped_by:CONDITION" for the condition with this text."""
+        _known("column", "stopped_by", self.head)
+        condition = measure.partition(":")[2]
+        stops = {run: row["stopped_by"] for run, row in self.rows.items() if not row.get("error")}
+        if condition:
+            _known("condition", condition, sorted(set(stops.values()) - {""}))
+        return {run: stop == condition if condition else stop != "" for run, stop in stops.items()}
+
 
 def _warn_of_failed_runs(folder: _File) -> None:
     table = _Table(folder)
@@ -163,7 +191,8 @@ def _warn_of_failed_runs(folder: _File) -> None:
 def _check_lines(lines: Mapping[_Key, object], measure: str, names: Sequence[str], parameters: Sequence[str]) -> None:
     if len(lines) > MOST_LINES:
         raise PlotError(f"error: one line per value of {' and '.join(names)} gives {len(lines)} lines, but a plot has "
-                        f"at most {MOST_LINES}: select fewer parameters with --by (in Python: by), from: {', '.join(parameters)}")
+                        f"at most {MOST_LINES}: select fewer parameters with --by (in Python: by), from: {', '.join(parameters)}; "
+                        "or none, with --by ''")
     if not lines:
         raise PlotError(f'error: the measure "{measure}" has no value in any run')
 
@@ -183,23 +212,101 @@ def _average(numbers: Sequence[float]) -> Tuple[float, float, int]:
     return mean, math.hypot(*(number - mean for number in numbers)) / math.sqrt(max(count - 1, 1)), count
 
 
-def series_by(folder: _File, measure: Optional[str] = None,
-              by: Optional[str] = None) -> Tuple[str, List[str], Dict[_Key, _Points]]:
-    """Reads the tables of a sweep and averages a measure over its runs, at each time.
+def _deviation(numbers: Sequence[float]) -> _Summary:
+    mean, deviation, count = _average(numbers)
+    bar = deviation if count > 1 else math.nan  # a bar of 0 would look like runs with equal results
+    return mean, bar, bar
 
-    folder   the folder of the sweep
-    measure  name of the measure, with or without its unit; None: the first measure in series.csv
-    by       names of parameters, separated by commas; runs with equal values of these parameters are averaged to one
-             line. A name that contains a comma is in double quotes, as in CSV, unless it is the only name. None: all
-             parameters that have several values
-    returns  the name of the measure, the names of the parameters that distinguish the lines, and a dict from their
-             values to the points of a line: a list of (time_s, mean, sample standard deviation, number of runs) in the
-             order of time. The deviation has the divisor n - 1; it is 0 for one run. NaN values of the measure are left
-             out, and so is the last sample of a run that `stop_when` ended between two samples of another run of the
-             line
-    errors   PlotError if a table is missing or invalid, if a measure or parameter does not exist, if the measure has no
-             value in any run, or if there are more than 12 lines
-    """
+
+def _within(t: float, degrees: int) -> float:
+    """Returns the probability that a variable with Student's t distribution is between -t and t. degrees: the degrees
+    of freedom, at least 1. Source: Abramowitz and Stegun, Handbook of Mathematical Functions, 1964, 26.7.3 and
+    26.7.4."""
+    angle = math.atan2(t, math.sqrt(degrees))
+    is_odd = degrees % 2 == 1
+    term = math.cos(angle) if is_odd else 1.0
+    total = 0.0
+    for exponent in range(degrees % 2, degrees - 1, 2):  # of the cosine in the term
+        total += term
+        term *= math.cos(angle) ** 2 * (exponent + 1) / (exponent + 2)
+    within = math.sin(angle) * total
+    return 2 / math.pi * (angle + within) if is_odd else within
+
+
+@functools.lru_cache(maxsize=None)
+def _t_quantile(degrees: int) -> float:
+    """Returns the 97.5 % quantile of Student's t distribution, for up to MOST_DEGREES degrees of freedom."""
+    low, high = 0.0, 13.0  # the largest quantile, that of one degree, is 12.7
+    middle = high / 2
+    while low < middle < high:
+        if _within(middle, degrees) < 0.95:
+            low = middle
+        else:
+            high = middle
+        middle = (low + high) / 2
+    return middle
+
+
+def _interval(numbers: Sequence[float]) -> _Summary:
+    """Returns the mean with the confidence interval of the mean for a level of 95 %: Student, The probable error of a
+    mean, Biometrika 6, 1908. It assumes normally distributed numbers or means."""
+    mean, deviation, count = _average(numbers)
+    half = _t_quantile(min(count - 1, MOST_DEGREES)) * deviation / math.sqrt(count) if count > 1 else math.nan
+    return mean, half, half
+
+
+def _quantile(ordered: Sequence[float], share: float) -> float:
+    """Returns a quantile of numbers in ascending order, interpolated linearly between the two nearest numbers:
+    definition 7 of Hyndman and Fan, Sample quantiles in statistical packages, The American Statistician 50, 1996, which
+    NumPy and R use by default."""
+    place = share * (len(ordered) - 1)
+    below = int(place)
+    part = place - below
+    if part == 0 or ordered[below] == ordered[below + 1]:
+        return ordered[below]
+    return (1 - part) * ordered[below] + part * ordered[below + 1]
+
+
+def _quartiles(numbers: Sequence[float]) -> _Summary:
+    """Returns the median, with a bar from the first to the third quartile unless one of these is infinite."""
+    ordered = sorted(numbers)
+    first, median, third = (_quantile(ordered, share) for share in (0.25, 0.5, 0.75))
+    if len(ordered) == 1 or not math.isfinite(third - first):
+        return median, math.nan, math.nan
+    return median, median - first, third - median
+
+
+def _fraction(hits: float, count: int) -> _Summary:
+    """Returns the fraction `hits` of `count` runs, with its confidence interval for a level of 95 %: the score interval
+    of Wilson, Probable inference, the law of succession, and statistical inference, Journal of the American Statistical
+    Association 22, 1927. It exists for any number of runs, and is within 0 to 1."""
+    fraction = hits / count
+    z2 = NORMAL_QUANTILE**2
+    middle = (hits + z2 / 2) / (count + z2)
+    half = NORMAL_QUANTILE / (count + z2) * math.sqrt(hits * (count - hits) / count + z2 / 4)
+    # Without max(), rounding could give negative lengths for 0 hits and for `count` hits.
+    return fraction, max(fraction - middle + half, 0.0), max(middle + half - fraction, 0.0)
+
+
+def _fraction_of(numbers: Sequence[float]) -> _Summary:
+    return _fraction(sum(numbers), len(numbers))
+
+
+# What draw() shows of the runs at a point: the words in the label, and the function that computes it.
+BARS: Dict[str, Tuple[str, Callable[[Sequence[float]], _Summary]]] = {
+    "deviation": ("mean and standard deviation", _deviation),
+    "interval": ("mean and 95 % confidence interval", _interval),
+    "quartiles": ("median and quartiles", _quartiles),
+}
+
+
+def _is_fraction(measure: Optional[str]) -> bool:
+    return measure is not None and measure.partition(":")[0] == "stopped_by"
+
+
+def _series(folder: _File, measure: Optional[str], by: Optional[str]
+            ) -> Tuple[str, List[str], Dict[_Key, List[Tuple[float, List[float]]]]]:
+    """Reads what series_by() averages: for each line, the times and the values of the runs at each time."""
     table = _Table(folder)
     series_file = os.path.join(folder, "series.csv")
     if not os.path.exists(series_file):
@@ -226,11 +333,80 @@ def series_by(folder: _File, measure: Optional[str] = None,
         if not math.isnan(number):
             lines.setdefault(key, {}).setdefault(time_s, []).append(number)
     _check_lines(lines, measure, names, table.parameters)
-    result: Dict[_Key, _Points] = {}
+    result: Dict[_Key, List[Tuple[float, List[float]]]] = {}
     for key in sorted(lines, key=_order):
         regular = set(lines[key]) - _stray_ends(list(sampled[key].values()))
         times = sorted(regular or lines[key])  # a line has at least one point
-        result[key] = [(time_s, *_average(lines[key][time_s])) for time_s in times]
+        result[key] = [(time_s, lines[key][time_s]) for time_s in times]
+    return measure, names, result
+
+
+def series_by(folder: _File, measure: Optional[str] = None,
+              by: Optional[str] = None) -> Tuple[str, List[str], Dict[_Key, _Points]]:
+    """Reads the tables of a sweep and averages a measure over its runs, at each time.
+
+    folder   the folder of the sweep
+    measure  name of the measure, with or without its unit; None: the first measure in series.csv
+    by       names of parameters, separated by commas; runs with equal values of these parameters are averaged to one
+             line. A name that contains a comma is in double quotes, as in CSV, unless it is the only name. An empty
+             text: one line averages all runs. None: all parameters that have several values
+    returns  the name of the measure, the names of the parameters that distinguish the lines, and a dict from their
+             values to the points of a line: a list of (time_s, mean, sample standard deviation, number of runs) in the
+             order of time. The deviation has the divisor n - 1; it is 0 for one run. NaN values of the measure are left
+             out, and so is the last sample of a run that `stop_when` ended between two samples of another run of the
+             line
+    errors   PlotError if a table is missing or invalid, if a measure or parameter does not exist, if the measure has no
+             value in any run, or if there are more than 12 lines
+    """
+    measure, names, lines = _series(folder, measure, by)
+    return measure, names, {key: [(time_s, *_average(numbers)) for time_s, numbers in points] for key, points in lines.items()}
+
+
+def _results(folder: _File, over: str, measure: Optional[str], by: Optional[str]
+             ) -> Tuple[str, List[str], Dict[_Key, List[Tuple[str, List[float]]]]]:
+    """Reads what final_by() averages: for each line, the values of `over` and the results of the runs at each value."""
+    table = _Table(folder)
+    _known("parameter", over, table.parameters)
+    columns = [name for name in table.head[len(table.parameters) + 1:] if name not in OWN_COLUMNS]
+    if not measure and not columns:
+        raise PlotError(f"{table.file}: error: the table has no measure")
+    if measure is not None and _is_fraction(measure):
+        numbers = {run: float(stopped) for run, stopped in table.stopped(measure).items()}
+    else:
+        measure = _column_of(measure, [*columns, "time_s"]) if measure else columns[0]
+        numbers = {run: table.number(run, measure) for run, row in table.rows.items() if not row.get("error")}
+    names = table.varying(by, without=over)
+
+    lines: Dict[_Key, Dict[_Key, List[float]]] = {}
+    for run, number in numbers.items():
+        if not math.isnan(number):
+            lines.setdefault(table.key_of(run, names), {}).setdefault((table.rows[run][over],), []).append(number)
+    _check_lines(lines, measure, names, table.parameters)
+    return measure, names, {key: [(value[0], lines[key][value]) for value in sorted(lines[key], key=_order)]
+                            for key in sorted(lines, key=_order)}
+
+
+def _stops(folder: _File, measure: str, by: Optional[str]) -> Tuple[str, List[str], Dict[_Key, _Drawn]]:
+    """Reads for each line which fraction of the runs conditions of `stop_when` have ended up to each time. measure: as
+    that of _Table.stopped(). A line ends at the first end of a run that no condition ended: from then on, it is unknown
+    whether a condition would have ended this run."""
+    table = _Table(folder)
+    names = table.varying(by)
+    stopped = table.stopped(measure)
+    lines: Dict[_Key, List[str]] = {}
+    for run in stopped:
+        lines.setdefault(table.key_of(run, names), []).append(run)
+    _check_lines(lines, measure, names, table.parameters)
+    ends = {run: table.number(run, "time_s") for run in stopped}
+    result: Dict[_Key, _Drawn] = {}
+    for key in sorted(lines, key=_order):
+        runs = lines[key]
+        last = min((ends[run] for run in runs if not table.rows[run]["stopped_by"]), default=max(ends.values()))
+        hits = {0.0: 0}  # number of ended runs, from this time on
+        for i, end in enumerate(sorted(ends[run] for run in runs if stopped[run] and ends[run] <= last)):
+            hits[end] = i + 1
+        hits[last] = max(hits.values())
+        result[key] = [(time_s, *_fraction(count, len(runs)), len(runs)) for time_s, count in hits.items()]
     return measure, names, result
 
 
@@ -241,7 +417,9 @@ def final_by(folder: _File, over: str, measure: Optional[str] = None,
     folder   the folder of the sweep
     over     name of the parameter of the x axis
     measure  a column of results in table.csv: a measure, with or without its unit, or a statistic of a measure
-             (coverage_mean); also time_s, the simulated time at which a run ended. None: the first measure
+             (coverage_mean); also time_s, the simulated time at which a run ended, and stopped_by, which is 1 for a
+             run that a condition of `stop_when` ended and 0 for any other run. With stopped_by:CONDITION, only runs
+             that the condition with this text ended are 1. None: the first measure
     by       as in series_by(), but without `over`. None: all parameters that have several values in runs with the same
              value of `over`
     returns  the name of the column, the names of the parameters that distinguish the lines, and a dict from their
@@ -250,62 +428,45 @@ def final_by(folder: _File, over: str, measure: Optional[str] = None,
              and runs whose value is NaN are left out
     errors   as those of series_by(); also PlotError if `over` is in `by`
     """
-    table = _Table(folder)
-    _known("parameter", over, table.parameters)
-    columns = [name for name in table.head[len(table.parameters) + 1:] if name not in OWN_COLUMNS]
-    if not measure and not columns:
-        raise PlotError(f"{table.file}: error: the table has no measure")
-    measure = _column_of(measure, [*columns, "time_s"]) if measure else columns[0]
-    names = table.varying(by, without=over)
-
-    lines: Dict[_Key, Dict[_Key, List[float]]] = {}
-    for run, row in table.rows.items():
-        if row.get("error"):
-            continue
-        number = _number(row[measure])
-        if number is None:
-            raise PlotError(f'{table.file}: error: "{row[measure]}" is not a number, in the column {measure} of run {run}')
-        if not math.isnan(number):
-            lines.setdefault(table.key_of(run, names), {}).setdefault((row[over],), []).append(number)
-    _check_lines(lines, measure, names, table.parameters)
-    return measure, names, {key: [(value[0], *_average(lines[key][value])) for value in sorted(lines[key], key=_order)]
-                            for key in sorted(lines, key=_order)}
+    measure, names, lines = _results(folder, over, measure, by)
+    return measure, names, {key: [(value, *_average(numbers)) for value, numbers in points] for key, points in lines.items()}
 
 
-def _positions(lines: Mapping[_Key, Sequence[Tuple[str, float, float, int]]]) -> Tuple[Dict[str, float], bool]:
+def _positions(lines: Mapping[_Key, Sequence[Tuple[str, List[float]]]]) -> Tuple[Dict[str, float], bool]:
     """Returns the position on the x axis of each value of a parameter, and whether these are the values themselves:
     values that are not all numbers up to LARGEST are placed side by side, in the order of their lines."""
-    values = sorted({(value,) for points in lines.values() for value, *_ in points}, key=_order)
+    values = sorted({(value,) for points in lines.values() for value, _ in points}, key=_order)
     numbers = [_number(value[0]) for value in values]
     if all(number is not None and abs(number) <= LARGEST for number in numbers):
         return {value[0]: number for value, number in zip(values, numbers) if number is not None}, True
     return {value[0]: float(i) for i, value in enumerate(values)}, False
 
 
-def _finite(lines: Mapping[_Key, _Points], measure: str) -> Dict[_Key, _Points]:
-    """Returns the points whose means are finite, and the lines that have such points. Raises PlotError if there are
-    none, or if a point is too large for a plot."""
+def _finite(lines: Mapping[_Key, _Drawn], measure: str) -> Dict[_Key, _Drawn]:
+    """Returns the points whose mean or median is finite, and the lines that have such points. Raises PlotError if there
+    are none, or if a point is too large for a plot."""
     finite = {key: [point for point in points if math.isfinite(point[1])] for key, points in lines.items()}
     finite = {key: points for key, points in finite.items() if points}
     if not finite:
         raise PlotError(f'error: the measure "{measure}" has only infinite values, which a plot cannot show')
-    if any(abs(mean) + deviation > LARGEST for points in finite.values() for _, mean, deviation, _ in points):
+    if any(abs(center) > LARGEST or abs(center) + max(below, above) > LARGEST
+           for points in finite.values() for _, center, below, above, _ in points):
         raise PlotError(f'error: the measure "{measure}" has values above {LARGEST:g}, which a plot cannot show')
     return finite
 
 
-def _positive(lines: Mapping[_Key, _Points], over: Optional[str], measure: str, log: Tuple[bool, bool],
-              file: str) -> Dict[_Key, _Points]:
+def _positive(lines: Mapping[_Key, _Drawn], over: Optional[str], measure: str, log: Tuple[bool, bool],
+              file: str) -> Dict[_Key, _Drawn]:
     """Returns the points that logarithmic axes can show: those above 0. Warns if others are left out, but not of points
-    at the time 0, which each series has. Raises PlotError if there is no such point. over: parameter of the x axis; None:
-    the time. log: whether the x and the y axis are logarithmic. file: the table of the points, for the warning"""
+    at the time 0, which each series has. Raises PlotError if there is no such point. over: parameter of the x axis;
+    None: the time. log: whether the x and the y axis are logarithmic. file: the table of the points, for the warning"""
     for column, (is_log, option, name) in enumerate(zip(log, ("log-x", "log-y"), (over or "the time", measure))):
         if not is_log:
             continue
         values = [point[column] for points in lines.values() for point in points]
         lines = {key: [point for point in points if point[column] > 0] for key, points in lines.items()}
         lines = {key: points for key, points in lines.items() if points}
-        what = f'means of "{name}"' if column == 1 else f'values of "{name}"'
+        what = f'values of "{name}"'
         if not lines:
             raise PlotError(f"error: all {what if column == 1 or over else 'times'} are 0 or negative, so they cannot be on a "
                             f"logarithmic axis: leave out --{option} (in Python: {option.replace('-', '_')})")
@@ -325,6 +486,13 @@ def _short(text: str) -> str:
     """Returns the text; of a long one its beginning and its end, which often distinguish names of files."""
     half = MOST_OF_NAME // 2
     return text if len(text) <= MOST_OF_NAME else f"{text[:half - 1]}…{text[-half:]}"
+
+
+def _rounded(value: str) -> str:
+    """Returns the value of a parameter, with a fraction rounded to 12 significant digits: equally spaced values have
+    rounding errors, as in 0.30000000000000004."""
+    number = _number(value)
+    return value if number is None or "." not in value else f"{number:.12g}"
 
 
 def _write(file: str, content: bytes) -> None:
@@ -350,8 +518,8 @@ def _write(file: str, content: bytes) -> None:
 
 def _file_of_plot(folder: _File, out: Optional[_File], measure: str, over: Optional[str]) -> str:
     """Returns the name of the file that draw() writes. Raises PlotError if it may not write a file of this name."""
-    default = f"{measure}.png" if over is None else f"{measure}-over-{over}.png".replace(os.sep, "-")
-    file = os.fspath(out) if out else os.path.join(folder, default)
+    default = f"{measure}.png" if over is None else f"{measure}-over-{over}.png"
+    file = os.fspath(out) if out else os.path.join(folder, default.replace(os.sep, "-"))
     if os.path.splitext(file)[1] not in (".png", ".svg", ".pdf"):
         raise PlotError(f'error: "{file}" is not the name of a picture: it must end in .png, .svg or .pdf')
     tables = [os.path.join(folder, name) for name in ("table.csv", "series.csv")]
@@ -376,32 +544,52 @@ def _save(figure: Any, file: str, title: Optional[str]) -> None:
 
 
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
-         title: Optional[str] = None, over: Optional[str] = None, log_x: bool = False, log_y: bool = False) -> str:
+         title: Optional[str] = None, over: Optional[str] = None, bars: Optional[str] = None, log_x: bool = False,
+         log_y: bool = False) -> str:
     """Draws a measure of a sweep into a .png, .svg or .pdf file and returns the name of the file. over: the parameter
     of the x axis, for the results at the end of the runs as final_by() reads them; None: the time, for the series that
     series_by() reads. folder, measure, by: as in these functions. out: name of the file; None: MEASURE.png or
     MEASURE-over-PARAMETER.png in the folder. title: title of the plot, which may contain formulas between dollar signs
-    as matplotlib draws them; None: no title. log_x, log_y: whether the x and the y axis are logarithmic; they have only
-    the points above 0, and a RuntimeWarning counts the others, except those at the time 0. Points with an infinite mean
-    are left out, and so are failed runs, which a RuntimeWarning counts. Points of a single run have no band and no bar;
-    if there are several lines, the legend states how many runs a point averages. Raises PlotError in the cases of these
-    functions, if all means are infinite, if a value exceeds 1e300, if a logarithmic axis has no point or values that
-    are not numbers, if the name has another ending, if a formula in the title is invalid, and if the file cannot be
-    written; raises ImportError if matplotlib is missing. After an error, a file that existed is unchanged."""
+    as matplotlib draws them; None: no title. bars: what a point and its band or bar show: "deviation" (or None), the
+    mean and one standard deviation; "interval", the mean and its 95 % confidence interval, by Student's t distribution;
+    "quartiles", the median, and the first and third quartiles. log_x, log_y: whether the x and the y axis are
+    logarithmic; they have only the points above 0, and a RuntimeWarning counts the others, except those at the time 0.
+
+    With the measure "stopped_by" or "stopped_by:CONDITION" (final_by()), draws the fraction of the runs that a
+    condition ended, with its 95 % confidence interval by Wilson; without `over`, the fraction of the runs that have
+    ended so up to each time, until the first end of a run that no condition ended.
+
+    Points with an infinite mean or median are left out, and so are failed runs, which a RuntimeWarning counts. Points
+    of a single run have no band and no bar, except fractions; the legend states how many runs a point summarises.
+    Raises PlotError in the cases of these functions, if all means are infinite, if a value exceeds 1e300, if a
+    logarithmic axis has no point or values that are not numbers, if the name has another ending, if a formula in the
+    title is invalid, and if the file cannot be written; raises ImportError if matplotlib is missing. After an error, a
+    file that existed is unchanged."""
+    words, summary = BARS[_known("kind of bars", "deviation" if bars is None else bars, list(BARS))]
+    is_fraction = _is_fraction(measure)
+    if is_fraction and bars not in (None, "interval"):
+        raise PlotError(f'error: the bars of the measure "{measure}" cannot be "{bars}", because a fraction of runs is drawn '
+                        "with its confidence interval: leave out --bars (in Python: bars)")
     ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
-    if over is None:
-        measure, names, lines = series_by(folder, measure, by)
-    else:
-        measure, names, final = final_by(folder, over, measure, by)
-        positions, are_numbers = _positions(final)
-        lines = {key: [(positions[value], mean, deviation, runs) for value, mean, deviation, runs in points]
-                 for key, points in final.items()}
+    lines: Dict[_Key, _Drawn]
+    if over is not None:
+        measure, names, results = _results(folder, over, measure, by)
+        positions, are_numbers = _positions(results)
+        if is_fraction:
+            summary = _fraction_of
+        lines = {key: [(positions[value], *summary(numbers), len(numbers)) for value, numbers in points]
+                 for key, points in results.items()}
         ticks = None if are_numbers else positions
         if log_x and not are_numbers:
             raise PlotError(f'error: the parameter "{over}" has values that are not numbers or exceed {LARGEST:g}, so they '
                             "cannot be on a logarithmic axis: leave out --log-x (in Python: log_x)")
+    elif measure is not None and is_fraction:
+        measure, names, lines = _stops(folder, measure, by)
+    else:
+        measure, names, series = _series(folder, measure, by)
+        lines = {key: [(time_s, *summary(numbers), len(numbers)) for time_s, numbers in points] for key, points in series.items()}
     lines = _positive(_finite(lines, measure), over, measure, (log_x, log_y),
-                      os.path.join(folder, "series.csv" if over is None else "table.csv"))
+                      os.path.join(folder, "series.csv" if over is None and not is_fraction else "table.csv"))
     _warn_of_failed_runs(folder)
     file = _file_of_plot(folder, out, measure, over)
     import matplotlib
@@ -411,23 +599,22 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
 
     figure, axes = pyplot.subplots(figsize=(6.4, 4.0), constrained_layout=True)
     for i, (key, points) in enumerate(lines.items()):
-        at, means, deviations, runs = zip(*points)
-        # A single run has no deviation: a band or bar of 0 would look like runs with equal results.
-        spreads = [deviation if count > 1 else math.nan for deviation, count in zip(deviations, runs)]
+        at, centers, below, above, _ = zip(*points)
         color = COLORS[i % len(COLORS)]
         style = "-" if i < len(COLORS) else "--"
-        parts = ", ".join(f"{_short(name)} = {_short(value)}" for name, value in zip(names, key))
+        parts = ", ".join(f"{_short(name)} = {_short(_rounded(value))}" for name, value in zip(names, key))
         label = _literal(textwrap.fill(parts, TITLE_WIDTH)) or None
         if label and label.startswith("_"):
             label = " " + label  # a legend leaves out labels that begin with an underscore
         if over is None:
             dot = "o" if len(at) == 1 else None  # a line through one point would be invisible
-            axes.plot(at, means, style, color=color, label=label, linewidth=1.6, marker=dot, markersize=4)
-            axes.fill_between(at, [m - s for m, s in zip(means, spreads)], [m + s for m, s in zip(means, spreads)],
-                              color=color, alpha=0.18, linewidth=0)
+            axes.plot(at, centers, style, color=color, label=label, linewidth=1.6, marker=dot, markersize=4,
+                      drawstyle="steps-post" if is_fraction else "default")
+            axes.fill_between(at, [c - b for c, b in zip(centers, below)], [c + a for c, a in zip(centers, above)],
+                              color=color, alpha=0.18, linewidth=0, step="post" if is_fraction else None)
         else:
-            bars = spreads if max(runs) > 1 else None  # matplotlib 3.6 fails if all bars are NaN
-            axes.errorbar(at, means, bars, color=color, label=label, linewidth=1.6, elinewidth=1.0, capsize=3,
+            lengths = [below, above] if any(map(math.isfinite, below)) else None  # matplotlib 3.6 fails if all bars are NaN
+            axes.errorbar(at, centers, lengths, color=color, label=label, linewidth=1.6, elinewidth=1.0, capsize=3,
                           marker="o", markersize=4, linestyle=style if ticks is None else "none")
     counts = [runs for points in lines.values() for *_, runs in points]
     least, most = min(counts), max(counts)
@@ -436,7 +623,11 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         is_level = sum(map(len, ticks)) <= MOST_LEVEL
         axes.set_xticks(list(ticks.values()), [_literal(textwrap.fill(_short(value), TICK_WIDTH)) for value in ticks],
                         rotation=0 if is_level else 90)
-    label = f"{measure}, mean and standard deviation" if most > 1 else measure
+    label = f"{measure}, {words}" if most > 1 else measure
+    if is_fraction:
+        label = f"fraction of runs ended by {measure.partition(':')[2] or 'stop_when'}, with 95 % confidence interval"
+        if not log_y:
+            axes.set_ylim(-0.03, 1.03)
     axes.set_ylabel(_literal(textwrap.fill(label, LABEL_WIDTH)))
     # A band or a bar that reaches down to 0 or below ends at the edge of the plot (nonpositive="clip").
     if log_x:
@@ -445,11 +636,11 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         axes.set_yscale("log", nonpositive="clip")
     axes.grid(color="0.9")
     axes.set_axisbelow(True)
-    if names:
-        title_of_legend = f"{most} runs per {'line' if over is None else 'point'}"
-        if least < most:
-            title_of_legend = f"{least} to {most} runs per point"
-        axes.legend(frameon=False, title=None if most == 1 else title_of_legend)
+    title_of_legend = f"{most} runs per {'line' if over is None else 'point'}"
+    if least < most:
+        title_of_legend = f"{least} to {most} runs per point"
+    if names or most > 1:  # without names, the legend consists of its title
+        axes.legend(**({} if names else {"handles": []}), frameon=False, title=None if most == 1 else title_of_legend)
     if title:
         axes.set_title("\n".join(textwrap.fill(line, TITLE_WIDTH) for line in title.splitlines()))
     try:
@@ -485,13 +676,15 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument("--by")
     parser.add_argument("--out")
     parser.add_argument("--title")
+    parser.add_argument("--bars")
     parser.add_argument("--log-x", action="store_true")
     parser.add_argument("--log-y", action="store_true")
     given = parser.parse_args(arguments)
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", RuntimeWarning)  # PYTHONWARNINGS may hide warnings, or make them errors
-            file = draw(given.folder, given.measure, given.by, given.out, given.title, given.over, given.log_x, given.log_y)
+            file = draw(given.folder, given.measure, given.by, given.out, given.title, given.over, given.bars,
+                        log_x=given.log_x, log_y=given.log_y)
     except PlotError as error:
         text = str(error)
         _print(text if not text.startswith("error:") else f"troupe plot: {text}", sys.stderr)

@@ -205,6 +205,7 @@ TEST_F(Sweep, PlotHandsOverToPython) {
   const Outcome outcome =
       troupe({"plot", "out", "--measure", "order", "--over", "speed", "--by", "robots,seed", "-o", "o.pdf"});
   const Outcome logarithmic = troupe({"plot", "--log-y", "--log-x", "out"});
+  const Outcome one_line = troupe({"plot", "out", "--by", "", "--bars", "interval"});
   const Outcome alone = troupe({"plot", "--", "-odd"});
   setenv("TROUPE_PYTHON", "./no-such-python", 1);
   const Outcome missing = troupe({"plot", "out"});
@@ -212,6 +213,7 @@ TEST_F(Sweep, PlotHandsOverToPython) {
   EXPECT_EQ(outcome.code, 7);
   EXPECT_EQ(outcome.out, "--measure=order --over=speed --by=robots,seed --out=o.pdf -- out\n");
   EXPECT_EQ(logarithmic.out, "--log-x --log-y -- out\n");
+  EXPECT_EQ(one_line.out, "--by= --bars=interval -- out\n");
   EXPECT_EQ(alone.out, "-- -odd\n");
   EXPECT_EQ(missing.code, 1);
   EXPECT_THAT(lines_of(missing.err),

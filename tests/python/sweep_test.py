@@ -326,7 +326,8 @@ class Plot(unittest.TestCase):
         for by, names in (("rule, near", ["rule, near"]), ('"rule, near"', ["rule, near"]), ('a "b"', ['a "b"']),
                           ('"rule, near","a ""b"""', ["rule, near", 'a "b"'])):
             self.assertEqual(troupe.plot._Table(self.folder).varying(by), names)
-        for by in ("rule, near,x", "", "rule"):
+        self.assertEqual(troupe.plot._Table(self.folder).varying(""), [])
+        for by in ("rule, near,x", "rule"):
             with self.assertRaisesRegex(troupe.plot.PlotError, "unknown parameter "):
                 troupe.plot._Table(self.folder).varying(by)
 
@@ -361,6 +362,119 @@ class Plot(unittest.TestCase):
                                 (("robots", None, "robots"), "on the x axis, so it cannot distinguish lines")):
             with self.assertRaisesRegex(troupe.plot.PlotError, text):
                 troupe.plot.final_by(self.folder, *arguments)
+
+    def axes_of(self, **named):
+        """Draws a plot, and returns its axes."""
+        from matplotlib import pyplot
+
+        with unittest.mock.patch.object(pyplot, "close"):
+            troupe.plot.draw(self.folder, **named)
+        self.addCleanup(pyplot.close, pyplot.gcf())
+        return pyplot.gcf().axes[0]
+
+    @staticmethod
+    def bars_of(axes):
+        """Returns the x and the lower and upper end of each bar."""
+        from matplotlib import collections
+
+        bars = [bar for bar in axes.collections if isinstance(bar, collections.LineCollection)]
+        return [(segment[0][0], segment[0][1], segment[1][1]) for bar in bars for segment in bar.get_segments() if len(segment)]
+
+    def test_the_quantiles_of_a_t_distribution_are_those_of_tables(self):
+        for degrees, quantile in ((1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (7, 2.365), (9, 2.262), (19, 2.093), (120, 1.980)):
+            self.assertAlmostEqual(troupe.plot._t_quantile(degrees), quantile, delta=0.0005)
+        self.assertEqual(troupe.plot._interval([1, 3]), (2, troupe.plot._t_quantile(1), troupe.plot._t_quantile(1)))
+        # Many runs: nearly the quantile of the normal distribution.
+        half = troupe.plot._interval([-1, 1] * 50_000)[1]
+        self.assertAlmostEqual(half * math.sqrt(100_000), 1.96, delta=0.003)
+
+    def test_quartiles_are_those_of_numpy(self):
+        for count in range(2, 12):
+            numbers = np.random.default_rng(count).normal(size=count)
+            median, below, above = troupe.plot._quartiles(list(numbers))
+            np.testing.assert_allclose([median - below, median, median + above], np.percentile(numbers, [25, 50, 75]), rtol=1e-12)
+        self.assertEqual(troupe.plot._quartiles([math.inf, 1, 2, 3, 4]), (3, 1, 1))
+        self.assertEqual(repr(troupe.plot._quartiles([math.inf, 1, 2])), "(2, nan, nan)")
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_bars_may_be_confidence_intervals_and_quartiles(self):
+        t = troupe.plot._t_quantile(1)
+        for bars, words, low, high in (("deviation", "mean and standard deviation", 2 - math.sqrt(2), 2 + math.sqrt(2)),
+                                       ("interval", "mean and 95 % confidence interval", 2 - t, 2 + t),
+                                       ("quartiles", "median and quartiles", 1.5, 2.5)):
+            axes = self.axes_of(over="robots", bars=bars)
+            np.testing.assert_allclose(self.bars_of(axes), [(2, low, high)])  # the other point has only one run
+            self.assertEqual(axes.get_ylabel().replace("\n", " "), f"order, {words}")
+            band = self.axes_of(bars=bars).collections[0].get_paths()[0].get_extents()
+            np.testing.assert_allclose([band.y0, band.y1], [low - 1, high])  # at 0 s the mean is 1, and at 1 s it is 2
+        with self.assertRaises(troupe.plot.PlotError) as raised:
+            troupe.plot.draw(self.folder, bars="quartile")
+        self.assertEqual(str(raised.exception), 'error: unknown kind of bars "quartile"; known: deviation, interval, quartiles '
+                         '(did you mean "quartiles"?)')
+
+    STOPPED = ("run,robots,seed,ticks,time_s,order,stopped_by,state_hash,error\n"
+               "0,2,1,1,3,1,a > 1,,\n1,2,2,1,10,1,,,\n2,2,3,1,5,1,a > 1,,\n3,2,4,1,10,1,,,\n4,2,5,0,nan,nan,,,no room\n"
+               "5,10,1,1,9,1,a > 1,,\n6,10,2,1,4,1,lost,,\n7,10,3,1,8,1,,,\n8,10,4,1,6,1,a > 1,,\n")
+
+    def test_a_fraction_has_the_score_interval(self):
+        fraction, below, above = troupe.plot._fraction(8, 10)
+        self.assertEqual(fraction, 0.8)
+        np.testing.assert_allclose([fraction - below, fraction + above], [0.4901625, 0.9433178], atol=1e-7)
+        np.testing.assert_allclose(troupe.plot._fraction(0, 10), (0, 0, 0.2775328), atol=1e-7)
+        np.testing.assert_allclose(troupe.plot._fraction(1, 1), (1, 0.7934507, 0), atol=1e-7)
+
+    def test_runs_that_a_condition_ended_are_counted(self):
+        (self.folder / "table.csv").write_text(self.STOPPED)
+        (self.folder / "series.csv").unlink()
+        measure, names, lines = troupe.plot.final_by(self.folder, "robots", "stopped_by")
+        self.assertEqual((measure, names), ("stopped_by", []))
+        self.assertEqual([(value, mean, count) for value, mean, _, count in lines[()]], [("2", 0.5, 4), ("10", 0.75, 4)])
+
+        def steps(measure, robots):
+            return [(time_s, fraction) for time_s, fraction, *_ in troupe.plot._stops(self.folder, measure, None)[2][(robots,)]]
+
+        self.assertEqual(steps("stopped_by", "2"), [(0, 0), (3, 0.25), (5, 0.5), (10, 0.5)])
+        # Run 7 ended at 8 s without a condition: what would have become of it later is unknown.
+        self.assertEqual(steps("stopped_by", "10"), [(0, 0), (4, 0.25), (6, 0.5), (8, 0.5)])
+        self.assertEqual(steps("stopped_by:a > 1", "10"), [(0, 0), (6, 0.25), (8, 0.25)])
+        (self.folder / "table.csv").write_text(self.STOPPED.replace("8,1,,,", "8,1,lost,,"))
+        self.assertEqual(steps("stopped_by:a > 1", "10"), [(0, 0), (6, 0.25), (9, 0.5), (10, 0.5)])  # known until the last end
+        (self.folder / "table.csv").write_text(self.STOPPED)
+        for named, text in (({"measure": "stopped_by:a"}, 'unknown condition "a"; known: a > 1, lost'),
+                            ({"measure": "stopped_by", "bars": "quartiles"},
+                             'the bars of the measure "stopped_by" cannot be "quartiles", because a fraction of runs is drawn '
+                             "with its confidence interval: leave out --bars (in Python: bars)")):
+            with self.assertRaises(troupe.plot.PlotError) as raised:
+                troupe.plot.draw(self.folder, **named)
+            self.assertEqual(str(raised.exception), f"error: {text}")
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_fractions_of_runs_are_drawn(self):
+        (self.folder / "table.csv").write_text(self.STOPPED)
+        with self.assertWarnsRegex(RuntimeWarning, "1 of 9 runs failed"):
+            axes = self.axes_of(measure="stopped_by", over="robots")
+        _, below, above = troupe.plot._fraction(2, 4)
+        np.testing.assert_allclose(self.bars_of(axes)[0], (2, 0.5 - below, 0.5 + above))
+        self.assertEqual(axes.get_ylabel().replace("\n", " "), "fraction of runs ended by stop_when, with 95 % confidence interval")
+        self.assertEqual(axes.get_legend().get_title().get_text(), "4 runs per point")
+        with self.assertWarns(RuntimeWarning):
+            axes = self.axes_of(measure="stopped_by:a > 1")
+        self.assertEqual(axes.get_ylabel().replace("\n", " "), "fraction of runs ended by a > 1, with 95 % confidence interval")
+        self.assertEqual([line.get_drawstyle() for line in axes.lines], ["steps-post"] * 2)
+        self.assertTrue((self.folder / "stopped_by:a > 1.png").exists())
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_one_line_may_be_of_all_runs(self):
+        axes = self.axes_of(by="")
+        self.assertEqual([list(line.get_ydata()) for line in axes.lines], [[2, 3]])
+        legend = axes.get_legend()
+        self.assertEqual((legend.get_title().get_text(), legend.get_texts()), ("3 runs per line", []))
+
+    @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
+    def test_values_in_the_legend_have_no_rounding_errors(self):
+        (self.folder / "table.csv").write_text(TABLE.replace(",2,1,10", ",0.30000000000000004,1,10").replace(",2,2,10", ",v1.0,2,10"))
+        texts = [text.get_text() for text in self.axes_of().get_legend().get_texts()]
+        self.assertEqual(texts, ["robots = 0.3", "robots = 10", "robots = v1.0"])
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_the_x_axis_has_the_values_of_a_parameter(self):
@@ -405,7 +519,7 @@ class Plot(unittest.TestCase):
         self.assertEqual(list(series.lines[0].get_xdata()), [1, 2])
         series, told = axes(log_y=True)
         self.assertEqual(list(series.lines[0].get_xdata()), [0, 1])
-        self.assertEqual(told, [f'{self.folder / "series.csv"}: warning: 1 of 3 points are not in the plot, because their means of '
+        self.assertEqual(told, [f'{self.folder / "series.csv"}: warning: 1 of 3 points are not in the plot, because their values of '
                                 '"order" are 0 or negative and the axis is logarithmic'])
         self.assertGreater(series.get_ylim()[0], 0)
         (self.folder / "table.csv").write_text(TABLE.replace(",2,1,", ",0,1,").replace(",2,2,", ",0,2,"))
@@ -417,7 +531,7 @@ class Plot(unittest.TestCase):
         with self.assertRaisesRegex(troupe.plot.PlotError, '"robots" has values that are not numbers.*leave out --log-x'):
             troupe.plot.draw(self.folder, over="robots", log_x=True)
         (self.folder / "series.csv").write_text("run,time_s,order\n0,0,0\n0,1,-1\n")
-        with self.assertRaisesRegex(troupe.plot.PlotError, 'all means of "order" are 0 or negative.*leave out --log-y .in Python: log_y'):
+        with self.assertRaisesRegex(troupe.plot.PlotError, 'all values of "order" are 0 or negative.*leave out --log-y .in Python: log_y'):
             troupe.plot.draw(self.folder, log_y=True)
         (self.folder / "series.csv").write_text("run,time_s,order\n0,0,1\n")
         with self.assertRaisesRegex(troupe.plot.PlotError, "all times are 0 or negative.*leave out --log-x"):
@@ -615,33 +729,25 @@ class Plot(unittest.TestCase):
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_a_point_of_one_run_has_no_deviation(self):
-        from matplotlib import collections, pyplot
-
-        def axes(**named):
-            with unittest.mock.patch.object(pyplot, "close"):
-                troupe.plot.draw(self.folder, out=self.folder / "p.png", **named)
-            self.addCleanup(pyplot.close, pyplot.gcf())
-            return pyplot.gcf().axes[0]
+        from matplotlib import collections
 
         # The line robots = 2 averages two runs, and the line robots = 10 has a value of one run only.
-        over_time = axes()
+        over_time = self.axes_of()
         bands = [band for band in over_time.collections if isinstance(band, collections.PolyCollection)]
         self.assertEqual([len(band.get_paths()) for band in bands], [1, 0])
         self.assertEqual(over_time.get_legend().get_title().get_text(), "1 to 2 runs per point")
         (self.folder / "table.csv").write_text(
             "run,robots,rule,seed,ticks,time_s,order,stopped_by,state_hash,error\n"
             "0,2,near,1,10,1,1,,0,\n1,2,near,2,10,1,3,,0,\n2,10,near,1,10,1,5,,0,\n3,10,far,1,10,1,nan,,0,\n4,10,far,2,10,1,7,,0,\n")
-        over_robots = axes(over="robots")
-        bars = [bar for bar in over_robots.collections if isinstance(bar, collections.LineCollection)]
-        ends = [[list(end) for end in segment] for bar in bars for segment in bar.get_segments() if len(segment)]
-        self.assertEqual(ends, [[[2, 2 - math.sqrt(2)], [2, 2 + math.sqrt(2)]]])
+        over_robots = self.axes_of(over="robots")
+        self.assertEqual(self.bars_of(over_robots), [(2, 2 - math.sqrt(2), 2 + math.sqrt(2))])
         self.assertEqual(over_robots.get_legend().get_title().get_text(), "1 to 2 runs per point")
 
         (self.folder / "series.csv").write_text("run,time_s,order\n0,0,1\n1,0,3\n2,0,4\n3,0,6\n")
         (self.folder / "table.csv").write_text(
             "run,robots,seed,ticks,time_s,order,stopped_by,state_hash,error\n"
             "0,2,1,10,1,1,,0,\n1,2,2,10,1,3,,0,\n2,10,1,10,1,4,,0,\n3,10,2,10,1,6,,0,\n")
-        self.assertEqual(axes().get_legend().get_title().get_text(), "2 runs per line")
+        self.assertEqual(self.axes_of().get_legend().get_title().get_text(), "2 runs per line")
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
     def test_names_are_no_formulas(self):
