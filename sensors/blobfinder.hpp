@@ -40,8 +40,8 @@ enum BlobField : std::size_t {
 /// omits   If `colors` is not empty, only blobs with one of these colours are reported. If `use_blob_return`
 ///         is true, a body whose own parameter blob_return is false is not reported, but it hides the bodies
 ///         behind it.
-/// rows    The top and the bottom row of a blob are computed as if every body were 0.6 m tall and the sensor
-///         were at half this height.
+/// rows    The top and the bottom row of a blob are computed as if every body were 0.6 m tall, the sensor
+///         were at half this height, and a row covered a vertical angle of fov / `image_height`.
 /// source  Stage's blobfinder model. Unlike that model, this sensor does not skip a column after each blob.
 engine::DeviceKind blobfinder_kind();
 

@@ -12,7 +12,10 @@ namespace troupe::models {
 /// Names in backquotes are parameters.
 ///
 /// aims      The robot steers along the vector a = `taxis` g + `noise` u + p, in its own frame.
-///           g  unit vector towards the light; 0 if the light sensor sees no light
+///           g  unit vector towards the light; 0 if the light sensor sees no light. It has the direction of
+///              the sum of the sensor's directions, each times its brightness. With an even number of
+///              directions, this is exactly the direction of a single light. With an odd number it is not:
+///              with three directions it is up to 30 degrees off
 ///           u  unit vector of random direction, which changes every `shake` seconds
 ///           p  sum of the repulsions by all robots that the robot hears. Let R be the sum of the radii of
 ///              the robot and of one other robot, and r the distance between their radios. If r is below R,

@@ -40,6 +40,10 @@ enum class FloorOpinion : std::uint8_t {
 /// needs     a drive, a ground sensor, a radio, a ranger with more than 8 beams that sees ahead
 /// source    Valentini, Brambilla, Hamann, Dorigo: Collective perception of environmental features in a robot
 ///           swarm, ANTS 2016: direct modulation of majority-based (DMMD) and of voter-based decisions (DMVD)
+/// own       The times and angles of the walk are our own. The way in which messages count is also our own: a
+///           robot that is heard in each call of the controller during the 3 s counts once for each of these
+///           calls, so 30 times with calls every 0.1 s. The opinion of the robot itself counts only once, so
+///           it decides little more than ties
 engine::ControllerKind collective_perception_controller();
 
 }  // namespace troupe::models

@@ -34,7 +34,7 @@ struct Evasion {
   static constexpr std::size_t window_share = 4;
 
   /// Makes the robot turn away from obstacles ahead. If a reading ahead is below `min_front` or `stop`, a
-  /// turn begins: away from the nearer side, for 5 to 9 decisions.
+  /// turn begins: away from the nearer side, or to the left if both are equally near, for 5 to 9 decisions.
   ///
   /// scanner: made with the argument `share` = window_share
   /// ranges: readings of the ranger of the scanner, m

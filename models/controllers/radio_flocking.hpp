@@ -24,8 +24,10 @@ namespace troupe::models {
 ///           estimated poses of all robots should have the same orientation.
 /// needs     a drive, a radio with a payload of 4 bytes or more
 /// source    Turgut, Celikkanat, Gokce, Sahin: Self-organized flocking in mobile robot swarms, Swarm
-///           Intelligence 2, 2008: their heading alignment and proximal control, with a radio as the "virtual
-///           heading sensor"
+///           Intelligence 2, 2008: the sum of a vector for heading alignment and a vector for proximal
+///           control, with a radio as the "virtual heading sensor". The formulas of p and o and all constants
+///           are our own: the robots of the paper measure the distance to each other with infrared sensors,
+///           here by radio
 engine::ControllerKind radio_flocking_controller();
 
 }  // namespace troupe::models
