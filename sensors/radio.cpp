@@ -133,6 +133,7 @@ struct Radio {
 struct Sender {
   const Radio* radio;
   const BodyType::Device* device;
+  std::uint32_t ordinal;  // among the radios of its body on this channel
   const engine::StateTable* commands;
   bool
       always_runs;  // whether it runs whenever it works, because it has neither an energy supply nor a switch
@@ -149,6 +150,7 @@ struct Speaker {
   double limit = 0;           // longest link to the listeners, m
   const Radio* radio = nullptr;
   const BodyType::Device* device = nullptr;
+  std::uint32_t ordinal = 0;  // as in Sender
   const std::uint8_t* message = nullptr;
 
   Row row() const { return Row(circle.row); }
@@ -292,15 +294,17 @@ std::span<const Sender> Listener::senders(const BodyType& type) {
   if (&type == known.type) return known.senders;
   known.type = &type;
   known.senders.clear();
+  std::uint32_t on_channel = 0;
   for (const BodyType::Device& device : type.devices) {
     if (device.kind != kind_) continue;
     const Radio& radio = *std::any_cast<Radio>(&device.prepared.data);
     if (radio.params.channel != radio_->params.channel) continue;
+    const std::uint32_t ordinal = on_channel++;
     // Such a radio is too weak for the listener even at distance 0. It is tested here because weaken_links()
     // may skip the tests of single links.
     if (radio.params.power < radio_->params.sensitivity) continue;
     const bool always_runs = device.active && !device.supply && device.switch_bit == 0;
-    known.senders.push_back({&radio, &device, &view_->commands(device), always_runs,
+    known.senders.push_back({&radio, &device, ordinal, &view_->commands(device), always_runs,
                              radio.pose_body_radio.position(), std::min(radio_->hears, radio.params.range)});
   }
   return known.senders;
@@ -345,6 +349,7 @@ void Listener::consider(const BodyCircle& circle, const Sender& sender) {
                        .limit = sender.limit,
                        .radio = sender.radio,
                        .device = sender.device,
+                       .ordinal = sender.ordinal,
                        .message = command + k_radio_said});
 }
 
@@ -441,13 +446,15 @@ bool Listener::arrives(Link& link) {
   return true;
 }
 
+/// Every radio of the speaker's body has a random number of its own: four of them share a block of four
+/// words.
 bool Listener::is_dropped(const Speaker& speaker) const {
   if (radio_->params.drop_rate == 0) return false;
   const std::uint64_t seed = view_->spec().seed;
-  const std::array<std::uint32_t, 4> words =
-      philox4x32({speaker.body.value, batch_->stream, id_.value, static_cast<std::uint32_t>(view_->tick())},
-                 {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)});
-  return words[0] * 0x1p-32 < radio_->params.drop_rate;
+  const std::array<std::uint32_t, 4> words = philox4x32(
+      {speaker.body.value, batch_->stream, id_.value, static_cast<std::uint32_t>(view_->tick())},
+      {static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32) + speaker.ordinal / 4});
+  return words[speaker.ordinal % 4] * 0x1p-32 < radio_->params.drop_rate;
 }
 
 /// The height of a speaker's radio, m, world frame.

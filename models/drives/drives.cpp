@@ -128,11 +128,14 @@ struct Car {
   }
   static Velocity speed(const Drive& d, const Command& c) { return steer(d, c.x, c.turn); }
   /// The velocity of the car after its front wheels have accelerated by c.x (m/s^2) for dt seconds, with the
-  /// steering angle c.turn (rad). The speed of the wheels before is computed from the last velocity v.
+  /// steering angle c.turn (rad). The speed of the wheels before is computed from the last velocity v; its
+  /// sign follows from v.x, because wheels that point backwards roll forward while the car drives backwards.
   static Velocity accelerate(const Drive& d, const Command& c, const Velocity& v, double dt) {
     const double across = v.turn * d.wheelbase;
     const double rolling = sqrt(v.x * v.x + across * across);
-    return steer(d, (v.x < 0 ? -rolling : rolling) + bounded(c.x, d.x_rate) * dt, c.turn);
+    const SinCos steering = sincos(c.turn);
+    const double along = v.x != 0 ? v.x * steering.cos : across * steering.sin;
+    return steer(d, (along < 0 ? -rolling : rolling) + bounded(c.x, d.x_rate) * dt, c.turn);
   }
   /// Velocity on the way to the goal `c` from the pose `at`. The car drives in a curve towards a goal ahead.
   /// If the goal is behind the car, the car swings about its rear axle towards the goal, with the front

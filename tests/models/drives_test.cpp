@@ -265,6 +265,17 @@ TEST(Drives, ACarAcceleratesItsFrontWheels) {
   EXPECT_NEAR(robot.velocity(world).x, -0.2, 1e-12);
 }
 
+TEST(Drives, ACarAcceleratesWithWheelsThatPointBackwards) {
+  for (const double angle : {2.0, -2.0, 3.1}) {
+    Robot robot("car", {{"wheelbase", 0.5}});
+    engine::World world = robot.scene.world();
+    world.set_command(world.row(robot.body), {0.5, 0, angle, k_accelerate});
+    for (int i = 0; i < 4; ++i) world.step();  // the wheels roll at 0.2 m/s
+    EXPECT_NEAR(robot.velocity(world).x, 0.2 * std::cos(angle), 1e-12) << angle;
+    EXPECT_NEAR(robot.velocity(world).turn, 0.2 * std::sin(angle) / 0.5, 1e-12) << angle;
+  }
+}
+
 TEST(Drives, AccelerationCountsTheTimeBetweenUpdates) {
   // Stage adds a tick's worth an update, however rarely those come.
   Robot robot("diff", {}, 0.3);

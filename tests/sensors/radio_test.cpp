@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstddef>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -315,6 +316,37 @@ TEST(Radio, AsManyMessagesAreDroppedAsItSays) {
   first.step();
   EXPECT_EQ(senders(again, listener), senders(first, listener));
   EXPECT_NE(senders(second, listener), senders(first, listener));
+}
+
+TEST(Radio, MessagesOfTheRadiosOfOneBodyAreDroppedIndependently) {
+  RadioScene scene;
+  const BodyId listener =
+      scene.post({0, 0, 0, 0}, {{"drop_rate", 0.3}, {"most_heard", 100}, {"hears", 100.0}});
+  const TypeId type = scene.type("talker", {box(0.4, 0.4)});
+  constexpr int k_radios = 5, k_talkers = 20, k_ticks = 100;
+  for (int r = 0; r < k_radios; ++r) {
+    scene[type].devices.push_back(radio({{"range", 100.0}, {"beacon", true}}));
+    scene[type].devices.back().name = std::string(1, static_cast<char>('a' + r));
+  }
+  for (int i = 0; i < k_talkers; ++i)
+    scene.body(std::string(1, static_cast<char>('a' + i)), type, {1.0 + i % 5, 1.0 + i / 5, 0, 0});
+  World world = scene.world();
+  double sum = 0, squares = 0;
+  for (int tick = 0; tick < k_ticks; ++tick) {
+    world.step();
+    std::vector<int> arrived(scene.spec.bodies.size());
+    for (const std::uint32_t sender : senders(world, listener)) ++arrived[sender];
+    for (const int count : std::span(arrived).last(k_talkers)) {
+      sum += count;
+      squares += count * count;
+    }
+  }
+  constexpr double k_draws = k_talkers * k_ticks;
+  const double mean = sum / k_draws;
+  EXPECT_NEAR(mean, 0.7 * k_radios, 0.12);
+  // The variance of a sum of five independent draws, with a standard deviation of 0.033. If two of them were
+  // equal, it would be 1.47.
+  EXPECT_NEAR(squares / k_draws - mean * mean, 0.3 * 0.7 * k_radios, 0.17);
 }
 
 TEST(Radio, ChannelsAndRangesAreEachRadiosOwn) {
