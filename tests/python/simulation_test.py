@@ -62,6 +62,10 @@ class Loading(InAFolder):
         self.assertEqual(repr(simulation), f'<Simulation "{simulation.title}": 2 robots, 0 s>')
         self.assertEqual([warning[:len(name)] for warning in simulation.warnings], [name])
         self.assertIn(f"\n# world: {name}\n", simulation.hash_log_header())
+        with self.assertRaisesRegex(RuntimeError, r"^w\\xff.json: error: cannot be written: "):
+            simulation.snapshot(name)
+        with self.assertRaisesRegex(RuntimeError, r"^none\\xff/a.png: error: cannot be written: "):
+            simulation.snapshot(os.fsdecode(b"none\xff/a.png"))
 
     # In a Turkish locale, the capital of i is not I.
     def test_names_of_colours_do_not_depend_on_the_locale(self):
