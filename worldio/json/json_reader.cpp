@@ -96,4 +96,10 @@ const std::string* read_text(const JsonCursor& at, std::string_view what) {
   return nullptr;
 }
 
+bool refuse_nul(const JsonCursor& at, std::string_view text) {
+  if (text.find('\0') == text.npos) return false;
+  at.error("the text contains the character U+0000 (\\u0000): remove it");
+  return true;
+}
+
 }  // namespace troupe::worldio

@@ -70,12 +70,10 @@ void set_robots(JsonNode& document, const std::string& name, std::size_t count, 
   node->where = where;
 }
 
-/// Reports each text of a document that contains U+0000: names of robots become parts of file names, which
-/// end at this character.
+/// Reports each text and each key of a document that contains U+0000.
 void report_nul(const JsonCursor& at) {
   const JsonNode& node = at.node();
-  if (const std::string* text = node.text(); text && text->find('\0') != text->npos)
-    at.error("the text contains the character U+0000 (\\u0000): remove it");
+  if (const std::string* text = node.text()) refuse_nul(at, *text);
   if (const JsonNode::List* list = node.list())
     for (std::size_t i = 0; i < list->size(); ++i) report_nul({at, i, (*list)[i]});
   if (const JsonNode::Object* members = node.object())
