@@ -316,10 +316,9 @@ def _write(file: str, content: bytes) -> None:
             open(file, "ab").close()  # fails if the file is write-protected
             shutil.copymode(file, partial)
         os.replace(partial, file)
-    except OSError:
+    finally:
         if not is_special and os.path.exists(partial):
             os.remove(partial)
-        raise
 
 
 def _file_of_plot(folder: _File, out: Optional[_File], measure: str, over: Optional[str]) -> str:
@@ -336,9 +335,15 @@ def _file_of_plot(folder: _File, out: Optional[_File], measure: str, over: Optio
 
 def _save(figure: Any, file: str, title: Optional[str]) -> None:
     """Writes a figure with this title into a file. Raises PlotError if this fails."""
+    import matplotlib
+
     picture = io.BytesIO()
+    ending = os.path.splitext(file)[1][1:]
+    # By default, these formats store the present time, and .svg also random names.
+    no_date = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(ending)
     try:
-        figure.savefig(picture, dpi=150, format=os.path.splitext(file)[1][1:])
+        with matplotlib.rc_context({"svg.hashsalt": "troupe"}):
+            figure.savefig(picture, dpi=150, format=ending, metadata=no_date)
         _write(file, picture.getvalue())
     except OSError as error:
         into = os.path.dirname(file)
@@ -357,9 +362,10 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     MEASURE-over-PARAMETER.png in the folder. title: title of the plot, which may contain formulas between dollar signs
     as matplotlib draws them; None: no title. Points with an infinite mean are left out, and so are failed runs, which a
     RuntimeWarning counts. Points of a single run have no band and no bar; if there are several lines, the legend states
-    how many runs a point averages. Raises PlotError in the cases of these functions, if all means are infinite, if a
-    value exceeds 1e300, if the name has another ending, if a formula in the title is invalid, and if the file cannot be
-    written; raises ImportError if matplotlib is missing. After an error, a file that existed is unchanged."""
+    how many runs a point averages. Equal results give equal bytes. Raises PlotError in the cases of these functions, if
+    all means are infinite, if a value exceeds 1e300, if the name has another ending, if a formula in the title is
+    invalid, and if the file cannot be written; raises ImportError if matplotlib is missing. After an error, a file that
+    existed is unchanged."""
     ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
     if over is None:
         measure, names, lines = series_by(folder, measure, by)

@@ -515,6 +515,13 @@ class Plot(unittest.TestCase):
         self.assertEqual(str(raised.exception), f"{nowhere}/o.svg: error: cannot be written: there is no folder {nowhere}")
         svg = troupe.plot.draw(self.folder, out=self.folder / "o.svg")
         self.assertIn("<svg", pathlib.Path(svg).read_text())
+
+        def drawn(name, now):
+            with unittest.mock.patch.dict(os.environ, SOURCE_DATE_EPOCH=now):
+                return pathlib.Path(troupe.plot.draw(self.folder, out=self.folder / name)).read_bytes()
+
+        for name in "o.svg", "o.pdf", "o.png":
+            self.assertEqual(drawn(name, "100"), drawn(name, "200"), name)
         done = subprocess.run([sys.executable, "-c", pathlib.Path(troupe.plot.__file__).read_text(), "--measure=x", "--",
                                str(self.folder)], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (2, 'troupe plot: error: unknown measure "x"; known: order\n'))
@@ -542,6 +549,8 @@ class Plot(unittest.TestCase):
         self.assertEqual(order.read_bytes()[:4], b"%PDF")
         self.assertEqual(order.stat().st_mode & 0o777, 0o640)
         self.assertTrue(link.is_symlink())
+        with unittest.mock.patch("os.replace", side_effect=KeyboardInterrupt), self.assertRaises(KeyboardInterrupt):
+            troupe.plot.draw(self.folder, out=link)
         self.assertEqual(sorted(self.folder.iterdir()), before)
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")
