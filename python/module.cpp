@@ -194,7 +194,7 @@ void bind_errors(py::module_& module) {
       "Raised for invalid input: a world, a checkpoint or options. `findings` is the list of the errors, "
       "each a text\nsuch as `maze.world:41: error: ...`.";
   const py::cpp_function findings(
-      [](const py::object& error) -> py::object { return py::str(error).attr("splitlines")(); });
+      [](const py::object& error) -> py::object { return py::str(error).attr("split")("\n"); });
   input_error.attr("findings") = py::module_::import("builtins").attr("property")(findings);
   step_error = new_exception(module, "StepError", PyExc_RuntimeError);
   step_error.attr("__doc__") =
@@ -213,14 +213,14 @@ void bind_errors(py::module_& module) {
       raise_error(input_error, error);
     } catch (const engine::StepError& error) {
       raise_error(step_error, error);
-    } catch (const std::out_of_range&
-                 error) {  // for unknown names, for which IndexError, pybind11's choice, would mislead
+    } catch (const std::out_of_range& error) {
+      // For unknown names, for which IndexError, pybind11's choice, would mislead.
       raise_error(PyExc_LookupError, error);
     } catch (const std::invalid_argument& error) {
       raise_error(PyExc_ValueError, error);
     } catch (const std::filesystem::filesystem_error& error) {
       raise_error(PyExc_OSError, error);
-    } catch (const std::runtime_error& error) {  // of a measure in Python, or of a file that cannot be written
+    } catch (const std::runtime_error& error) {
       raise_error(PyExc_RuntimeError, error);
     }
   });

@@ -135,6 +135,9 @@ class Loading(InAFolder):
         self.assertEqual(str(caught.exception), "\n".join(findings))
         self.assertEqual(pickle.loads(pickle.dumps(caught.exception)).findings, findings)
         with self.assertRaises(troupe.InputError) as caught:
+            troupe.Simulation({"troupe": 1, "models": [{"name": "a", "type": "x\x0cy\u2028z"}]})
+        self.assertEqual(len(caught.exception.findings), 1, "only line ends end a finding")
+        with self.assertRaises(troupe.InputError) as caught:
             troupe.Simulation(ROOM, controllers="none.py")
         self.assertEqual(caught.exception.findings, ["none.py: error: there is no such file"])
         first = ROOM["populations"][0]
