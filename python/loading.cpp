@@ -169,7 +169,8 @@ Holder load(const std::variant<py::dict, fs::path>& world, const py::object& rob
     return hold([&] { return Simulation::from_text(text, name, options); });
   } catch (const InputError& error) {
     throw InputError(py::module_::import("troupe._json")
-                         .attr("without_lines")(error.what(), name.string())
+                         .attr("without_lines")(decoded(error.what()), decoded(name.string()))
+                         .attr("encode")("utf-8", "surrogateescape")
                          .cast<std::string>());
   }
 }

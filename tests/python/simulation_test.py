@@ -62,6 +62,8 @@ class Loading(InAFolder):
         self.assertEqual(repr(simulation), f'<Simulation "{simulation.title}": 2 robots, 0 s>')
         self.assertEqual([warning[:len(name)] for warning in simulation.warnings], [name])
         self.assertIn(f"\n# world: {name}\n", simulation.hash_log_header())
+        with self.assertRaisesRegex(troupe.InputError, r'^w\\xff.json: error: unknown key "modells"'):
+            troupe.Simulation({**world, "modells": []}, name=name)
         with self.assertRaisesRegex(RuntimeError, r"^w\\xff.json: error: cannot be written: "):
             simulation.snapshot(name)
         with self.assertRaisesRegex(RuntimeError, r"^none\\xff/a.png: error: cannot be written: "):
