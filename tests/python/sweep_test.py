@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 import unittest
 import unittest.mock
 import warnings
@@ -130,6 +131,11 @@ class Sweep(unittest.TestCase):
         with self.assertRaisesRegex(troupe.StepError, "ZeroDivisionError: out of range"):
             troupe.sweep(study, series=True, controllers=Stop)
         self.assertEqual(["out of range" in error for error in troupe.sweep(study, controllers=Stop)["error"]], [True] * 6)
+        try:  # not assertRaises(), which clears the frames of the exception itself
+            troupe.sweep(study, series=True, controllers=Stop)
+        except troupe.StepError as error:
+            kept = {name for frame, _ in traceback.walk_tb(error.__traceback__) for name in frame.f_locals}
+        self.assertNotIn("simulation", kept, "a failed run frees its world at once")
 
     def test_a_study_has_an_end_time(self):
         study = {key: value for key, value in STUDY.items() if key != "for_s"}
