@@ -112,5 +112,7 @@ const std::string* read_text(const JsonCursor& at, std::string_view what);
 /// Reports an error and returns true if the text at a cursor contains U+0000. Texts become names of files,
 /// which end at this character.
 bool refuse_nul(const JsonCursor& at, std::string_view text);
+/// Reports an error for each text and each key in the value at a cursor that contains U+0000.
+void report_nul(const JsonCursor& at);
 
 }  // namespace troupe::worldio
