@@ -87,12 +87,11 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Settings& set
 /// or None.
 std::vector<std::pair<std::string, std::size_t>> robots_of(const py::object& robots) {
   if (robots.is_none()) return {};
-  if (!py::isinstance<py::dict>(robots)) {
-    const std::string allowed =
-        fmt::format("a whole number from 0 to {:.0f}, or a dict from names of populations to such numbers",
-                    worldio::LoadOptions{}.most_bodies);
-    return {{"", whole_number("robots", robots, allowed)}};
-  }
+  const std::string allowed =
+      fmt::format("a whole number from 0 to {:.0f}", worldio::LoadOptions{}.most_bodies);
+  if (!py::isinstance<py::dict>(robots))
+    return {{"", whole_number("robots", robots,
+                              allowed + ", or a dict from names of populations to such numbers")}};
   std::vector<std::pair<std::string, std::size_t>> sizes;
   for (const auto& [name, count] : robots.cast<py::dict>()) {
     if (!py::isinstance<py::str>(name))
@@ -100,7 +99,7 @@ std::vector<std::pair<std::string, std::size_t>> robots_of(const py::object& rob
           fmt::format("robots: found the key {}: give the name of a population", short_repr(name)));
     sizes.emplace_back(name.cast<std::string>(),
                        whole_number(fmt::format("robots[{}]", short_repr(name)),
-                                    py::reinterpret_borrow<py::object>(count), "a whole number from 0"));
+                                    py::reinterpret_borrow<py::object>(count), allowed));
   }
   return sizes;
 }

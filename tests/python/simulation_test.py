@@ -177,8 +177,10 @@ class Loading(InAFolder):
         for size in (-1, math.nan, math.inf):
             with self.assertRaisesRegex(ValueError, f"tile_size_m is {size:g}: give a number from 0"):
                 troupe.Simulation(ROOM, tile_size_m=size)
-        for robots, error, text in (({"r": -1}, ValueError, "robots['r']: found -1: give a whole number from 0"),
-                                    ({"r": 1.5}, TypeError, "robots['r']: found 1.5: give a whole number from 0"),
+        size = "give a whole number from 0 to 10000000"
+        for robots, error, text in (({"r": -1}, ValueError, f"robots['r']: found -1: {size}"),
+                                    ({"r": 2**64}, ValueError, f"robots['r']: found {2**64}: {size}"),
+                                    ({"r": 1.5}, TypeError, f"robots['r']: found 1.5: {size}"),
                                     ({3: 1}, TypeError, "robots: found the key 3: give the name of a population")):
             with self.assertRaisesRegex(error, f"^{re.escape(text)}$"):
                 troupe.Simulation(ROOM, robots=robots)
@@ -568,8 +570,9 @@ print(eight.threads)
         with self.assertRaisesRegex(TypeError, "^threads: found 1.5: give a whole number from 0 to 1024$"):
             troupe.Simulation(ROOM, threads=1.5)
         world = troupe.Simulation(ROOM, threads=1)
-        with self.assertRaisesRegex(ValueError, "^ticks: found -1: give a whole number from 0$"):
-            world.step(-1)
+        for ticks in (-1, 2**64):
+            with self.assertRaisesRegex(ValueError, f"^ticks: found {ticks}: give a whole number from 0 to {2**64 - 1}$"):
+                world.step(ticks)
         world.step(np.int64(2))
         self.assertEqual(world.tick, 2)
 
