@@ -120,8 +120,10 @@ double tile_size(double metres) {
 /// Converts the option `threads` or `ranks`. Simulation rejects numbers above `most`, and 0 ranks.
 unsigned count_of(std::string_view name, const py::object& count, unsigned least, unsigned most) {
   const std::string allowed = fmt::format("a whole number from {} to {}", least, most);
-  constexpr std::uint64_t k_most = std::numeric_limits<unsigned>::max();
-  return static_cast<unsigned>(std::min(whole_number(name, count, allowed), k_most));
+  const std::uint64_t number = whole_number(name, count, allowed);
+  if (number > std::numeric_limits<unsigned>::max())
+    throw py::value_error(fmt::format("{}: found {}: give {}", name, number, allowed));
+  return static_cast<unsigned>(number);
 }
 
 using Text = std::optional<std::string>;

@@ -565,8 +565,9 @@ print(eight.threads)
         for threads in (1025, 100_000, 2**32 - 1):
             with self.assertRaisesRegex(ValueError, f"^{threads} threads: must be 1 to 1024, or 0 for one per "):
                 troupe.Simulation(ROOM, threads=threads)
-        with self.assertRaisesRegex(ValueError, "^threads: found -1: give a whole number from 0 to 1024$"):
-            troupe.Simulation(ROOM, threads=-1)
+        for threads in (-1, 2**32, 2**64):
+            with self.assertRaisesRegex(ValueError, f"^threads: found {threads}: give a whole number from 0 to 1024$"):
+                troupe.Simulation(ROOM, threads=threads)
         with self.assertRaisesRegex(TypeError, "^threads: found 1.5: give a whole number from 0 to 1024$"):
             troupe.Simulation(ROOM, threads=1.5)
         world = troupe.Simulation(ROOM, threads=1)
