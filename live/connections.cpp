@@ -137,13 +137,13 @@ void Connections::received(std::uint64_t client, bool may_steer, std::string_vie
 }
 
 std::optional<ViewFrames> Connections::picture(std::uint64_t client) {
+  SentPicture& sent = sent_[client];
   std::shared_ptr<const Picture> newest;
   {
     const std::scoped_lock lock(mutex_);
+    if (!newest_ || newest_->number == sent.number) return {};
     newest = newest_;
   }
-  SentPicture& sent = sent_[client];
-  if (!newest || newest->number == sent.number) return {};
   const auto own = newest->own.find(client);
   ViewFrames frames{
       fmt::format(R"({{"type":"state","picture":{},{}{}{}}})", newest->number, newest->state,

@@ -39,9 +39,9 @@ constexpr bool is_rate(double rate) { return rate == 0 || (rate >= k_least_rate 
 /// callbacks meanwhile: a callback that the program sets replaces that of the view, which then no longer has
 /// an effect. The view also adds a callback of Simulation::on_tick(), which ends with the view.
 ///
-/// The program may move the simulation meanwhile. The simulation exists at least as long as its view.
-/// Not thread-safe: use a view only on the thread that steps the
-/// simulation. The view serves the page on a thread of its own.
+/// The program may move or destroy the Simulation object meanwhile: the view keeps the simulation alive. Not
+/// thread-safe: use a view only on the thread that steps the simulation. The view serves the page on a thread
+/// of its own.
 class View {
  public:
   /// Options of a view. All have a default.
@@ -65,8 +65,8 @@ class View {
     std::function<bool()> is_over;
     /// Called with one line of text when the server refuses something, such as a request with a wrong token,
     /// and when a recording that a viewer has started ends because it cannot be written, or because the files
-    /// that viewers requested have reached 10 GB. The same
-    /// refusal is reported only once. May be called on the thread of the server. Null: the texts are dropped.
+    /// that viewers requested have reached 10 GB. The same refusal is reported only once. May be called on
+    /// the thread of the server. Null: the texts are dropped.
     std::function<void(const std::string&)> report;
   };
   /// Starts the server and creates the session file. Throws std::runtime_error if Options::bind is not an IP

@@ -5,12 +5,9 @@
 #include "troupe/frame_data.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -156,13 +153,10 @@ WatchedJson inspection(Simulation& simulation, BodyId id) {
                                   {"fields", std::move(fields)}});
   }
   json["eyes"] = WatchedJson::object();
-  // Number of devices with each name. Repeated names get suffixes, as in the header of the page.
-  std::map<std::string, int> met;
   for (const engine::BodyType::Device& device : world.type(row).devices) {
-    std::string name = worldio::hdf5_name(device.name);
-    if (const int n = ++met[name]; n > 1) name += fmt::format("~{}", n);
     if (device.prepared.transducers.empty() || !world.senses(row, device)) continue;
-    json["eyes"][name] = world.percepts(device).cell<float>(world.slot(row), 0);
+    // The name in the header of the page.
+    json["eyes"][worldio::hdf5_name(device.name)] = world.percepts(device).cell<float>(world.slot(row), 0);
   }
   json["commands"] = commands_of(model, world.type(row));
   return json;

@@ -87,12 +87,11 @@ std::vector<std::pair<std::string, std::string>> settings_of(const Settings& set
 /// or None.
 std::vector<std::pair<std::string, std::size_t>> robots_of(const py::object& robots) {
   if (robots.is_none()) return {};
-  if (!py::isinstance<py::dict>(robots)) {
-    const std::string allowed =
-        fmt::format("a whole number from 0 to {:.0f}, or a dict from names of populations to such numbers",
-                    worldio::LoadOptions{}.most_bodies);
-    return {{"", whole_number("robots", robots, allowed)}};
-  }
+  const std::string allowed =
+      fmt::format("a whole number from 0 to {:.0f}", worldio::LoadOptions{}.most_bodies);
+  if (!py::isinstance<py::dict>(robots))
+    return {{"", whole_number("robots", robots,
+                              allowed + ", or a dict from names of populations to such numbers")}};
   std::vector<std::pair<std::string, std::size_t>> sizes;
   for (const auto& [name, count] : robots.cast<py::dict>()) {
     if (!py::isinstance<py::str>(name))
@@ -100,7 +99,7 @@ std::vector<std::pair<std::string, std::size_t>> robots_of(const py::object& rob
           fmt::format("robots: found the key {}: give the name of a population", short_repr(name)));
     sizes.emplace_back(name.cast<std::string>(),
                        whole_number(fmt::format("robots[{}]", short_repr(name)),
-                                    py::reinterpret_borrow<py::object>(count), "a whole number from 0"));
+                                    py::reinterpret_borrow<py::object>(count), allowed));
   }
   return sizes;
 }
@@ -121,8 +120,10 @@ double tile_size(double metres) {
 /// Converts the option `threads` or `ranks`. Simulation rejects numbers above `most`, and 0 ranks.
 unsigned count_of(std::string_view name, const py::object& count, unsigned least, unsigned most) {
   const std::string allowed = fmt::format("a whole number from {} to {}", least, most);
-  constexpr std::uint64_t k_most = std::numeric_limits<unsigned>::max();
-  return static_cast<unsigned>(std::min(whole_number(name, count, allowed), k_most));
+  const std::uint64_t number = whole_number(name, count, allowed);
+  if (number > std::numeric_limits<unsigned>::max())
+    throw py::value_error(fmt::format("{}: found {}: give {}", name, number, allowed));
+  return static_cast<unsigned>(number);
 }
 
 using Text = std::optional<std::string>;
@@ -169,7 +170,8 @@ Holder load(const std::variant<py::dict, fs::path>& world, const py::object& rob
     return hold([&] { return Simulation::from_text(text, name, options); });
   } catch (const InputError& error) {
     throw InputError(py::module_::import("troupe._json")
-                         .attr("without_lines")(error.what(), name.string())
+                         .attr("without_lines")(decoded(error.what()), decoded(name.string()))
+                         .attr("encode")("utf-8", "surrogateescape")
                          .cast<std::string>());
   }
 }

@@ -53,19 +53,14 @@ py::object cause_of(const std::exception& error) {
 }
 
 /// Raises a Python exception of the class `type` with the text of `error`. Its __cause__ is the Python
-/// exception that caused the error. If that one is not derived from Exception, such as KeyboardInterrupt and
-/// SystemExit, it is raised instead: it is no error, but ends the program.
-void raise_with_cause(py::handle type, const std::exception& error) {
+/// exception that caused the error, if any. If that one is not derived from Exception, such as
+/// KeyboardInterrupt and SystemExit, it is raised instead: it is no error, but ends the program.
+void raise_error(py::handle type, const std::exception& error) {
   py::object cause = cause_of(error);
   const bool ends_program = cause && PyObject_IsInstance(cause.ptr(), PyExc_Exception) == 0;
   const py::object raised = ends_program ? cause : type(text_of(error));
   if (cause && !ends_program) PyException_SetCause(raised.ptr(), cause.release().ptr());
   PyErr_SetObject(py::type::handle_of(raised).ptr(), raised.ptr());
-}
-
-void raise_input_error(const InputError& error) {
-  const py::object value = input_error(text_of(error));
-  PyErr_SetObject(input_error.ptr(), value.ptr());
 }
 
 /// Selects the instruction set for range finding that the environment variable TROUPE_SIMD names. Does
@@ -192,15 +187,14 @@ py::array view(const py::dtype& type, std::vector<py::ssize_t> shape, std::vecto
   return array;
 }
 
-/// Maps C++ exceptions to Python ones. pybind11 already maps std::invalid_argument to ValueError and other
-/// std::exceptions to RuntimeError.
+/// Maps C++ exceptions to Python ones. pybind11 maps the others, but accepts only texts in UTF-8.
 void bind_errors(py::module_& module) {
   input_error = new_exception(module, "InputError", PyExc_ValueError);
   input_error.attr("__doc__") =
       "Raised for invalid input: a world, a checkpoint or options. `findings` is the list of the errors, "
       "each a text\nsuch as `maze.world:41: error: ...`.";
   const py::cpp_function findings(
-      [](const py::object& error) -> py::object { return py::str(error).attr("splitlines")(); });
+      [](const py::object& error) -> py::object { return py::str(error).attr("split")("\n"); });
   input_error.attr("findings") = py::module_::import("builtins").attr("property")(findings);
   step_error = new_exception(module, "StepError", PyExc_RuntimeError);
   step_error.attr("__doc__") =
@@ -211,19 +205,23 @@ void bind_errors(py::module_& module) {
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(std::move(thrown));
+    } catch (const py::error_already_set&) {
+      throw;
+    } catch (const py::builtin_exception&) {
+      throw;
     } catch (const InputError& error) {
-      raise_input_error(error);
+      raise_error(input_error, error);
     } catch (const engine::StepError& error) {
-      raise_with_cause(step_error, error);
-    } catch (const std::out_of_range&
-                 error) {  // for unknown names, for which IndexError, pybind11's choice, would mislead
-      PyErr_SetString(PyExc_LookupError, error.what());
+      raise_error(step_error, error);
+    } catch (const std::out_of_range& error) {
+      // For unknown names, for which IndexError, pybind11's choice, would mislead.
+      raise_error(PyExc_LookupError, error);
+    } catch (const std::invalid_argument& error) {
+      raise_error(PyExc_ValueError, error);
     } catch (const std::filesystem::filesystem_error& error) {
-      PyErr_SetString(PyExc_OSError, error.what());
-    } catch (const std::nested_exception& nesting) {  // of a measure in Python
-      const auto* error = dynamic_cast<const std::runtime_error*>(&nesting);
-      if (error == nullptr) throw;
-      raise_with_cause(PyExc_RuntimeError, *error);
+      raise_error(PyExc_OSError, error);
+    } catch (const std::runtime_error& error) {
+      raise_error(PyExc_RuntimeError, error);
     }
   });
 }

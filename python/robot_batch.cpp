@@ -28,18 +28,17 @@ py::object object_of(const engine::Value& value) {
 }  // namespace
 
 py::object RobotBatch::params() const {
-  batch();
+  const std::vector<std::string>& names = prepared().controller->params;
   py::dict values;
-  for (std::size_t i = 0; i < prepared_.params.size(); ++i)
-    values[py::str(prepared_.controller->params[i])] = object_of(prepared_.params[i]);
+  for (std::size_t i = 0; i < names.size(); ++i) values[py::str(names[i])] = object_of(prepared().params[i]);
   const py::object named = py::module_::import("troupe._script").attr("Parameters")(values);
   return py::module_::import("types").attr("MappingProxyType")(named);
 }
 
 std::size_t RobotBatch::device_named(const std::string& name, bool takes_commands) const {
   std::vector<std::string_view> known;
-  for (std::size_t d = 0; d < prepared_.devices.size(); ++d) {
-    const UsedDevice& device = prepared_.devices[d];
+  for (std::size_t d = 0; d < devices().size(); ++d) {
+    const UsedDevice& device = devices()[d];
     if (takes_commands && device.command.empty()) continue;
     if (device.name == name) return d;
     known.push_back(device.name);
@@ -50,20 +49,18 @@ std::size_t RobotBatch::device_named(const std::string& name, bool takes_command
 
 py::array RobotBatch::readings(const std::string& field, const std::string& device) const {
   const auto field_in = [&field](const UsedDevice& of) { return engine::field_named(of.readings, field); };
-  const std::size_t d = device.empty()
-                            ? static_cast<std::size_t>(std::ranges::find_if(prepared_.devices, field_in) -
-                                                       prepared_.devices.begin())
-                            : device_named(device, false);
-  const engine::StateField* const found =
-      d < prepared_.devices.size() ? field_in(prepared_.devices[d]) : nullptr;
+  const std::size_t d =
+      device.empty() ? static_cast<std::size_t>(std::ranges::find_if(devices(), field_in) - devices().begin())
+                     : device_named(device, false);
+  const engine::StateField* const found = d < devices().size() ? field_in(devices()[d]) : nullptr;
   if (found == nullptr) {
     std::vector<std::string_view> known;
-    for (const UsedDevice& each : prepared_.devices)
+    for (const UsedDevice& each : devices())
       if (device.empty() || each.name == device)
         for (const engine::StateField& other : each.readings) known.push_back(other.name);
     throw std::out_of_range(unknown_name("field", field, std::move(known)));
   }
-  const auto f = static_cast<std::size_t>(found - prepared_.devices[d].readings.data());
+  const auto f = static_cast<std::size_t>(found - devices()[d].readings.data());
   py::array out = empty_rows(*found, size());
   const std::span<std::byte> to = bytes_of(out);
   const std::size_t bytes = to.size() / std::max<std::size_t>(batch().size(), 1);
@@ -75,8 +72,8 @@ py::array RobotBatch::readings(const std::string& field, const std::string& devi
 
 std::size_t RobotBatch::ranger_named(const std::string& name) const {
   if (!name.empty()) return device_named(name, false);
-  for (std::size_t d = 0; d < prepared_.devices.size(); ++d)
-    if (!prepared_.devices[d].bearings.empty()) return d;
+  for (std::size_t d = 0; d < devices().size(); ++d)
+    if (!devices()[d].bearings.empty()) return d;
   throw std::out_of_range(
       "the controller uses no ranger: the robots have no ranger, or `uses` does not list one");
 }
@@ -84,26 +81,26 @@ std::size_t RobotBatch::ranger_named(const std::string& name) const {
 std::string RobotBatch::radio_named(const std::string& name) const {
   if (!name.empty()) return name;
   std::vector<std::string_view> radios;
-  for (const UsedDevice& device : prepared_.devices)
+  for (const UsedDevice& device : devices())
     if (engine::field_named(device.command, k_payload) != nullptr) radios.push_back(device.name);
   return std::string(default_radio(radios));
 }
 
 py::array RobotBatch::ranges(const std::string& sensor) const {
-  const UsedDevice& device = prepared_.devices[ranger_named(sensor)];
+  const UsedDevice& device = devices()[ranger_named(sensor)];
   const py::array all = readings("ranges", device.name);
   return all.ndim() > 1 ? all : py::array(all.attr("reshape")(-1, 1));
 }
 
 py::array_t<double> RobotBatch::bearings(const std::string& sensor) const {
-  const std::vector<double>& bearings = prepared_.devices[ranger_named(sensor)].bearings;
+  const std::vector<double>& bearings = devices()[ranger_named(sensor)].bearings;
   return py::array_t<double>(static_cast<py::ssize_t>(bearings.size()), bearings.data());
 }
 
 py::dict RobotBatch::commands(const std::string& device) const {
   const std::size_t d = device_named(device, true);
   py::dict all;
-  for (const engine::StateField& field : prepared_.devices[d].command) {
+  for (const engine::StateField& field : devices()[d].command) {
     py::array out = empty_rows(field, size());
     const std::span<std::byte> to = bytes_of(out);
     const std::size_t bytes = to.size() / std::max<std::size_t>(batch().size(), 1);
@@ -116,7 +113,7 @@ py::dict RobotBatch::commands(const std::string& device) const {
 
 void RobotBatch::command(const std::string& device, const Where& where, const py::kwargs& values) const {
   const std::size_t d = device_named(device, true);
-  const std::vector<engine::StateField>& fields = prepared_.devices[d].command;
+  const std::vector<engine::StateField>& fields = devices()[d].command;
   const std::vector<std::uint8_t> mask = mask_of(where, batch().size());
   for (const auto& [field, rows] : command_rows(fields, device, values, size(), mask)) {
     const std::span<const std::byte> from = const_bytes_of(rows);

@@ -70,8 +70,7 @@ class RobotBatch {
     return *batch_;
   }
   py::array memory() const {
-    batch();
-    if (memory_.size() == 0 && prepared_.controller->start.empty())
+    if (prepared().controller->start.empty() && memory_.size() == 0)
       throw py::attribute_error("the controller has no memory: declare its fields in `memory`");
     return memory_;
   }
@@ -96,7 +95,7 @@ class RobotBatch {
   void say(const py::object& message, const std::string& device, const Where& where) const {
     const std::string radio = radio_named(device);
     const std::size_t d = device_named(radio, true);
-    const py::dict values = message_command(prepared_.devices[d].command, radio, message, size());
+    const py::dict values = message_command(devices()[d].command, radio, message, size());
     command(radio, where, py::reinterpret_borrow<py::kwargs>(values));
   }
   py::tuple heard(const py::object& type, const std::string& device) const {
@@ -124,6 +123,11 @@ class RobotBatch {
   std::size_t device_named(const std::string& name, bool takes_commands) const;
   std::size_t ranger_named(const std::string& name) const;
   std::string radio_named(const std::string& name) const;
+  const PreparedController& prepared() const {
+    batch();  // throws after the call of decide(), when `prepared_` may no longer exist
+    return prepared_;
+  }
+  const std::vector<UsedDevice>& devices() const { return prepared().devices; }
 
   const PreparedController& prepared_;
   const engine::DecideBatch* batch_;

@@ -142,7 +142,7 @@ void advance(const py::object& self, std::uint64_t ticks, bool to_its_end,
 
 void step(const py::object& self, const py::object& ticks) {
   self.cast<Holder>()->use_outside("step()");
-  advance(self, whole_number("ticks", ticks, "a whole number from 0"), false);
+  advance(self, whole_number("ticks", ticks), false);
 }
 
 bool is_time(double seconds) { return seconds >= 0 && seconds <= engine::k_longest_run_s; }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
 #include <string>
 
 namespace troupe::python {
@@ -21,10 +20,7 @@ std::uint64_t whole_number(std::string_view name, const py::object& value, std::
   return number;
 }
 
-std::uint64_t seed_of(const py::object& seed) {
-  return whole_number("seed", seed,
-                      fmt::format("a whole number from 0 to {}", std::numeric_limits<std::uint64_t>::max()));
-}
+std::uint64_t seed_of(const py::object& seed) { return whole_number("seed", seed); }
 
 std::optional<std::uint64_t> optional_seed_of(const py::object& seed) {
   if (seed.is_none()) return {};

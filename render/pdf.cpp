@@ -21,7 +21,8 @@ struct CairoExtents {
 };
 constexpr int k_success = 0;  // cairo_status_t
 constexpr int k_write_error = 11;
-constexpr int k_metadata_title = 0, k_metadata_subject = 2, k_metadata_creator = 4;  // cairo_pdf_metadata_t
+// cairo_pdf_metadata_t
+constexpr int k_metadata_title = 0, k_metadata_subject = 2, k_metadata_creator = 4, k_metadata_created = 5;
 constexpr int k_square_cap = 2, k_miter_join = 0, k_round_join = 1;
 constexpr int k_normal = 0;  // slant and weight of a font
 
@@ -188,6 +189,8 @@ std::string pdf_text(const VectorDrawing& drawing, const FileTexts& texts) {
     if (key == "Software") c.pdf_surface_set_metadata(surface.get(), k_metadata_creator, value.c_str());
   }
   c.pdf_surface_set_metadata(surface.get(), k_metadata_subject, subject.c_str());
+  // Without a date, equal drawings give equal bytes. By default, cairo stores the present time.
+  c.pdf_surface_set_metadata(surface.get(), k_metadata_created, nullptr);
   int status = k_success;
   {
     const std::unique_ptr<CairoContext, void (*)(CairoContext*)> context(c.create(surface.get()), c.destroy);

@@ -50,10 +50,12 @@ std::pair<double, double> range_of(std::span<const double> values) {
 std::vector<Rgba> value_colors(std::span<const double> values, const std::pair<double, double>& range) {
   std::vector<Rgba> colors;
   colors.reserve(values.size());
-  const double across = range.second - range.first;
+  // The halves are used, because the difference of two finite numbers may be infinite.
+  const double low = range.first / 2;
+  const double across = range.second / 2 - low;
   for (const double value : values)
     colors.push_back(std::isnan(value) ? k_no_value
-                                       : value_color(across > 0 ? (value - range.first) / across : 0.5));
+                                       : value_color(across > 0 ? (value / 2 - low) / across : 0.5));
   return colors;
 }
 

@@ -17,9 +17,9 @@ struct Launcher {
 };
 
 /// Returns the launcher that started this process; std::nullopt if no launcher did, or if this process is the
-/// only one that the launcher started. Detects a launcher by the
-/// environment variables that it sets. Throws InputError if Slurm's srun started several processes without
-/// MPI: such processes cannot connect to each other.
+/// only one that the launcher started. Detects a launcher by the environment variables that it sets. Throws
+/// InputError if Slurm's srun started several processes without MPI: such processes cannot connect to each
+/// other.
 std::optional<Launcher> find_launcher();
 
 }  // namespace troupe

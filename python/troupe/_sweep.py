@@ -8,6 +8,7 @@ import math
 import operator
 import os
 import threading
+import traceback
 import warnings
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
@@ -192,6 +193,7 @@ def _make_all(world: Any, name: str, read: Any, options: Dict[str, Any], runs_at
                     rows.append({**row, "error": ""})
                     looks += made
                 except Exception as error:  # a plug-in may raise anything
+                    traceback.clear_frames(error.__traceback__)  # they hold the world of the run
                     failed[index] = error
                     texts, seed = read["runs"][index]
                     values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}

@@ -510,10 +510,9 @@ def _write(file: str, content: bytes) -> None:
             open(file, "ab").close()  # fails if the file is write-protected
             shutil.copymode(file, partial)
         os.replace(partial, file)
-    except OSError:
+    finally:
         if not is_special and os.path.exists(partial):
             os.remove(partial)
-        raise
 
 
 def _file_of_plot(folder: _File, out: Optional[_File], measure: str, over: Optional[str]) -> str:
@@ -530,9 +529,15 @@ def _file_of_plot(folder: _File, out: Optional[_File], measure: str, over: Optio
 
 def _save(figure: Any, file: str, title: Optional[str]) -> None:
     """Writes a figure with this title into a file. Raises PlotError if this fails."""
+    import matplotlib
+
     picture = io.BytesIO()
+    ending = os.path.splitext(file)[1][1:]
+    # By default, these formats store the present time, and .svg also random names.
+    no_date = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(ending)
     try:
-        figure.savefig(picture, dpi=150, format=os.path.splitext(file)[1][1:])
+        with matplotlib.rc_context({"svg.hashsalt": "troupe"}):
+            figure.savefig(picture, dpi=150, format=ending, metadata=no_date)
         _write(file, picture.getvalue())
     except OSError as error:
         into = os.path.dirname(file)
@@ -561,10 +566,10 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
 
     Points with an infinite mean or median are left out, and so are failed runs, which a RuntimeWarning counts. Points
     of a single run have no band and no bar, except fractions; the legend states how many runs a point summarises.
-    Raises PlotError in the cases of these functions, if all means are infinite, if a value exceeds 1e300, if a
-    logarithmic axis has no point or values that are not numbers, if the name has another ending, if a formula in the
-    title is invalid, and if the file cannot be written; raises ImportError if matplotlib is missing. After an error, a
-    file that existed is unchanged."""
+    Equal results give equal bytes. Raises PlotError in the cases of these functions, if all means are infinite, if a
+    value exceeds 1e300, if a logarithmic axis has no point or values that are not numbers, if the name has another
+    ending, if a formula in the title is invalid, and if the file cannot be written; raises ImportError if matplotlib is
+    missing. After an error, a file that existed is unchanged."""
     words, summary = BARS[_known("kind of bars", "deviation" if bars is None else bars, list(BARS))]
     is_fraction = _is_fraction(measure)
     if is_fraction and bars not in (None, "interval"):

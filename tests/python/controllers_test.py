@@ -894,8 +894,16 @@ except KeyboardInterrupt:
 
         world = troupe.Simulation("w.json", controllers=[Keeper])
         world.step()
-        with self.assertRaisesRegex(RuntimeError, "only during the call of decide"):
-            kept[0].ranges()
+        del world  # and with it the descriptions of the devices
+        robots = kept[0]
+        calls = {"readings": ["ranges", "eye"], "ranges": [], "bearings": [], "heard": ["f4"], "estimates": [],
+                 "commands": ["lamp"], "command": ["lamp"], "say": [b"ab"], "set_speeds": [1, 0], "normal": []}
+        for name, arguments in calls.items():
+            with self.subTest(name), self.assertRaisesRegex(RuntimeError, "only during the call of decide"):
+                getattr(robots, name)(*arguments)
+        for name in "ids", "memory", "params", "tick":
+            with self.subTest(name), self.assertRaisesRegex(RuntimeError, "only during the call of decide"):
+                getattr(robots, name)
 
 
 if __name__ == "__main__":

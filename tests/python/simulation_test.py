@@ -63,6 +63,12 @@ class Loading(InAFolder):
         self.assertEqual(repr(simulation), f'<Simulation "{simulation.title}": 2 robots, 0 s>')
         self.assertEqual([warning[:len(name)] for warning in simulation.warnings], [name])
         self.assertIn(f"\n# world: {name}\n", simulation.hash_log_header())
+        with self.assertRaisesRegex(troupe.InputError, r'^w\\xff.json: error: unknown key "modells"'):
+            troupe.Simulation({**world, "modells": []}, name=name)
+        with self.assertRaisesRegex(RuntimeError, r"^w\\xff.json: error: cannot be written: "):
+            simulation.snapshot(name)
+        with self.assertRaisesRegex(RuntimeError, r"^none\\xff/a.png: error: cannot be written: "):
+            simulation.snapshot(os.fsdecode(b"none\xff/a.png"))
 
     # In a Turkish locale, the capital of i is not I.
     def test_names_of_colours_do_not_depend_on_the_locale(self):
@@ -132,6 +138,9 @@ class Loading(InAFolder):
         self.assertEqual(str(caught.exception), "\n".join(findings))
         self.assertEqual(pickle.loads(pickle.dumps(caught.exception)).findings, findings)
         with self.assertRaises(troupe.InputError) as caught:
+            troupe.Simulation({"troupe": 1, "models": [{"name": "a", "type": "x\x0cy\u2028z"}]})
+        self.assertEqual(len(caught.exception.findings), 1, "only line ends end a finding")
+        with self.assertRaises(troupe.InputError) as caught:
             troupe.Simulation(ROOM, controllers="none.py")
         self.assertEqual(caught.exception.findings, ["none.py: error: there is no such file"])
         first = ROOM["populations"][0]
@@ -169,8 +178,10 @@ class Loading(InAFolder):
         for size in (-1, math.nan, math.inf):
             with self.assertRaisesRegex(ValueError, f"tile_size_m is {size:g}: give a number from 0"):
                 troupe.Simulation(ROOM, tile_size_m=size)
-        for robots, error, text in (({"r": -1}, ValueError, "robots['r']: found -1: give a whole number from 0"),
-                                    ({"r": 1.5}, TypeError, "robots['r']: found 1.5: give a whole number from 0"),
+        size = "give a whole number from 0 to 10000000"
+        for robots, error, text in (({"r": -1}, ValueError, f"robots['r']: found -1: {size}"),
+                                    ({"r": 2**64}, ValueError, f"robots['r']: found {2**64}: {size}"),
+                                    ({"r": 1.5}, TypeError, f"robots['r']: found 1.5: {size}"),
                                     ({3: 1}, TypeError, "robots: found the key 3: give the name of a population")):
             with self.assertRaisesRegex(error, f"^{re.escape(text)}$"):
                 troupe.Simulation(ROOM, robots=robots)
@@ -567,13 +578,15 @@ print(eight.threads)
         for threads in (1025, 100_000, 2**32 - 1):
             with self.assertRaisesRegex(ValueError, f"^{threads} threads: must be 1 to 1024, or 0 for one per "):
                 troupe.Simulation(ROOM, threads=threads)
-        with self.assertRaisesRegex(ValueError, "^threads: found -1: give a whole number from 0 to 1024$"):
-            troupe.Simulation(ROOM, threads=-1)
+        for threads in (-1, 2**32, 2**64):
+            with self.assertRaisesRegex(ValueError, f"^threads: found {threads}: give a whole number from 0 to 1024$"):
+                troupe.Simulation(ROOM, threads=threads)
         with self.assertRaisesRegex(TypeError, "^threads: found 1.5: give a whole number from 0 to 1024$"):
             troupe.Simulation(ROOM, threads=1.5)
         world = troupe.Simulation(ROOM, threads=1)
-        with self.assertRaisesRegex(ValueError, "^ticks: found -1: give a whole number from 0$"):
-            world.step(-1)
+        for ticks in (-1, 2**64):
+            with self.assertRaisesRegex(ValueError, f"^ticks: found {ticks}: give a whole number from 0 to {2**64 - 1}$"):
+                world.step(ticks)
         world.step(np.int64(2))
         self.assertEqual(world.tick, 2)
 

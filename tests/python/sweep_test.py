@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
 import unittest
 import unittest.mock
 import warnings
@@ -138,6 +139,11 @@ class Sweep(unittest.TestCase):
         with self.assertRaisesRegex(troupe.StepError, "ZeroDivisionError: out of range"):
             troupe.sweep(study, series=True, controllers=Stop)
         self.assertEqual(["out of range" in error for error in troupe.sweep(study, controllers=Stop)["error"]], [True] * 6)
+        try:  # not assertRaises(), which clears the frames of the exception itself
+            troupe.sweep(study, series=True, controllers=Stop)
+        except troupe.StepError as error:
+            kept = {name for frame, _ in traceback.walk_tb(error.__traceback__) for name in frame.f_locals}
+        self.assertNotIn("simulation", kept, "a failed run frees its world at once")
 
     def test_a_study_has_an_end_time(self):
         study = {key: value for key, value in STUDY.items() if key != "for_s"}
@@ -689,6 +695,13 @@ class Plot(unittest.TestCase):
         self.assertEqual(str(raised.exception), f"{nowhere}/o.svg: error: cannot be written: there is no folder {nowhere}")
         svg = troupe.plot.draw(self.folder, out=self.folder / "o.svg")
         self.assertIn("<svg", pathlib.Path(svg).read_text())
+
+        def drawn(name, now):
+            with unittest.mock.patch.dict(os.environ, SOURCE_DATE_EPOCH=now):
+                return pathlib.Path(troupe.plot.draw(self.folder, out=self.folder / name)).read_bytes()
+
+        for name in "o.svg", "o.pdf", "o.png":
+            self.assertEqual(drawn(name, "100"), drawn(name, "200"), name)
         done = subprocess.run([sys.executable, "-c", pathlib.Path(troupe.plot.__file__).read_text(), "--measure=x", "--",
                                str(self.folder)], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stderr), (2, 'troupe plot: error: unknown measure "x"; known: order\n'))
@@ -716,6 +729,8 @@ class Plot(unittest.TestCase):
         self.assertEqual(order.read_bytes()[:4], b"%PDF")
         self.assertEqual(order.stat().st_mode & 0o777, 0o640)
         self.assertTrue(link.is_symlink())
+        with unittest.mock.patch("os.replace", side_effect=KeyboardInterrupt), self.assertRaises(KeyboardInterrupt):
+            troupe.plot.draw(self.folder, out=link)
         self.assertEqual(sorted(self.folder.iterdir()), before)
 
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "there is no matplotlib")

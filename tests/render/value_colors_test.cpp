@@ -35,6 +35,13 @@ TEST(ValueColors, GoFromTheLeastToTheMost) {
   EXPECT_EQ(colors[3], value_color(0.5));
 }
 
+TEST(ValueColors, ARangeMayBeAsWideAsTheNumbers) {
+  const double most = std::numeric_limits<double>::max();
+  const std::vector<double> values = {-most, 0, most};
+  EXPECT_EQ(value_colors(values, range_of(values)),
+            (std::vector<Rgba>{value_color(0), value_color(0.5), value_color(1)}));
+}
+
 TEST(ValueColors, EqualValuesAndNoneHaveARangeToo) {
   EXPECT_EQ(range_of(std::vector<double>{2, 2}), std::pair(1.5, 2.5));
   EXPECT_EQ(range_of({}), std::pair(0.0, 1.0));

@@ -381,6 +381,14 @@ TEST_F(ConvertTest, AModelMayHaveThousandsOfPartsAndSensors) {
   EXPECT_THAT(found, IsEmpty());
 }
 
+TEST_F(ConvertTest, AModelMayHaveThousandsOfPartsWithPowerPacks) {
+  constexpr int k_parts = 8000;  // a search through all packs and parts for each pack would take minutes
+  std::string text = "position( name \"r\"\n";
+  for (int i = 0; i < k_parts; ++i) text += "  model( size [0.1 0.1 0.1] joules 9 watts 1 alwayson 1 )\n";
+  convert(write("packs.world", text + ")\n"), "back.world");
+  EXPECT_THAT(found, IsEmpty());
+}
+
 TEST_F(ConvertTest, APartMayHaveThousandsOfControllersAndSensors) {
   constexpr int k_each = 10000;  // a search through all sensors for each controller would take a minute
   std::string controllers, sensors;

@@ -334,6 +334,9 @@ TEST_F(IncludeTest, ErrorsNameTheirFileAndLine) {
   EXPECT_THAT(
       load(R"("include": ["none.json"])").found,
       ElementsAre("maze.json:2: error: /include/0: \"none.json\" cannot be included: there is no such file"));
+  EXPECT_THAT(load(R"("include": ["base.json\u0000.txt"])").found,
+              ElementsAre("maze.json:2: error: /include/0: the text contains the character U+0000 (\\u0000): "
+                          "remove it"));
   EXPECT_THAT(load(R"("include": [])").found, IsEmpty());
   // The types of a file that cannot be included are not unknown.
   for (const char* file : {"none.json", "broken.json"})

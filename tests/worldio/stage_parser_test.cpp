@@ -310,6 +310,9 @@ TEST_F(StageParser, NulIsAllowedOnlyInComments) {
   load("# \0\nmodel( name \"a\0b\" )\n\0model()\n"sv);
   EXPECT_THAT(messages(), ElementsAre("w.world:2: error: a string contains the byte 0x00: remove this byte",
                                       "w.world:3: error: unexpected byte 0x00: remove this byte"));
+  write("a.inc", "model()");
+  load("include \"a.inc\0.txt\"\n"sv);
+  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: a string contains the byte 0x00: remove this byte"));
 }
 
 TEST_F(StageParser, LexicalErrors) {

@@ -385,6 +385,11 @@ TEST_F(StudyFile, SaysWhatIsWrongAndWhere) {
               ElementsAre("study.json:2: error: /measures: the list is empty: give at least one entry, or "
                           "remove the key, for the measures of the world",
                           HasSubstr("/statistics: the list is empty: give at least one entry")));
+  std::ofstream(file_) << R"({"troupe_study": 1, "world": "w/hall.json\u0000.txt"})";
+  Diagnostics nul;
+  load_study(file_, make_registry(), nul);
+  EXPECT_THAT(findings(nul), ElementsAre(HasSubstr("study.json:1: error: /world: the text contains the "
+                                                   "character U+0000 (\\u0000): remove it")));
   Diagnostics nowhere;
   load_study("nowhere.json", make_registry(), nowhere);
   EXPECT_THAT(findings(nowhere), ElementsAre("nowhere.json: error: there is no such file"));

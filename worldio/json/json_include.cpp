@@ -67,7 +67,8 @@ class Includer {
     const JsonNode::List* files = read_list(at);
     for (std::size_t i = 0; files && i < files->size(); ++i) {
       const JsonCursor entry(at, i, (*files)[i]);
-      if (const std::string* name = read_text(entry, "the name of a file")) add_file(entry, folder / *name);
+      const std::string* name = read_text(entry, "the name of a file");
+      if (name && !refuse_nul(entry, *name)) add_file(entry, folder / *name);
     }
   }
 

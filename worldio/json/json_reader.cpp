@@ -96,4 +96,24 @@ const std::string* read_text(const JsonCursor& at, std::string_view what) {
   return nullptr;
 }
 
+bool refuse_nul(const JsonCursor& at, std::string_view text) {
+  if (text.find('\0') == text.npos) return false;
+  at.error("the text contains the character U+0000 (\\u0000): remove it");
+  return true;
+}
+
+void report_nul(const JsonCursor& at) {
+  const JsonNode& node = at.node();
+  if (const std::string* text = node.text()) refuse_nul(at, *text);
+  if (const JsonNode::List* list = node.list())
+    for (std::size_t i = 0; i < list->size(); ++i) report_nul({at, i, (*list)[i]});
+  if (const JsonNode::Object* members = node.object())
+    for (const JsonMember& member : *members) {
+      if (member.key.find('\0') != member.key.npos)
+        at.diagnostics().error(member.where, "a key contains the character U+0000 (\\u0000): remove it");
+      else
+        report_nul({at, member.key, member.node});
+    }
+}
+
 }  // namespace troupe::worldio

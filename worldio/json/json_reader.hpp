@@ -109,5 +109,10 @@ void refuse_empty(const JsonCursor& at, std::string_view otherwise);
 /// Returns the text at a cursor. If the value is not a text or is empty, returns null and reports the error
 /// `expected WHAT, found ...`, where WHAT is `what`, such as "the name of a type".
 const std::string* read_text(const JsonCursor& at, std::string_view what);
+/// Reports an error and returns true if the text at a cursor contains U+0000. Texts become names of files,
+/// which end at this character.
+bool refuse_nul(const JsonCursor& at, std::string_view text);
+/// Reports an error for each text and each key in the value at a cursor that contains U+0000.
+void report_nul(const JsonCursor& at);
 
 }  // namespace troupe::worldio

@@ -70,23 +70,6 @@ void set_robots(JsonNode& document, const std::string& name, std::size_t count, 
   node->where = where;
 }
 
-/// Reports each text of a document that contains U+0000: names of robots become parts of file names, which
-/// end at this character.
-void report_nul(const JsonCursor& at) {
-  const JsonNode& node = at.node();
-  if (const std::string* text = node.text(); text && text->find('\0') != text->npos)
-    at.error("the text contains the character U+0000 (\\u0000): remove it");
-  if (const JsonNode::List* list = node.list())
-    for (std::size_t i = 0; i < list->size(); ++i) report_nul({at, i, (*list)[i]});
-  if (const JsonNode::Object* members = node.object())
-    for (const JsonMember& member : *members) {
-      if (member.key.find('\0') != member.key.npos)
-        at.diagnostics().error(member.where, "a key contains the character U+0000 (\\u0000): remove it");
-      else
-        report_nul({at, member.key, member.node});
-    }
-}
-
 WorldSpec empty_world(const Diagnostics& diagnostics) {
   WorldSpec nothing;
   nothing.files = diagnostics.files();

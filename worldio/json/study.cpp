@@ -139,6 +139,7 @@ class StudyReader {
                         "this is a world, not a study: a study names it with the key \"world\"");
       return std::move(study_);
     }
+    report_nul(root);
     JsonObject object(root);
     read_version(object);
     if (const JsonNode* node = object.find("$schema"))

@@ -103,9 +103,7 @@ double StageKinds::period_s(const StageModel& model) {
     ms = values_.number(*property).value_or(k_default_ms);
     if (ms < 0)
       values_.error(values_.where(*property),
-                    fmt::format("\"update_interval\" must be 0 (every tick) or above, in ms, "
-                                "found {}",
-                                ms));
+                    fmt::format("\"update_interval\" must be 0 (every tick) or above, in ms, found {}", ms));
     else
       values_.is_within(*property, document_table<DeviceDocument>().find("period")->field, ms / 1000, ms);
   }
@@ -360,8 +358,8 @@ std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
 
 std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& model, std::string_view key) {
   const double quarter_turn = radians(90);
-  std::vector<double> bounds{-1,          1, -1, 1, -1, 1, -quarter_turn,
-                             quarter_turn};  // the defaults of Stage, m and rad
+  // The defaults of Stage, m and rad.
+  std::vector<double> bounds{-1, 1, -1, 1, -1, 1, -quarter_turn, quarter_turn};
   const StageProperty* property = model.find(document_, key);
   if (!property) return bounds;
   const auto v = values_.tuple(*property, 8, 8, "[xmin xmax ymin ymax zmin zmax amin amax]");

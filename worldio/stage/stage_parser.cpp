@@ -210,18 +210,29 @@ class Lexer {
     add(source, TokenKind::number, text);
   }
 
-  void string(Source& source) {
+  struct Quoted {
+    std::string_view text;
+    bool is_right = true;
+  };
+
+  /// Reads a text in double quotes. Reports an error if it is not right.
+  Quoted quoted(Source& source) {
     ++source.at;
-    const std::string_view text = source.take_while([](char x) { return x != '"' && !is_line_end(x); });
+    Quoted read{source.take_while([](char x) { return x != '"' && !is_line_end(x); })};
+    const auto refuse = [&](const char* message) {
+      errors_.add(source.where(), message);
+      read.is_right = false;
+    };
     if (source.peek() == '"')
       ++source.at;
     else
-      errors_.add(source.where(), "a string must end with \" on the line on which it begins");
-    // Names of robots become parts of file names, which end at this byte.
-    if (text.find('\0') != text.npos)
-      errors_.add(source.where(), "a string contains the byte 0x00: remove this byte");
-    add(source, TokenKind::string, text);
+      refuse("a string must end with \" on the line on which it begins");
+    // Texts become names of files, which end at this byte.
+    if (read.text.find('\0') != read.text.npos) refuse("a string contains the byte 0x00: remove this byte");
+    return read;
   }
+
+  void string(Source& source) { add(source, TokenKind::string, quoted(source).text); }
 
   void include(Source& source) {
     const Where where = source.where();
@@ -230,20 +241,15 @@ class Lexer {
       errors_.add(where, "include needs a file name in double quotes: include \"map.inc\"");
       return;
     }
-    ++source.at;
-    const std::string_view name = source.take_while([](char x) { return x != '"' && !is_line_end(x); });
-    if (source.peek() != '"') {
-      errors_.add(where, "a string must end with \" on the line on which it begins");
-      return;
-    }
-    ++source.at;
+    const Quoted name = quoted(source);
+    if (!name.is_right) return;
     // Stage silently drops the rest of the line after an include; Troupe reports the rest in a warning.
     std::string_view rest = source.take_while([](char x) { return !is_line_end(x); });
     rest = rest.substr(std::min(rest.size(), rest.find_first_not_of(" \t")));
     if (!rest.empty() && rest[0] != '#')
       diagnostics_.warning(
           where, fmt::format("the rest of the line after an include is ignored, as in Stage: {}", rest));
-    splice(where, name);
+    splice(where, name.text);
   }
 
   void splice(Where where, std::string_view name) {

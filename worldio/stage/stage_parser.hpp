@@ -34,9 +34,8 @@ struct StageProperty {
   std::uint32_t count = 0;  ///< number of values; 1 unless `tuple` is true
   bool tuple = false;       ///< whether the values are written as a tuple, in [ ]
 
-  std::uint32_t first() const {
-    return key + (tuple ? 2 : 1);
-  }  ///< index of the first value in StageDocument::tokens
+  /// Returns the index of the first value in StageDocument::tokens.
+  std::uint32_t first() const { return key + (tuple ? 2 : 1); }
 };
 
 /// An entity: `word ( properties and entities )`. Models, blocks, sensors and windows are entities.

@@ -242,9 +242,7 @@ void RoundTrip::check_device(const DeviceSpec& a, const DeviceSpec& b) {
 void RoundTrip::check_controllers() {
   const Where whole = type_.parts.front().where;
   if (type_.controllers.size() != back_.controllers.size())
-    return lacks(whole,
-                 "the number of its "
-                 "controllers");
+    return lacks(whole, "the number of its controllers");
   for (std::size_t i = 0; i < type_.controllers.size(); ++i) {
     const engine::ControllerSpec& a = type_.controllers[i];
     const engine::ControllerSpec& b = back_.controllers[i];

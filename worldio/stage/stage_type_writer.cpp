@@ -90,10 +90,9 @@ class TypeText {
   void write_size(const Eigen::Vector3d& size, const engine::ModelKind* kind);
   void write_returns(const engine::Returns& returns);
   void write_controllers(std::uint32_t p);
-  /// Returns the part whose property `watts` gives the power pack this constant draw. In Stage, only the
-  /// watts of running models count, and not those of models whose power Troupe determines. Empty if no part
-  /// of the type is such a model.
-  std::optional<std::uint32_t> draw_part(std::size_t pack) const;
+  /// Whether the property `watts` of a part counts: in Stage, only the watts of running models count, and not
+  /// those of models whose power Troupe determines.
+  bool may_draw(std::uint32_t p) const;
   void find_draws();
   void write_power(std::uint32_t p);
   void write_children(std::uint32_t p);
@@ -346,28 +345,32 @@ void TypeText::write_controllers(std::uint32_t p) {
   if (calls.size() > 1) text_.texts("ctrl", calls);
 }
 
-std::optional<std::uint32_t> TypeText::draw_part(std::size_t pack) const {
-  for (std::uint32_t p = 0; p < type_.parts.size(); ++p) {
-    if (pack_of(type_, p) != pack || has_own_draw(type_.parts[p].kind) || macro_.added[p] || is_brought(p))
-      continue;
-    // `alwayson` must not switch on the device or the contact of the model.
-    const DeviceSpec* own = own_device(p);
-    const bool is_off = std::ranges::any_of(type_.devices, [&](const DeviceSpec& device) {
-      return device.part == p && !device.active && (&device == own || device.kind == "power_contact");
-    });
-    if (!is_off) return p;
-  }
-  return std::nullopt;
+bool TypeText::may_draw(std::uint32_t p) const {
+  if (has_own_draw(type_.parts[p].kind) || macro_.added[p] || is_brought(p)) return false;
+  // `alwayson` must not switch on the device or the contact of the model.
+  const DeviceSpec* own = own_device(p);
+  return std::ranges::none_of(type_.devices, [&](const DeviceSpec& device) {
+    return device.part == p && !device.active && (&device == own || device.kind == "power_contact");
+  });
 }
 
-/// Finds the models in which the constant draws of the power packs are written.
+/// Finds the models in which the constant draws of the power packs are written: for each pack, the first part
+/// that it supplies and that may draw. The draw of a pack without such a part is left out.
 void TypeText::find_draws() {
+  std::map<std::size_t, double> watts_of_packs;
   for (std::size_t d = 0; d < type_.devices.size(); ++d) {
     const DeviceKind* kind = kind_of(type_.devices[d]);
     if (!kind || kind->name != "power_pack") continue;
     const double watts = get(kind->params, type_.devices[d].params, "draw").number();
-    if (watts <= 0) continue;
-    if (const std::optional<std::uint32_t> part = draw_part(d)) draws_[*part] = watts;
+    if (watts > 0) watts_of_packs[d] = watts;
+  }
+  for (std::uint32_t p = 0; p < type_.parts.size() && !watts_of_packs.empty(); ++p) {
+    if (!may_draw(p)) continue;
+    const std::optional<std::size_t> pack = pack_of(type_, p);
+    const auto found = pack ? watts_of_packs.find(*pack) : watts_of_packs.end();
+    if (found == watts_of_packs.end()) continue;
+    draws_[p] = found->second;
+    watts_of_packs.erase(found);
   }
 }
 

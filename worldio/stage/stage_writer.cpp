@@ -154,9 +154,8 @@ void WorldText::write_settings() {
   text_.text("unit_length", "m");
   text_.text("unit_angle", "radians");
   if (has_wide_heading(spec_, registry_)) text_.flag("wrap_headings", false);
-  const auto clock = [](double ms) {
-    return std::floor(ms * 1000) / 1e6;
-  };  // Stage counts whole microseconds
+  // Stage counts whole microseconds.
+  const auto clock = [](double ms) { return std::floor(ms * 1000) / 1e6; };
   text_.number("interval_sim", solved(spec_.tick_s, spec_.tick_s * 1000, clock));
   text_.at(where_of("quit_time"));
   if (spec_.quit_time_s) text_.number("quit_time", *spec_.quit_time_s);
