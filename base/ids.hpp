@@ -38,9 +38,9 @@ using Row = Id<struct RowKind>;
 
 }  // namespace troupe
 
-template <class Kind>
 /// Makes ids usable as keys of unordered containers. Code that steps a world must not iterate over such a
 /// container: its order is unspecified, so results could differ between platforms.
+template <class Kind>
 struct std::hash<troupe::Id<Kind>> {
   std::size_t operator()(troupe::Id<Kind> id) const noexcept { return id.value; }  ///< the index itself
 };

@@ -2,8 +2,12 @@
 
 #include "base/room.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
+#include <limits>
+#include <stdexcept>
 #include <utility>
 
 namespace troupe::partition {
@@ -145,6 +149,34 @@ void BodyIndex::make_new_tiles(Parallel& parallel) {
   });
 }
 
+/// Divides the rows into parts, gives each tile that a body touches a slot, and counts the rows of each part
+/// per tile.
+void BodyIndex::find_tiles(Parallel& parallel) {
+  const std::size_t rows = places_.size();
+  // A tile stays in the directory after all bodies have left it. The directory is cleared only when there are
+  // far more tiles than rows, or when the numbers of the cells in homes_ could overflow.
+  constexpr std::uint64_t k_most_cells = std::numeric_limits<std::uint32_t>::max();
+  const std::size_t cells = geometry_.cells_per_tile();
+  if (directory_.size() > 16 + 4 * rows || (directory_.size() + rows) * cells > k_most_cells)
+    directory_.clear();
+
+  parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1,
+                                        std::min(k_most_parts, k_parts_per_thread * parallel.threads())));
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    parts_[p].next.reserve(reserved_);
+    parts_[p].new_tiles.reserve(16);
+    parts_[p].first = static_cast<std::uint32_t>(rows * p / parts_.size());
+    parts_[p].last = static_cast<std::uint32_t>(rows * (p + 1) / parts_.size());
+  }
+  parallel.for_each(parts_.size(), [&](std::size_t p) { count(parts_[p]); });
+  make_new_tiles(parallel);
+  if (directory_.size() * cells > k_most_cells)
+    throw std::length_error(fmt::format(
+        "the spatial index of the bodies would have {} cells; at most {} are allowed: set a smaller "
+        "WorldOptions::tile_size_m (--tile-size)",
+        directory_.size() * cells, k_most_cells));
+}
+
 void BodyIndex::rebuild(std::span<const Transform> places, std::span<const double> radii,
                         Parallel& parallel) {
   static std::atomic<std::uint64_t> versions = 0;
@@ -162,23 +194,7 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
     make_room(circles_, rows + k_read_beyond);
     make_room(order_, rows);
   }
-  // A tile stays in the directory after all bodies have left it. The directory is cleared only when there are
-  // far more tiles than rows, or when the numbers of the cells in homes_ could overflow.
-  constexpr std::uint64_t k_most_cells = std::uint64_t{1} << 32;
-  if (directory_.size() > 16 + 4 * rows ||
-      (directory_.size() + rows) * geometry_.cells_per_tile() > k_most_cells)
-    directory_.clear();
-
-  parts_.resize(std::clamp<std::size_t>(rows / k_least_part, 1,
-                                        std::min(k_most_parts, k_parts_per_thread * parallel.threads())));
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    parts_[p].next.reserve(reserved_);
-    parts_[p].new_tiles.reserve(16);
-    parts_[p].first = static_cast<std::uint32_t>(rows * p / parts_.size());
-    parts_[p].last = static_cast<std::uint32_t>(rows * (p + 1) / parts_.size());
-  }
-  parallel.for_each(parts_.size(), [&](std::size_t p) { count(parts_[p]); });
-  make_new_tiles(parallel);
+  find_tiles(parallel);
 
   // Compute where the rows of each part go in each tile.
   small_radius_ = 0;

@@ -72,6 +72,9 @@ class BodyIndex {
   ///
   /// The caller must keep both arrays valid until the next rebuild(). for_each_near() reads them, so it must
   /// not be called after they have changed. for_each_run() reads only the entries of the index.
+  ///
+  /// Throws std::length_error if the tiles of the index have 2^32 or more cells in total, for example if 17
+  /// million bodies are in as many tiles of 256 cells. Until the next rebuild(), the index is then unusable.
   void rebuild(std::span<const Transform> places, std::span<const double> radii, Parallel& parallel);
 
   /// Finds the bodies whose circles may touch the box (metres, world frame), and some other bodies. Calls
@@ -197,6 +200,7 @@ class BodyIndex {
   };
   void count(Part& part);
   void make_new_tiles(Parallel& parallel);
+  void find_tiles(Parallel& parallel);
   void place_tiles(Parallel& parallel);
   void weigh_tile(std::size_t slot);
   void sort_tile(std::size_t slot);

@@ -202,11 +202,12 @@ struct DeviceBatch {
 };
 
 /// The argument of the hook `sense`. In addition to the data of a DeviceBatch, it gives access to the
-/// velocities, commands and device states of all bodies at the end of the last tick. If a class C does not
-/// read these additional data, it may declare `sense(const DeviceBatch&)`: make_device_kind() accepts both.
+/// velocities, commands and device states of all bodies at the end of the last tick, except the states of
+/// sensors, which other threads are writing. If a class C does not read these additional data, it may declare
+/// `sense(const DeviceBatch&)`: make_device_kind() accepts both.
 struct SenseBatch : DeviceBatch {
   /// View of the same world as `view`. It also gives access to the velocities, commands and device states of
-  /// all bodies.
+  /// all bodies. The states of sensors must not be read.
   const CommittedView& committed;
 };
 
@@ -311,7 +312,7 @@ struct DeviceKind {
   /// Names of the data of other bodies that `sense` and `act` read. The places of other bodies (SensingView)
   /// need no name. Each name is one of these:
   /// - one of the constants k_..._of_others above;
-  /// - the name of a device kind, such as "radio": the states of all devices of this kind;
+  /// - the name of a device kind, such as "gripper": the states of all devices of this kind;
   /// - the name of a device kind with the ending "/command", such as "radio/command": the commands to all
   ///   devices of this kind;
   /// - the name of a field, such as "lit": the states of all devices whose first field has this name

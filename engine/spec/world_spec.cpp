@@ -119,15 +119,16 @@ void check_empty_populations(const WorldSpec& spec, const Report& report) {
 }
 
 void check_part_names(const WorldSpec& spec, const Report& report) {
-  for (const auto& [name, place] : spec.part_aliases) {
-    const auto has_part = [&spec, &place = place] {
-      if (place.body.index() >= spec.bodies.size()) return false;
-      const auto& parts = spec.type(place.body).parts;
-      return std::ranges::find(parts, place.part, &PartSpec::name) != parts.end();
-    };
-    if (!has_part())
-      return report({}, fmt::format("part_names: \"{}\" refers to a part that does not exist", name));
-  }
+  const auto has_part = [&](const PartName& place) {
+    if (place.body.index() >= spec.bodies.size()) return false;
+    const auto& parts = spec.type(place.body).parts;
+    return std::ranges::find(parts, place.part, &PartSpec::name) != parts.end();
+  };
+  // The order of the map is not specified, so the error gives the alphabetically first name.
+  const std::string* first = nullptr;
+  for (const auto& [name, place] : spec.part_aliases)
+    if (!has_part(place) && (!first || name < *first)) first = &name;
+  if (first) report({}, fmt::format("part_names: \"{}\" refers to a part that does not exist", *first));
 }
 
 void check_reserves(const WorldSpec& spec, const Report& report) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <queue>
 #include <tuple>
@@ -80,7 +79,8 @@ FloorPlan FloorPlan::of_world(const engine::WorldSpec& world, std::string_view n
 int FloorPlan::cell(const Vec2& point) const {
   const auto index = [&](int axis) {
     const double at = (point[axis] - box_.min[axis]) / box_.size()[axis] * k_cells;
-    return static_cast<int>(std::clamp(std::floor(at), 0.0, k_cells - 1.0));
+    if (!(at > 0)) return 0;  // also if it is NaN
+    return static_cast<int>(std::min(at, k_cells - 1.0));
   };
   return index(1) * k_cells + index(0);
 }

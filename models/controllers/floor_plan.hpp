@@ -32,7 +32,7 @@ class FloorPlan {
   static FloorPlan of_world(const engine::WorldSpec& world, std::string_view name);
 
   /// Index of the cell that contains a point (m, world frame). If the point is outside the box: index of the
-  /// nearest cell.
+  /// nearest cell. A coordinate that is NaN counts as that of the lower left corner of the box.
   int cell(const Vec2& point) const;
   Vec2 center(int cell) const;  ///< centre of a cell, m, world frame
   /// Whether a cell is blocked.

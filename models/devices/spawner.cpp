@@ -33,6 +33,13 @@ std::uint64_t periods_ended(const engine::SensingView& view, Row row, std::uint6
   return ended_at(age) - ended_at(age - std::min(age, own_period));
 }
 
+/// Number of births that a controller has requested by changing SpawnerCommand::request from `before` to
+/// `now`: none if it has lowered the number. After 2^32 - 1, the numbers continue with 0.
+std::uint32_t births_requested(std::uint32_t before, std::uint32_t now) {
+  const std::uint32_t more = now - before;
+  return more < 0x80000000u ? more : 0;
+}
+
 /// Number of flags that body i of the batch, of the given type, has received from other bodies since its
 /// birth.
 std::uint64_t flags_received(const DeviceBatch& batch, const BodyType& type, std::size_t i) {
@@ -121,7 +128,7 @@ struct Spawner {
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
       auto& state = batch.state.as<SpawnerState>(batch.slot(i));
       const std::uint32_t request = batch.commands->as<SpawnerCommand>(batch.slot(i)).request;
-      std::uint64_t due = request - state.request;
+      std::uint64_t due = births_requested(state.request, request);
       state.request = request;
       if (params.every > 0)
         due += periods_ended(batch.view, batch.rows[i], type.devices[batch.device].period, params.every);

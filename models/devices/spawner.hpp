@@ -9,7 +9,9 @@
 namespace troupe::models {
 
 /// The command of a spawner, a device that brings new bodies (robots or objects) into the world during the
-/// run. This is called the birth of a body. To request n births, a controller increases `request` by n.
+/// run. This is called the birth of a body. To request n births, a controller increases `request` by n. If it
+/// lowers `request`, for example to 0, it requests nothing; the next births are counted from the lower
+/// number.
 struct SpawnerCommand {
   std::uint32_t request = 0;  ///< number of births requested so far
 

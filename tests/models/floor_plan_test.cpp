@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <limits>
 #include <vector>
 
 namespace troupe::models {
@@ -77,6 +78,18 @@ TEST(FloorPlan, IsTheRasterOfAModelWhereItStands) {
   EXPECT_FALSE(plan.blocked(plan.cell({9.1, 0})));
   EXPECT_TRUE(plan.blocked(plan.cell({99, 99})));  // outside is at the border
   EXPECT_NEAR(plan.center(plan.cell({9.1, 0.1})).x(), 9.0625, 1e-12);
+}
+
+// The estimated pose of a robot is not a number if its odometry overflows.
+TEST(FloorPlan, EveryPointHasACell) {
+  const FloorPlan plan(k_box);
+  constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double k_far = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(plan.cell({k_nan, k_nan}), 0);
+  EXPECT_EQ(plan.cell({k_far, k_nan}), k_cells - 1);
+  EXPECT_EQ(plan.cell({-k_far, k_far}), k_cells * (k_cells - 1));
+  EXPECT_EQ(plan.cell({8, 8}), plan.size() - 1);
+  EXPECT_EQ(plan.cell({-8, 8 - 1e-9}), k_cells * (k_cells - 1));
 }
 
 TEST(FloorPlan, WaysLeadRoundAWall) {

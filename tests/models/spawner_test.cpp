@@ -166,6 +166,23 @@ TEST(Spawner, ATickOfItsOwnPeriodMissesNoBirth) {
   EXPECT_EQ(door.state(world).born + door.state(world).owed, 10u);
 }
 
+TEST(Spawner, ALowerRequestAsksForNoBirth) {
+  const Door door({device("spawner", {{"population", "bot"}, {"within", 900.0}}, {1, 0, 0, 0})}, 9);
+  World world = door.scene.world();
+  const Row row = world.row(door.door);
+  const auto request = [&](std::uint32_t births) {
+    world.asked_of(world.type(row).devices[0]).as<SpawnerCommand>(world.slot(row)).request = births;
+    step(world, 4);
+    EXPECT_EQ(door.state(world).owed, 0u) << births;
+    return door.state(world).born;
+  };
+  EXPECT_EQ(request(2), 2u);
+  EXPECT_EQ(request(0), 2u);
+  EXPECT_EQ(request(1), 3u);
+  EXPECT_EQ(request(0xffffffff), 3u) << "one less than 0";
+  EXPECT_EQ(request(1), 5u);
+}
+
 TEST(Spawner, GoesOnWithTheReserveThatAnInterventionSets) {
   Door door({device("spawner", {{"population", "bot"}, {"every", 0.2}, {"within", 5.0}}, {11, 0, 0, 0})}, 2);
   door.scene.spec.reserves.push_back({"other", BodyId(door.scene.spec.bodies.size()), 3});

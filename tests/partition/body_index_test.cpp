@@ -10,6 +10,7 @@
 #include <numeric>
 #include <set>
 #include <span>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -228,6 +229,24 @@ TEST(BodyIndex, ForgetsTilesLongLeft) {
     ASSERT_EQ(visited, 1u);
   }
   EXPECT_LT(index.tiles(), 100u);
+}
+
+// The cells of the index are numbered with 32 bits. Without the error, the numbers would wrap around.
+TEST(BodyIndex, RejectsMoreCellsThanItCanNumber) {
+  Parallel parallel(1);
+  BodyIndex index({1, 20});
+  const std::vector<double> radii{0.1};
+  const std::vector<Transform> places{Transform(Pose{1, 1, 0, 0})};
+  try {
+    index.rebuild(places, radii, parallel);
+    FAIL() << "accepts 2^40 cells";
+  } catch (const std::length_error& error) {
+    EXPECT_STREQ(error.what(),
+                 "the spatial index of the bodies would have 1099511627776 cells; at most 4294967295 are "
+                 "allowed: set a smaller WorldOptions::tile_size_m (--tile-size)");
+  }
+  index.rebuild({}, {}, parallel);
+  EXPECT_TRUE(index.order().empty());
 }
 
 // Queries visit the same entries in the same order for every number of threads. order() contains each row

@@ -187,6 +187,11 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
       "error: empty_populations[0].type: the world has 3 types, found index 7 (counted from 0)");
   expect(
       [](Spec& s) {
+        for (const char* name : {"b", "a", "d", "c", "e"}) s.part_aliases[name] = {BodyId(3), "lid"};
+      },
+      "error: part_names: \"a\" refers to a part that does not exist");
+  expect(
+      [](Spec& s) {
         s.reserves = {{"r", BodyId(9), 5}};
       },
       "error: reserves[0]: reserve \"r\" refers to bodies 9 to 13, but the world has ");
