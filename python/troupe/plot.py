@@ -548,6 +548,50 @@ def _save(figure: Any, file: str, title: Optional[str]) -> None:
                         r"formula: write \$ for a dollar sign") from None
 
 
+def _lines_to_draw(folder: _File, measure: Optional[str], by: Optional[str], over: Optional[str], bars: Optional[str],
+                   log_x: bool) -> Tuple[str, List[str], Dict[_Key, _Drawn], Optional[Dict[str, float]]]:
+    """Returns the name of the measure, the names of the parameters that distinguish the lines, the lines and, if the
+    values of `over` are not numbers, their positions on the axis. The parameters are those of draw()."""
+    _, summary = BARS[_known("kind of bars", "deviation" if bars is None else bars, list(BARS))]
+    is_fraction = _is_fraction(measure)
+    if is_fraction and bars not in (None, "interval"):
+        raise PlotError(f'error: the bars of the measure "{measure}" cannot be "{bars}", because a fraction of runs is drawn '
+                        "with its confidence interval: leave out --bars (in Python: bars)")
+    lines: Dict[_Key, _Drawn]
+    if over is not None:
+        measure, names, results = _results(folder, over, measure, by)
+        positions, are_numbers = _positions(results)
+        if log_x and not are_numbers:
+            raise PlotError(f'error: the parameter "{over}" has values that are not numbers or exceed {LARGEST:g}, so they '
+                            "cannot be on a logarithmic axis: leave out --log-x (in Python: log_x)")
+        if is_fraction:
+            summary = _fraction_of
+        lines = {key: [(positions[value], *summary(numbers), len(numbers)) for value, numbers in points]
+                 for key, points in results.items()}
+        return measure, names, lines, None if are_numbers else positions
+    if measure is not None and is_fraction:
+        return *_stops(folder, measure, by), None
+    measure, names, series = _series(folder, measure, by)
+    lines = {key: [(time_s, *summary(numbers), len(numbers)) for time_s, numbers in points] for key, points in series.items()}
+    return measure, names, lines, None
+
+
+def _draw_band(axes: Any, points: _Drawn, style: str, in_steps: bool, look: Mapping[str, Any]) -> None:
+    """Draws a line over time, and a band around it."""
+    at, centers, below, above, _ = zip(*points)
+    dot = "o" if len(at) == 1 else None  # a line through one point would be invisible
+    axes.plot(at, centers, style, marker=dot, drawstyle="steps-post" if in_steps else "default", **look)
+    axes.fill_between(at, [c - b for c, b in zip(centers, below)], [c + a for c, a in zip(centers, above)],
+                      color=look["color"], alpha=0.18, linewidth=0, step="post" if in_steps else None)
+
+
+def _draw_bars(axes: Any, points: _Drawn, style: str, look: Mapping[str, Any]) -> None:
+    """Draws points with bars, and a line between them."""
+    at, centers, below, above, _ = zip(*points)
+    lengths = [below, above] if any(map(math.isfinite, below)) else None  # matplotlib 3.6 fails if all bars are NaN
+    axes.errorbar(at, centers, lengths, elinewidth=1.0, capsize=3, marker="o", linestyle=style, **look)
+
+
 def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None, out: Optional[_File] = None,
          title: Optional[str] = None, over: Optional[str] = None, bars: Optional[str] = None, log_x: bool = False,
          log_y: bool = False) -> str:
@@ -570,29 +614,8 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     value exceeds 1e300, if a logarithmic axis has no point or values that are not numbers, if the name has another
     ending, if a formula in the title is invalid, and if the file cannot be written; raises ImportError if matplotlib is
     missing. After an error, a file that existed is unchanged."""
-    words, summary = BARS[_known("kind of bars", "deviation" if bars is None else bars, list(BARS))]
+    measure, names, lines, ticks = _lines_to_draw(folder, measure, by, over, bars, log_x)
     is_fraction = _is_fraction(measure)
-    if is_fraction and bars not in (None, "interval"):
-        raise PlotError(f'error: the bars of the measure "{measure}" cannot be "{bars}", because a fraction of runs is drawn '
-                        "with its confidence interval: leave out --bars (in Python: bars)")
-    ticks: Optional[Dict[str, float]] = None  # of an axis with values that are no numbers
-    lines: Dict[_Key, _Drawn]
-    if over is not None:
-        measure, names, results = _results(folder, over, measure, by)
-        positions, are_numbers = _positions(results)
-        if is_fraction:
-            summary = _fraction_of
-        lines = {key: [(positions[value], *summary(numbers), len(numbers)) for value, numbers in points]
-                 for key, points in results.items()}
-        ticks = None if are_numbers else positions
-        if log_x and not are_numbers:
-            raise PlotError(f'error: the parameter "{over}" has values that are not numbers or exceed {LARGEST:g}, so they '
-                            "cannot be on a logarithmic axis: leave out --log-x (in Python: log_x)")
-    elif measure is not None and is_fraction:
-        measure, names, lines = _stops(folder, measure, by)
-    else:
-        measure, names, series = _series(folder, measure, by)
-        lines = {key: [(time_s, *summary(numbers), len(numbers)) for time_s, numbers in points] for key, points in series.items()}
     lines = _positive(_finite(lines, measure), over, measure, (log_x, log_y),
                       os.path.join(folder, "series.csv" if over is None and not is_fraction else "table.csv"))
     _warn_of_failed_runs(folder)
@@ -604,23 +627,16 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
 
     figure, axes = pyplot.subplots(figsize=(6.4, 4.0), constrained_layout=True)
     for i, (key, points) in enumerate(lines.items()):
-        at, centers, below, above, _ = zip(*points)
-        color = COLORS[i % len(COLORS)]
-        style = "-" if i < len(COLORS) else "--"
         parts = ", ".join(f"{_short(name)} = {_short(_rounded(value))}" for name, value in zip(names, key))
         label = _literal(textwrap.fill(parts, TITLE_WIDTH)) or None
         if label and label.startswith("_"):
             label = " " + label  # a legend leaves out labels that begin with an underscore
+        look = {"color": COLORS[i % len(COLORS)], "label": label, "linewidth": 1.6, "markersize": 4}
+        style = "-" if i < len(COLORS) else "--"
         if over is None:
-            dot = "o" if len(at) == 1 else None  # a line through one point would be invisible
-            axes.plot(at, centers, style, color=color, label=label, linewidth=1.6, marker=dot, markersize=4,
-                      drawstyle="steps-post" if is_fraction else "default")
-            axes.fill_between(at, [c - b for c, b in zip(centers, below)], [c + a for c, a in zip(centers, above)],
-                              color=color, alpha=0.18, linewidth=0, step="post" if is_fraction else None)
+            _draw_band(axes, points, style, is_fraction, look)
         else:
-            lengths = [below, above] if any(map(math.isfinite, below)) else None  # matplotlib 3.6 fails if all bars are NaN
-            axes.errorbar(at, centers, lengths, color=color, label=label, linewidth=1.6, elinewidth=1.0, capsize=3,
-                          marker="o", markersize=4, linestyle=style if ticks is None else "none")
+            _draw_bars(axes, points, style if ticks is None else "none", look)
     counts = [runs for points in lines.values() for *_, runs in points]
     least, most = min(counts), max(counts)
     axes.set_xlabel(_literal(textwrap.fill(over, TITLE_WIDTH)) if over else "time (s)")
@@ -628,7 +644,7 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
         is_level = sum(map(len, ticks)) <= MOST_LEVEL
         axes.set_xticks(list(ticks.values()), [_literal(textwrap.fill(_short(value), TICK_WIDTH)) for value in ticks],
                         rotation=0 if is_level else 90)
-    label = f"{measure}, {words}" if most > 1 else measure
+    label = f"{measure}, {BARS[bars or 'deviation'][0]}" if most > 1 else measure
     if is_fraction:
         label = f"fraction of runs ended by {measure.partition(':')[2] or 'stop_when'}, with 95 % confidence interval"
         if not log_y:
