@@ -653,6 +653,10 @@ def draw(folder: _File, measure: Optional[str] = None, by: Optional[str] = None,
     # A band or a bar that reaches down to 0 or below ends at the edge of the plot (nonpositive="clip").
     if log_x:
         axes.set_xscale("log")
+        values = sorted({point[0] for points in lines.values() for point in points})
+        if over is not None and len(values) <= MOST_LINES:  # the powers of ten may be far from the values
+            axes.set_xticks(values, [f"{value:.6g}" for value in values])
+            axes.set_xticks([], minor=True)
     if log_y:
         axes.set_yscale("log", nonpositive="clip")
     axes.grid(color="0.9")
