@@ -116,6 +116,8 @@ void DistributedRows::add_candidates(std::vector<Experiment::Candidate>& candida
   });
 }
 
+bool DistributedRows::on_any_rank(bool own) { return post_.agree(Order::moves, own, std::logical_or()); }
+
 void DistributedRows::put_rows_of(unsigned, MessageWriter&) const { throw_collective(); }
 void DistributedRows::get_rows_of(unsigned, MessageReader&) { throw_collective(); }
 

@@ -46,6 +46,7 @@ class DistributedRows final : public RankRows {
 
   void redistribute(bool have_jumped) override;
   void add_candidates(std::vector<Experiment::Candidate>& candidates) override;
+  bool on_any_rank(bool own) override;
   void put_rows_of(unsigned rank, partition::MessageWriter& message) const override;
   void get_rows_of(unsigned rank, partition::MessageReader& message) override;
   Messages written(const partition::MessageWriter& head) override;
