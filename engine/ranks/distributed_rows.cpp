@@ -159,6 +159,7 @@ bool DistributedRows::prepare_motions(std::span<const std::uint64_t> times) {
 /// between ranks.
 void DistributedRows::report_joints(const std::function<void()>& work) {
   if (!reports_joints_ || !has_asked_) return work();
+  links_.raise_asked();  // the hook also runs for bodies of a rank on which no joint moves
   error_.attempt(post_.rank, work);
   error_.agree(post_);
 }

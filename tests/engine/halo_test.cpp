@@ -1500,6 +1500,28 @@ TEST_F(HaloOfARoom, OnlyTheJointsOfOneRankMoveAndNoKindHasTheHook) {
   expect_same_bits(simulation, 4, {{2, 1, {}, {}}, {3, 1, 5, {}}});
 }
 
+// The hook also runs for the robot that moves no joint, and that has no ghost on the rank of the other.
+TEST_F(HaloOfARoom, OnlyTheJointsOfOneRankMoveAndAllHaveTheHook) {
+  Registry registry = test::registry();
+  DeviceKind& actuator = *std::ranges::find(registry.devices, "actuator", &DeviceKind::name);
+  actuator.joints_moved = [](const DeviceBatch& batch) {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i)
+      batch.state.as<models::ActuatorState>(batch.slot(i)).velocity = static_cast<double>(batch.view.tick());
+  };
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("waver.json", std::string(k_one_waver)), options, registry);
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  World whole = whole_world(simulation);
+  halo_log(whole, 4);
+  for (const char* robot : {"s", "w"}) {
+    const Row row = whole.row(whole.find(robot));
+    EXPECT_EQ(whole.percepts(whole.type(row).devices[0]).as<models::ActuatorState>(whole.slot(row)).velocity,
+              4);
+  }
+  expect_same_bits(simulation, 4, {{2, 1, {}, {}}, {3, 1, 5, {}}});
+}
+
 /// Robots whose grippers close on pucks, each with a robot that looks at the puck; and far from all of them,
 /// a robot that is moved before each tick.
 std::string halo_catchers() {
