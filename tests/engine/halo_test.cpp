@@ -444,6 +444,33 @@ TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
   }
 }
 
+// Some robots start far away from the others, or on corners of the squares of which the ground of ranks
+// consists. The wall is elsewhere, too.
+TEST_F(HaloOfARoom, ARestartPlacesBodiesOnTheGroundOfAnyRank) {
+  const Simulation simulation = load(80, 3);
+  std::vector<BodySpec> bodies = simulation.world().spec().bodies;
+  const auto place = [&](std::string_view name, const Pose& pose) {
+    bodies[simulation.world().find(name).index()].pose_world_body = pose;
+  };
+  place("w3", {60, -40, 0, 1});
+  place("w4", {60.5, -40, 0, -2});
+  place("w5", {-9e4, 9e4, 0, 0});
+  place("w6", {1, 1, 0, 0});
+  place("w7", {0, -2, 0, 1.5});
+  place("wall", {-1.5, 0.5, 0, 1});
+  World whole = whole_world(simulation);
+  whole.restart(7, bodies, simulation.registry());
+  const std::vector<Hashes> expected = halo_log(whole, 30);
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(simulation, team);
+    for (int tick = 0; tick < 10; ++tick) ranks.world().step();
+    ranks.world().restart(7, bodies, simulation.registry());
+    expect_equal_logs(halo_log(ranks.world(), 30), expected, name_of(team));
+    ranks.world().reset();
+    expect_equal_logs(halo_log(ranks.world(), 30), expected, "after a reset, " + name_of(team));
+  }
+}
+
 TEST_F(HaloOfARoom, AFarMotionIsFollowed) {
   const Simulation simulation = load(60, 3);
   const BodyId fast = simulation.world().find("w7");
