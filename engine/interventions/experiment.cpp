@@ -299,13 +299,21 @@ double World::speed_scale(Row row) const {
 void World::intervene() {
   Experiment& e = experiment_;
   bool is_index_old = false;  // bodies are elsewhere, were born or have died
+  bool was_move = false;      // the last intervention, and on this rank it has moved a body:
   bool has_cargo_to_follow = false;
   bool has_moved = false;  // bodies are elsewhere, or no longer part of a tree because another body died
   bool has_added = false;
   // The work that takes time proportional to the number of bodies is done once for many interventions: cargo
   // follows after consecutive interventions `move`, and the index is rebuilt at the end and before `add`.
+  // All cargo follows, not only that of the moved bodies: the pose of a body that was gripped in the last
+  // tick may change by a rounding error. All ranks therefore learn whether any of them has moved a body.
   const auto let_cargo_follow = [&] {
-    if (std::exchange(has_cargo_to_follow, false)) carry_placed();
+    if (!std::exchange(was_move, false) || !state_.carrier_table) return;
+    bool follows = std::exchange(has_cargo_to_follow, false);
+    if (replica_ != nullptr) follows = replica_->on_any_rank(follows);
+    if (!follows) return;
+    carry_placed();
+    is_index_old = true;
   };
   while (e.next < e.interventions.size() && e.interventions[e.next].tick <= state_.now.tick) {
     Experiment::Intervention& due = e.interventions[e.next++];
@@ -316,7 +324,8 @@ void World::intervene() {
     has_moved = has_moved && action != Action::add;
     const bool has_changed = carry_out(due);
     is_index_old = is_index_old || has_changed;
-    has_cargo_to_follow = has_cargo_to_follow || (action == Action::move && has_changed);
+    was_move = action == Action::move;
+    has_cargo_to_follow = has_cargo_to_follow || (was_move && has_changed);
     has_added = has_added || action == Action::add;
     has_moved = has_moved || action == Action::move || (action == Action::remove && state_.carrier_table);
   }

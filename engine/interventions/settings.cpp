@@ -207,6 +207,7 @@ void World::bind_kinds_again(const Registry& registry) {
           prepare_device(*device.kind, spec.devices[d], state_.spec, spec);
       require(prepared);
       device.prepared.data = std::move(prepared->data);
+      device.prepared.reach_m = prepared->reach_m;
       has_bound = true;
     }
     if (!type.binds_controllers()) continue;

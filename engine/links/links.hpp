@@ -156,6 +156,8 @@ class Links {
   void resolve_joints(double longest_motion, Border* border);
   /// Returns whether ask() was called since the last call of take_asked() or of derive().
   bool has_asked() const { return asked_.load(std::memory_order_relaxed); }
+  /// Makes has_asked() true, for example because ask() was called on another rank.
+  void raise_asked() { asked_.store(true, std::memory_order_relaxed); }
   /// Returns the result of has_asked(), which is then false.
   bool take_asked() { return asked_.exchange(false, std::memory_order_relaxed); }
   void clear_goals(Row row);  ///< sets the goals of a row's joints to Goal::none

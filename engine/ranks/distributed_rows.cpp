@@ -116,6 +116,8 @@ void DistributedRows::add_candidates(std::vector<Experiment::Candidate>& candida
   });
 }
 
+bool DistributedRows::on_any_rank(bool own) { return post_.agree(Order::moves, own, std::logical_or()); }
+
 void DistributedRows::put_rows_of(unsigned, MessageWriter&) const { throw_collective(); }
 void DistributedRows::get_rows_of(unsigned, MessageReader&) { throw_collective(); }
 
@@ -157,6 +159,7 @@ bool DistributedRows::prepare_motions(std::span<const std::uint64_t> times) {
 /// between ranks.
 void DistributedRows::report_joints(const std::function<void()>& work) {
   if (!reports_joints_ || !has_asked_) return work();
+  links_.raise_asked();  // the hook also runs for bodies of a rank on which no joint moves
   error_.attempt(post_.rank, work);
   error_.agree(post_);
 }

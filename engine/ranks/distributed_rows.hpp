@@ -46,6 +46,7 @@ class DistributedRows final : public RankRows {
 
   void redistribute(bool have_jumped) override;
   void add_candidates(std::vector<Experiment::Candidate>& candidates) override;
+  bool on_any_rank(bool own) override;
   void put_rows_of(unsigned rank, partition::MessageWriter& message) const override;
   void get_rows_of(unsigned rank, partition::MessageReader& message) override;
   Messages written(const partition::MessageWriter& head) override;
@@ -67,7 +68,7 @@ class DistributedRows final : public RankRows {
   bool leads() const { return post_.rank == 0; }
 
   World& world_;
-  const Links& links_;
+  Links& links_;
   RankPost post_;
   bool reports_joints_;                 // devices of any type have the hook joints_moved
   std::vector<std::uint8_t> is_known_;  // of each table: 1 if the ghosts have its present values, otherwise 0

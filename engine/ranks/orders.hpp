@@ -38,6 +38,7 @@ enum class Order : std::uint8_t {
   places,      ///< in a tick: final positions of pushed bodies (RankBorder)
   joints,      ///< in a tick: whether joint motions of ghosts on the receiver are blocked (RankBorder)
   candidates,  ///< in a tick: bodies of own rows of the sender that an intervention may choose
+  moves,       ///< in a tick: whether interventions have moved a body on the sender (RankRows::on_any_rank())
   effects,     ///< in a tick: rows that effects change, or whether ranks lack ghosts (SharedEffects)
   births,      ///< in a tick: the first free place that the sender found for a birth (lowest_trial())
   ended,  ///< in a tick: whether a hook of the phase move has failed on the sender (SharedError::agree())

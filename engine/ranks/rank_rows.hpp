@@ -98,6 +98,8 @@ class RankRows {
   /// Adds the candidates of the other ranks to those of this rank. The candidates are the bodies that an
   /// intervention may choose. In a replicated world, does nothing, because every rank has all candidates.
   virtual void add_candidates(std::vector<Experiment::Candidate>& candidates) = 0;
+  /// Returns whether `own` is true on any rank. In a replicated world, `own` must be the same on all ranks.
+  virtual bool on_any_rank(bool own) = 0;
   /// For controllers that decide on rank 0 for the robots of all ranks (Replica::on_rank_0()). put_rows_of()
   /// appends the present values of the rows that `rank` owns, and get_rows_of() reads them. In a distributed
   /// world, which has no such controllers (why_replicated()), both throw std::logic_error.

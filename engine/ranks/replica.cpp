@@ -83,7 +83,8 @@ ReceivedOrder Replica::expect(Order wanted, unsigned from) {
     if (is_of_this_world && (order == wanted || order == Order::failed)) return received;
     // This rank has failed and is in fail(). The other rank sent this message before it knew of the failure.
     const bool is_before_failure = order == Order::together || order == Order::candidates ||
-                                   order == Order::rows || order == Order::births || order == Order::agree;
+                                   order == Order::moves || order == Order::rows || order == Order::births ||
+                                   order == Order::agree;
     if (is_of_this_world && wanted == Order::exchange && is_before_failure) continue;
     if (from == 0 && (order == Order::drop || order == Order::end))
       throw partition::RankError("rank 0 has failed in this tick: see the error of rank 0");

@@ -131,6 +131,9 @@ class Replica {
   /// of this rank. The candidates are the bodies that an intervention may choose. Every rank must call this
   /// for the same interventions. In a replicated world, does nothing.
   void add_candidates(std::vector<Experiment::Candidate>& candidates);
+  /// Called in the phase intervene. In a distributed world, returns whether `own` is true on any rank, and
+  /// every rank must call this for the same interventions. In a replicated world, returns `own`.
+  bool on_any_rank(bool own) { return rows_->on_any_rank(own); }
   /// In a distributed world: gives the rows to their owners after interventions have moved, added or removed
   /// bodies. Every rank must call this in the same ticks, in the phase intervene. In a replicated world, does
   /// nothing.

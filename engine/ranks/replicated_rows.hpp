@@ -50,6 +50,7 @@ class ReplicatedRows final : public RankRows {
 
   void redistribute(bool) override {}                                   // every rank has all rows
   void add_candidates(std::vector<Experiment::Candidate>&) override {}  // every rank finds all candidates
+  bool on_any_rank(bool own) override { return own; }
   void put_rows_of(unsigned rank, partition::MessageWriter& message) const override;
   void get_rows_of(unsigned rank, partition::MessageReader& message) override;
   Messages written(const partition::MessageWriter& head) override;

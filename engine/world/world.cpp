@@ -381,8 +381,8 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
       if (state_.ray_grid) build_ray_grid(diagnostics);  // start() redraws it
     }
     forget_settings();
-    build_faults(registry, groups, diagnostics);
     if (has_any_changed) bind_kinds_again(registry);
+    build_faults(registry, groups, diagnostics);  // kinds of faults may read the devices of a type
     start();
   };
   if (!has_any_changed) return begin_with(seed, bodies);

@@ -632,6 +632,7 @@ class World {
   /// Makes every sensor and every other device of a body run, including those that no controller uses. Throws
   /// std::out_of_range if there is no such body, or if it has no row. Call this before the first step.
   void subscribe(BodyId body) {
+    gather_distributed();  // the row may be on another rank
     const Row row = body.index() < state_.rows.size() ? this->row(body) : Row();
     require_row(row, "subscribe()");
     touch();

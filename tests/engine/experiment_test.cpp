@@ -16,6 +16,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <any>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -679,6 +680,39 @@ TEST(Experiment, ARestartMakesItsFaultsWithTheParametersOfTickZero) {
   const std::vector<BodySpec> bodies = world.spec().bodies;
   world.restart(world.spec().seed, bodies, registry);
   EXPECT_EQ(hash_after(5), first);
+}
+
+// The reach of a device and the effect of a fault depend on where a body starts.
+TEST(Experiment, ARestartMakesDevicesAndFaultsForItsBodies) {
+  Registry registry = test::registry();
+  DeviceKind seer{.name = "seer", .text = ""};
+  seer.prepare = [](const Record&, const Pose&) { return DeviceKind::Prepared{.data = 0.0}; };
+  seer.bind_world = [](std::any& data, const WorldSpec& world) -> Result<> {
+    data = world.bodies.back().pose_world_body.x;
+    return {};
+  };
+  seer.reach_m = [](const std::any& data) { return std::any_cast<double>(data); };
+  seer.sense = [](const SenseBatch&) -> std::uint64_t { return 0; };
+  registry.devices.push_back(seer);
+  registry.faults.push_back({"near", "", {}, [](const Record&, const BodyType& type) {
+                               return Result<Impairment>({.speed = 1 / type.devices.back().prepared.reach_m});
+                             }});
+  Squad row(1);
+  row.scene[row.type].devices.push_back(
+      {.name = "seer", .kind = "seer", .params = {}, .active = true, .where = {}});
+  row.scene.spec.experiment.faults = {{model("r0"), 0, {{"near", {}}}, {}}};
+  row.scene.spec.bodies.back().pose_world_body.x = 7;
+  Diagnostics diagnostics;
+  World world(row.scene.spec, registry, {.threads = 1}, diagnostics);
+  row.scene.spec.bodies.back().pose_world_body.x = 9;
+  World fresh(row.scene.spec, registry, {.threads = 1}, diagnostics);
+  world.restart(row.scene.spec.seed, row.scene.spec.bodies, registry);
+  EXPECT_EQ(world.longest_reach(), 9);
+  for (World* each : {&world, &fresh}) {
+    Squad::drive(*each);
+    step(*each, 3);
+  }
+  EXPECT_EQ(world.hashes().state, fresh.hashes().state);
 }
 
 // ---- errors

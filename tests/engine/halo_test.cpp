@@ -444,6 +444,33 @@ TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
   }
 }
 
+// Some robots start far away from the others, or on corners of the squares of which the ground of ranks
+// consists. The wall is elsewhere, too.
+TEST_F(HaloOfARoom, ARestartPlacesBodiesOnTheGroundOfAnyRank) {
+  const Simulation simulation = load(80, 3);
+  std::vector<BodySpec> bodies = simulation.world().spec().bodies;
+  const auto place = [&](std::string_view name, const Pose& pose) {
+    bodies[simulation.world().find(name).index()].pose_world_body = pose;
+  };
+  place("w3", {60, -40, 0, 1});
+  place("w4", {60.5, -40, 0, -2});
+  place("w5", {-9e4, 9e4, 0, 0});
+  place("w6", {1, 1, 0, 0});
+  place("w7", {0, -2, 0, 1.5});
+  place("wall", {-1.5, 0.5, 0, 1});
+  World whole = whole_world(simulation);
+  whole.restart(7, bodies, simulation.registry());
+  const std::vector<Hashes> expected = halo_log(whole, 30);
+  for (const HaloTeam& team : k_experiment_teams) {
+    HaloRanks ranks(simulation, team);
+    for (int tick = 0; tick < 10; ++tick) ranks.world().step();
+    ranks.world().restart(7, bodies, simulation.registry());
+    expect_equal_logs(halo_log(ranks.world(), 30), expected, name_of(team));
+    ranks.world().reset();
+    expect_equal_logs(halo_log(ranks.world(), 30), expected, "after a reset, " + name_of(team));
+  }
+}
+
 TEST_F(HaloOfARoom, AFarMotionIsFollowed) {
   const Simulation simulation = load(60, 3);
   const BodyId fast = simulation.world().find("w7");
@@ -1498,6 +1525,74 @@ TEST_F(HaloOfARoom, OnlyTheJointsOfOneRankMoveAndNoKindHasTheHook) {
   EXPECT_GT(whole.joint_state(whole.row(whole.find("w")), 0).x, 0);
   EXPECT_EQ(whole.joint_state(whole.row(whole.find("s")), 0).x, 0);
   expect_same_bits(simulation, 4, {{2, 1, {}, {}}, {3, 1, 5, {}}});
+}
+
+// The hook also runs for the robot that moves no joint, and that has no ghost on the rank of the other.
+TEST_F(HaloOfARoom, OnlyTheJointsOfOneRankMoveAndAllHaveTheHook) {
+  Registry registry = test::registry();
+  DeviceKind& actuator = *std::ranges::find(registry.devices, "actuator", &DeviceKind::name);
+  actuator.joints_moved = [](const DeviceBatch& batch) {
+    for (std::size_t i = 0; i < batch.rows.size(); ++i)
+      batch.state.as<models::ActuatorState>(batch.slot(i)).velocity = static_cast<double>(batch.view.tick());
+  };
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("waver.json", std::string(k_one_waver)), options, registry);
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  World whole = whole_world(simulation);
+  halo_log(whole, 4);
+  for (const char* robot : {"s", "w"}) {
+    const Row row = whole.row(whole.find(robot));
+    EXPECT_EQ(whole.percepts(whole.type(row).devices[0]).as<models::ActuatorState>(whole.slot(row)).velocity,
+              4);
+  }
+  expect_same_bits(simulation, 4, {{2, 1, {}, {}}, {3, 1, 5, {}}});
+}
+
+/// Robots whose grippers close on pucks, each with a robot that looks at the puck; and far from all of them,
+/// a robot that is moved before each tick.
+std::string halo_catchers() {
+  constexpr int k_catchers = 8;
+  std::string models;
+  for (int k = 0; k < k_catchers; ++k) {
+    const double heading = 0.3 + 0.7 * k;
+    const auto pose = [&](double ahead_m, double turned) {
+      return fmt::format(R"({{"x_m": {}, "y_m": {}, "heading_rad": {}}})",
+                         6 * k + ahead_m * std::cos(heading), ahead_m * std::sin(heading), heading + turned);
+    };
+    models += fmt::format(
+        R"({{"name": "c{0}", "type": "catcher", "pose": {1}}}, {{"name": "p{0}", "type": "puck", "pose": {2}}},
+    {{"name": "e{0}", "type": "eye", "pose": {3}}}, )",
+        k, pose(0, 0), pose(0.85, 0.1), pose(2, std::numbers::pi));
+  }
+  std::string moves;
+  for (int tick = 0; tick < 30; ++tick)
+    moves +=
+        fmt::format(R"({}{{"time_s": {}, "move": {{"model": "far", "pose": {{"x_m": {}, "y_m": 90}}}}}})",
+                    tick == 0 ? "" : ",\n    ", 0.1 * tick, 0.02 * tick);
+  return fmt::format(R"({{"troupe": 1, "title": "Catchers", "types": {{
+  "catcher": {{"size_m": [0.2, 0.2, 0.3], "drive": {{"kind": "diff"}}, "devices": [
+    {{"name": "hand", "kind": "gripper", "pose": {{"x_m": 0.55, "z_m": 0.02}}, "size_m": [0.9, 1.0, 0.3], "autosnatch": true}}]}},
+  "puck": {{"size_m": [0.1, 0.1, 0.1], "gripper_return": true, "fiducial_return": 1}},
+  "eye": {{"size_m": [0.2, 0.2, 0.2], "drive": {{"kind": "diff"}}, "sensors": [
+    {{"name": "finder", "kind": "fiducial", "active": true, "range_max_m": 3, "pose": {{"z_m": 0.05}}}}]}},
+  "bot": {{"size_m": [0.2, 0.2, 0.2], "drive": {{"kind": "diff"}}}}}},
+  "models": [{}{{"name": "far", "type": "bot", "pose": {{"y_m": 90}}}}],
+  "at": [{}]}})",
+                     models, moves);
+}
+
+// In the tick in which a robot has gripped a puck, its rank learns that another rank has moved a body: the
+// poses of all carried bodies are then computed again.
+TEST_F(HaloOfARoom, CargoFollowsAMoveOnAnotherRank) {
+  SimulationOptions options;
+  options.threads = 1;
+  const Simulation simulation(write("catchers.json", halo_catchers()), options);
+  ASSERT_EQ(why_replicated(simulation.world()), "");
+  World whole = whole_world(simulation);
+  const std::vector<Hashes> expected = halo_log(whole, 30);
+  EXPECT_EQ(whole.carried_count(), 8u);
+  expect_log(simulation, k_experiment_teams, expected);
 }
 
 class HaloOfAWorld : public ::testing::TestWithParam<std::string_view> {};

@@ -335,6 +335,43 @@ TEST_F(DistributedRanks, ResumeWhatOthersSaved) {
   }
 }
 
+// The compasses run only because the program has subscribed to the sensors of all robots. Rank 0 lacks most
+// of the robots.
+TEST_F(DistributedRanks, RunTheSensorsToWhichAProgramHasSubscribed) {
+  constexpr std::size_t k_robots = 60;
+  std::string text(k_rangers);
+  constexpr std::string_view k_sensors = R"("sensors": [)";
+  text.insert(text.find(k_sensors) + k_sensors.size(),
+              R"({"name": "north", "kind": "compass", "active": false}, )");
+  const fs::path world = write("rangers.json", text);
+  const fs::path file = folder_ / "run.h5";
+  const auto subscribe = [](Simulation& simulation) {
+    for (std::size_t i = 0; i < k_robots; ++i) simulation.subscribe("w" + std::to_string(i));
+  };
+  SimulationOptions options;
+  options.threads = 1;
+  Simulation without(world, options);
+  Simulation one(world, options);
+  subscribe(one);
+  one.save(file);
+  const std::vector<std::string> expected = test::hash_log(one, 10);
+  EXPECT_NE(test::hash_log(without, 10), expected);
+  ResumeOptions resume;
+  resume.threads = 1;
+  for (const unsigned ranks : {2u, 5u}) {
+    options.ranks = resume.ranks = ranks;
+    options.tile_size_m = resume.tile_size_m = 1;
+    options.distribute = resume.distribute = true;
+    Simulation several(world, options);
+    EXPECT_TRUE(several.rank_statistics().is_distributed);
+    subscribe(several);
+    EXPECT_EQ(test::hash_log(several, 10), expected) << ranks << " ranks";
+    Simulation resumed = Simulation::resume(file, resume);
+    EXPECT_TRUE(resumed.rank_statistics().is_distributed);
+    EXPECT_EQ(test::hash_log(resumed, 10), expected) << ranks << " ranks, resumed";
+  }
+}
+
 /// Saves a run of k_rangers, with an intervention `set` at 0.5 s, after 10 ticks, and resumes it on several
 /// ranks.
 class RanksThatResume : public DistributedRanks {
