@@ -213,6 +213,14 @@ TEST_F(HostileUsage, SweepsRefuseWhatCannotBeWrittenBeforeTheirRuns) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("out/table.csv: error: cannot be written: it is a folder"));
   EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1);
+  write(
+      "series.json",
+      R"({"troupe_study": 1, "world": "room.world", "for_s": 0.2, "measures": ["stalls"], "series": true})");
+  fs::create_directory(path("o3"));
+  write("o3/series", "");
+  const Outcome occupied = troupe({"sweep", "series.json", "-o", "o3"});
+  EXPECT_EQ(occupied.code, 2);
+  EXPECT_THAT(lines_of(occupied.err), ElementsAre("o3/series: error: cannot be written: it is not a folder"));
   for (const char* folder : {"", "--list"}) {
     const Outcome refused = troupe({"sweep", "study.json", "-o", folder});
     EXPECT_EQ(refused.code, 2);
