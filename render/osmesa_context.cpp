@@ -80,9 +80,11 @@ void* open_osmesa(std::span<const char* const> library_names) {
     const char* const reason = dlerror();
     reasons += fmt::format("{}{}", reasons.empty() ? "" : "; ", reason ? reason : name);
   }
+  const bool is_too_large = reasons.find("failed to map segment") != std::string::npos;
   throw std::runtime_error(
-      fmt::format("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): {}; "
-                  "maps as .svg or .pdf do not need OSMesa",
+      fmt::format("cannot draw: {}: {}; maps as .svg or .pdf do not need OSMesa",
+                  is_too_large ? "OSMesa cannot be loaded (raise the limits on memory of this process)"
+                               : "OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6)",
                   reasons));
 }
 

@@ -40,8 +40,8 @@ class OsmesaContext {
 };
 
 /// Opens the first library of `library_names` that can be loaded and returns its handle (of dlopen()), which
-/// is never closed. If none can be loaded, throws std::runtime_error; the message names the package to
-/// install and contains the messages of the loader.
+/// is never closed. If none can be loaded, throws std::runtime_error; the message contains the messages of
+/// the loader, and names the package to install, or says that the limits on memory are too low.
 void* open_osmesa(std::span<const char* const> library_names);
 
 }  // namespace troupe::render

@@ -327,6 +327,18 @@ TEST_F(HostileUsage, PicturesAreTheSameIfThereAreTooFewThreads) {
   }
 }
 
+TEST_F(HostileUsage, TooLittleMemoryForOsmesaDoesNotMeanThatItIsMissing) {
+  if (!can_limit_threads())
+    GTEST_SKIP() << "the limits cannot be set, or sanitizers reserve more address space";
+  const std::vector<std::string> render{"render", "room.world", "-o", "right.png", "--threads", "1"};
+  if (const Outcome outcome = troupe(render); lacks_pictures(outcome)) GTEST_SKIP() << outcome.err;
+  constexpr int k_no_library = 100'000;
+  EXPECT_EQ(limited(k_no_library, "render room.world -o none.png --for 0.1 --threads 1"), 1);
+  EXPECT_THAT(
+      read("err.txt"),
+      HasSubstr("cannot draw: OSMesa cannot be loaded (raise the limits on memory of this process): "));
+}
+
 TEST_F(HostileUsage, FilmsHaveRatesThatCanBePlayed) {
   for (const auto& [option, value] :
        {std::pair("--fps", "1e-300"), std::pair("--film-speed", "1e-300"), std::pair("--fps", "nan")}) {
