@@ -1,6 +1,7 @@
 // This is the only file that includes Boost.Beast.
 
 #include "live/server.hpp"
+#include "base/diagnostics.hpp"
 #include "live/host_name.hpp"
 #include "partition/job_thread.hpp"
 
@@ -18,6 +19,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <exception>
 #include <map>
 #include <memory>
 #include <optional>
@@ -126,6 +128,9 @@ struct ViewServer::Impl {
   void listen(const asio::ip::address& address, std::uint16_t port);
   void accept(Listener& listener);
   void accept_later(Listener& listener);
+  void run();
+  void begin_again(const std::exception& error);
+  void close_connections();
   void make_room();
   /// Whether a Host header names this machine: as a loopback name, as the address that the client has
   /// connected to, or with a name that Options::hosts lists. No other name is accepted, because another site
@@ -409,6 +414,35 @@ void ViewServer::Impl::accept_later(Listener& listener) {
   });
 }
 
+/// Serves until stop() is called. A function of the server or of the backend throws only in an emergency,
+/// such as too little memory. The run must not end with its view then, so the server begins again.
+void ViewServer::Impl::run() {
+  while (!context.stopped()) try {
+      context.run();
+    } catch (const std::exception& error) {
+      try {
+        begin_again(error);
+      } catch (const std::exception&) {  // ignored: the server accepts no further connection
+      }
+    }
+}
+
+/// Closes all connections and accepts new ones. error: the reason
+void ViewServer::Impl::begin_again(const std::exception& error) {
+  close_connections();
+  for (const auto& listener : listeners) {
+    listener->acceptor.cancel();
+    accept_later(*listener);
+  }
+  backend.refused(fmt::format("all connections, until browsers load the page again, because of an error: {}",
+                              exception_text(error)));
+}
+
+void ViewServer::Impl::close_connections() {
+  const auto all = connections;  // a copy, because close() erases from the map
+  for (const auto& [client, connection] : all) connection->close();
+}
+
 /// Listens on a port of an address. Throws boost::system::system_error if the address or the port is not
 /// available.
 void ViewServer::Impl::listen(const asio::ip::address& address, std::uint16_t port) {
@@ -453,7 +487,7 @@ ViewServer::~ViewServer() { stop(); }
 void ViewServer::start() {
   for (const auto& listener : impl_->listeners) impl_->accept(*listener);
   try {
-    impl_->thread = std::thread([this] { impl_->context.run(); });
+    impl_->thread = std::thread([this] { impl_->run(); });
   } catch (const std::system_error& error) {
     partition::throw_no_thread(error);
   }
@@ -462,13 +496,12 @@ void ViewServer::start() {
 void ViewServer::stop() {
   if (!impl_->thread.joinable()) return;
   asio::post(impl_->context, [this] {
+    impl_->context.stop();  // first: run() ends even if something below throws
     for (const auto& listener : impl_->listeners) {
       listener->acceptor.close();
       listener->accept_again.cancel();
     }
-    const auto all = impl_->connections;  // a copy, because close() erases from the map
-    for (const auto& [client, connection] : all) connection->close();
-    impl_->context.stop();
+    impl_->close_connections();
   });
   impl_->thread.join();
 }

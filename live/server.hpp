@@ -18,7 +18,8 @@ struct ViewFrames {
 
 /// The interface through which a ViewServer reports events and asks for pictures. A client is a connection
 /// (of a page or program) that has sent a valid token: one of the two secret texts in ViewServer::Options.
-/// The server calls all functions on its own thread, one at a time.
+/// The server calls all functions on its own thread, one at a time. If a function throws, for example because
+/// there is not enough memory, the server closes all connections and continues with new ones.
 ///
 /// Arguments of the functions:
 /// client: number of the client; the server uses each number only once

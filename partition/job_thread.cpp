@@ -1,13 +1,24 @@
 #include "partition/job_thread.hpp"
 
+#include <pthread.h>
+
 #include <condition_variable>
 #include <deque>
 #include <exception>
 #include <mutex>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace troupe::partition {
+namespace {
+
+void* wait_for_mutex(void* mutex) {
+  const std::lock_guard lock(*static_cast<std::mutex*>(mutex));
+  return nullptr;
+}
+
+}  // namespace
 
 struct JobThread::Impl {
   explicit Impl(std::size_t most) : most_waiting(most), thread([this] { run(); }) {}
@@ -70,6 +81,26 @@ void throw_no_thread(const std::system_error& error) {
       error.code(),
       "the system allows no further thread (use fewer threads, or raise the limits on threads and memory of "
       "this process)");
+}
+
+std::error_code try_threads(std::size_t count, std::size_t stack_bytes) {
+  std::mutex mutex;
+  std::vector<pthread_t> threads(count);
+  std::size_t started = 0;
+  int error = 0;
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  if (stack_bytes > 0) pthread_attr_setstacksize(&attributes, stack_bytes);
+  {
+    const std::lock_guard lock(mutex);  // no thread ends before all are started
+    while (started < count && error == 0) {
+      error = pthread_create(&threads[started], &attributes, wait_for_mutex, &mutex);
+      if (error == 0) ++started;
+    }
+  }
+  pthread_attr_destroy(&attributes);
+  for (std::size_t i = 0; i < started; ++i) pthread_join(threads[i], nullptr);
+  return {error, std::generic_category()};
 }
 
 JobThread::JobThread(std::size_t most_waiting) try : impl_(std::make_unique<Impl>(most_waiting)) {

@@ -11,6 +11,12 @@ namespace troupe::partition {
 /// error of starting a thread, whose own text is only "Resource temporarily unavailable".
 [[noreturn]] void throw_no_thread(const std::system_error& error);
 
+/// Starts `count` threads, all of which exist at the same time, and ends them. Returns the error of the
+/// system if it allows fewer threads, otherwise an error code of value 0. For libraries that start threads of
+/// their own, and that end the program or wait for ever if they cannot start them. stack_bytes: size of the
+/// stack of each thread; 0: the default of the system
+[[nodiscard]] std::error_code try_threads(std::size_t count, std::size_t stack_bytes = 0);
+
 /// A thread that runs jobs, such as drawing and writing files, in the order in which they were added. The
 /// thread that adds the jobs continues meanwhile. The time steps of a simulated world do not use this class;
 /// they run in parallel loops (class Parallel). A job must not call the functions of its own JobThread.

@@ -23,8 +23,9 @@ class Parallel {
   /// more than oneTBB allows by default, the constructor raises oneTBB's limit for the whole process. If the
   /// system allows too few threads, the constructor of the backend std::thread, or the first loop of the
   /// backend oneTBB, throws the error of throw_no_thread() (partition/job_thread.hpp).
-  /// oneTBB ends its threads only some time after the last object was destroyed. If a new object then starts
-  /// loops, and the system does not allow the old and the new threads together, oneTBB may end the program.
+  /// The backend oneTBB keeps its threads until the process ends. New objects use the threads of destroyed
+  /// objects. If objects start their first loops at the same time, and the system does not allow the threads
+  /// of all of them together, oneTBB may end the program.
   explicit Parallel(unsigned threads);
   ~Parallel();
   /// A moved-from object can only be destroyed or assigned to.

@@ -3,7 +3,6 @@
 #include "base/fp_environment.hpp"
 #include "partition/job_thread.hpp"
 
-#include <pthread.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
@@ -12,66 +11,102 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <system_error>
-#include <vector>
+#include <utility>
 
 namespace troupe::partition {
 namespace {
 
 constexpr std::size_t k_most_parts = 64;
 
-void* wait_for_mutex(void* mutex) {
-  const std::lock_guard lock(*static_cast<std::mutex*>(mutex));
-  return nullptr;
-}
+/// An arena of oneTBB: loops in it run on a fixed number of threads.
+struct Arena {
+  explicit Arena(unsigned thread_count) : threads(thread_count), arena(static_cast<int>(thread_count)) {}
 
-/// Throws the error of throw_no_thread() if the system does not let oneTBB start as many threads as a loop
-/// needs: starts and ends so many threads. oneTBB starts some of its threads in others of its threads, where
-/// its exception "pthread_create has failed" would end the program. All loops share the threads of oneTBB, so
-/// this function starts threads only if a loop needs more of them than all loops before.
-/// count: number of threads without the calling thread
-void require_threads(unsigned count) {
-  static std::atomic<unsigned> most = 0;  // the most threads that a loop has needed
-  const unsigned before = most.load(std::memory_order_relaxed);
-  if (count <= before) return;
-  std::mutex mutex;
-  std::vector<pthread_t> threads(count - before);
-  std::size_t started = 0;
-  int error = 0;
-  pthread_attr_t attributes;
-  pthread_attr_init(&attributes);
-  pthread_attr_setstacksize(&attributes,
-                            tbb::global_control::active_value(tbb::global_control::thread_stack_size));
-  {
-    const std::lock_guard lock(mutex);  // no thread ends before all are started
-    while (started < threads.size() && error == 0) {
-      error = pthread_create(&threads[started], &attributes, wait_for_mutex, &mutex);
-      if (error == 0) ++started;
-    }
+  const unsigned threads;
+  tbb::task_arena arena;
+  bool has_threads = false;     ///< whether require_threads() has succeeded
+  std::unique_ptr<Arena> next;  ///< in FreeArenas
+};
+
+/// The arenas of destroyed objects, for new objects. They are never destroyed, so that oneTBB keeps its
+/// threads. An arena keeps its threads for some time after a loop. The loops of a new arena would meanwhile
+/// get further threads, which the system may not allow.
+class FreeArenas {
+ public:
+  /// Returns a free arena for so many threads, or a new one, which is not initialized yet.
+  static std::unique_ptr<Arena> take(unsigned threads) {
+    FreeArenas& all = instance();
+    const std::lock_guard lock(all.mutex_);
+    std::unique_ptr<Arena>* link = &all.first_;
+    while (*link && (*link)->threads != threads) link = &(*link)->next;
+    if (!*link) return std::make_unique<Arena>(threads);
+    std::unique_ptr<Arena> taken = std::move(*link);
+    *link = std::move(taken->next);
+    return taken;
   }
-  pthread_attr_destroy(&attributes);
-  for (std::size_t i = 0; i < started; ++i) pthread_join(threads[i], nullptr);
-  if (error != 0) throw_no_thread(std::system_error(error, std::generic_category()));
-  most.store(count, std::memory_order_relaxed);
+
+  static void give_back(std::unique_ptr<Arena> arena) {
+    FreeArenas& all = instance();
+    const std::lock_guard lock(all.mutex_);
+    arena->next = std::move(all.first_);
+    all.first_ = std::move(arena);
+  }
+
+ private:
+  static FreeArenas& instance() {
+    static auto* const arenas = new FreeArenas;
+    return *arenas;
+  }
+
+  std::mutex mutex_;
+  std::unique_ptr<Arena> first_;  // of a list
+};
+
+/// Throws the error of throw_no_thread() if the system does not let oneTBB start the threads that an arena
+/// may use in addition to those of all other arenas. oneTBB starts some of its threads in others of its
+/// threads, where its exception "pthread_create has failed" would end the program. count: number of threads
+/// of the arena without the calling thread
+void require_threads(unsigned count) {
+  static std::mutex mutex;
+  static std::size_t required = 0;  // for all arenas
+  const std::lock_guard lock(mutex);
+  const std::size_t most =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism) - 1;
+  const std::size_t further = std::min<std::size_t>(count, most - std::min(most, required));
+  const std::error_code error =
+      try_threads(further, tbb::global_control::active_value(tbb::global_control::thread_stack_size));
+  if (error) throw_no_thread(std::system_error(error));
+  required += further;
 }
 
 }  // namespace
 
 struct Parallel::Workers {
-  explicit Workers(unsigned threads) : arena(static_cast<int>(threads)) {
+  explicit Workers(unsigned threads) : held(FreeArenas::take(threads)) {
     // By default oneTBB runs at most as many threads as the process had processors when oneTBB started. If an
     // arena asks for more, oneTBB ignores this and prints a warning to standard error. A global_control
     // raises the limit. If there are several global_control objects, the least of their limits applies, so
     // all of them set the same limit, k_most_threads.
     if (threads > static_cast<unsigned>(tbb::info::default_concurrency()))
       limit.emplace(tbb::global_control::max_allowed_parallelism, k_most_threads);
-    arena.initialize();
+    held->arena.initialize();  // without effect if it is initialized
+  }
+  ~Workers() { FreeArenas::give_back(std::move(held)); }
+
+  /// Returns the arena for a loop. Throws the error of require_threads() if the arena may not use its
+  /// threads.
+  tbb::task_arena& arena() {
+    if (!held->has_threads) require_threads(held->threads - 1);
+    held->has_threads = true;
+    return held->arena;
   }
 
   std::optional<tbb::global_control> limit;
-  tbb::task_arena arena;
+  std::unique_ptr<Arena> held;
 };
 
 Parallel::Parallel(unsigned threads) : threads_(checked(threads)) {
@@ -88,7 +123,7 @@ void Parallel::run_tasks(std::size_t count, Call call, void* task) {
     for (std::size_t i = 0; i < count; ++i) call(task, i);
     return;
   }
-  require_threads(threads_ - 1);
+  tbb::task_arena& arena = workers_->arena();
   // A oneTBB task costs about 40 ns, and stealing one costs much more, so there is at most one oneTBB task
   // per thread. Each oneTBB task first works through its own part of the indices. (With more than
   // k_most_parts oneTBB tasks, several of them share a part.) This part is the same in all loops with the
@@ -105,7 +140,7 @@ void Parallel::run_tasks(std::size_t count, Call call, void* task) {
     parts[p].next.store(count * p / used, std::memory_order_relaxed);
     parts[p].end = count * (p + 1) / used;
   }
-  workers_->arena.execute([&] {
+  arena.execute([&] {
     tbb::parallel_for(
         std::size_t{0}, runners,
         [&](std::size_t own) {

@@ -1,6 +1,7 @@
 #include "apps/messages.hpp"
 #include "base/raised.hpp"
 #include "live/view.hpp"
+#include "partition/job_thread.hpp"
 #include "python/bindings.hpp"
 #include "python/whole_numbers.hpp"
 
@@ -22,6 +23,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <type_traits>
 #include <utility>
@@ -81,7 +83,8 @@ class HeldBatch {
 /// Runs a task on another thread and waits for its end. Meanwhile, the calling thread, which must be the main
 /// thread and hold the interpreter's lock, calls the signal handlers of Python. If one of them raises an
 /// exception, as that of Ctrl-C does, is_cancelled() becomes true, and the exception is thrown after the end
-/// of the task. Otherwise throws the exception of the task.
+/// of the task. Otherwise throws the exception of the task. Throws the error of partition::throw_no_thread()
+/// if the system allows no further thread.
 void HeldBatch::work_elsewhere(const std::function<void()>& task) {
   constexpr std::chrono::milliseconds k_patience(50);
   std::mutex mutex;
@@ -89,16 +92,21 @@ void HeldBatch::work_elsewhere(const std::function<void()>& task) {
   bool is_done = false;
   std::exception_ptr failed;
   std::exception_ptr raised;
-  std::thread worker([&] {
-    try {
-      task();
-    } catch (...) {
-      failed = std::current_exception();
-    }
-    const std::scoped_lock lock(mutex);
-    is_done = true;
-    ended.notify_one();
-  });
+  std::thread worker;
+  try {
+    worker = std::thread([&] {
+      try {
+        task();
+      } catch (...) {
+        failed = std::current_exception();
+      }
+      const std::scoped_lock lock(mutex);
+      is_done = true;
+      ended.notify_one();
+    });
+  } catch (const std::system_error& error) {
+    partition::throw_no_thread(error);
+  }
   for (bool goes_on = true; goes_on;) {
     {
       const Unlocked unlocked;

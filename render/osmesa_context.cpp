@@ -1,9 +1,14 @@
 #include "render/osmesa_context.hpp"
 
+#include "partition/job_thread.hpp"
+
 #include <GL/osmesa.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 
@@ -43,9 +48,21 @@ Function symbol(void* library, const char* name) {
   return reinterpret_cast<Function>(address);
 }
 
+/// Lets Mesa draw without threads if the system does not allow all those that Mesa starts with the first
+/// context: Mesa 22 would wait for ever for the others. The pixels are the same.
+void draw_without_threads_if_too_few() {
+  // Threads that draw and threads for compute shaders, each one per processor. Mesa 22 starts at most 16 of
+  // each, Mesa 23 at most 32.
+  constexpr long k_most_per_kind = 32;
+  const long per_kind = std::clamp(sysconf(_SC_NPROCESSORS_ONLN), 1L, k_most_per_kind);
+  if (!partition::try_threads(static_cast<std::size_t>(2 * per_kind))) return;
+  setenv("LP_NUM_THREADS", "0", 1);  // NOLINT(concurrency-mt-unsafe): Mesa has no other way to set this
+}
+
 const Osmesa& osmesa() {
   static const Osmesa functions = [] {
     void* const library = open_osmesa(k_library_names);
+    draw_without_threads_if_too_few();
     return Osmesa{symbol<decltype(Osmesa::create)>(library, "OSMesaCreateContextAttribs"),
                   symbol<decltype(Osmesa::destroy)>(library, "OSMesaDestroyContext"),
                   symbol<decltype(Osmesa::make_current)>(library, "OSMesaMakeCurrent"),
@@ -63,9 +80,11 @@ void* open_osmesa(std::span<const char* const> library_names) {
     const char* const reason = dlerror();
     reasons += fmt::format("{}{}", reasons.empty() ? "" : "; ", reason ? reason : name);
   }
+  const bool is_too_large = reasons.find("failed to map segment") != std::string::npos;
   throw std::runtime_error(
-      fmt::format("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6): {}; "
-                  "maps as .svg or .pdf do not need OSMesa",
+      fmt::format("cannot draw: {}: {}; maps as .svg or .pdf do not need OSMesa",
+                  is_too_large ? "OSMesa cannot be loaded (raise the limits on memory of this process)"
+                               : "OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6)",
                   reasons));
 }
 

@@ -9,6 +9,9 @@ namespace troupe::render {
 /// An OpenGL 3.3 core context without a window, provided by the library OSMesa. OSMesa is loaded with the
 /// first context and stays loaded. The library is not linked, because linking would cost every run of a
 /// program about 57 MB of memory and 26 ms of start-up time, even if it draws no pictures.
+///
+/// If the system does not allow the threads with which OSMesa draws, the first context sets the environment
+/// variable LP_NUM_THREADS of the process to 0, and OSMesa draws on the calling threads.
 class OsmesaContext {
  public:
   /// Creates a context, which is not current on any thread. Throws std::runtime_error if OSMesa is missing or
@@ -37,8 +40,8 @@ class OsmesaContext {
 };
 
 /// Opens the first library of `library_names` that can be loaded and returns its handle (of dlopen()), which
-/// is never closed. If none can be loaded, throws std::runtime_error; the message names the package to
-/// install and contains the messages of the loader.
+/// is never closed. If none can be loaded, throws std::runtime_error; the message contains the messages of
+/// the loader, and names the package to install, or says that the limits on memory are too low.
 void* open_osmesa(std::span<const char* const> library_names);
 
 }  // namespace troupe::render

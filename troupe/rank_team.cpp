@@ -26,15 +26,15 @@ using partition::Transport;
 
 constexpr std::uint32_t k_world = 0;  // number of the only world of these ranks
 
-std::unique_ptr<partition::JobThread> make_thread(unsigned rank, unsigned ranks) {
-  try {
-    return std::make_unique<partition::JobThread>(1);
-  } catch (const std::system_error& error) {
-    throw partition::RankError(
-        fmt::format("{} ranks: the system allows no thread for rank {} ({}): use fewer ranks, or raise the "
-                    "limits on threads and memory of this process",
-                    ranks, rank, error.code().message()));
-  }
+/// Throws partition::RankError if the system does not allow the worker threads of all ranks at the same time.
+/// The ranks begin their first loops together, and oneTBB would end the program (partition/parallel.hpp).
+/// threads: worker threads of each rank, with the thread of the rank
+void require_threads(unsigned ranks, unsigned threads) {
+  if (const std::error_code error = partition::try_threads(std::size_t{ranks} * threads - 1))
+    throw partition::RankError(fmt::format(
+        "{} ranks with {} thread{} each: the system allows too few threads ({}): use fewer ranks or "
+        "threads, or raise the limits on threads and memory of this process",
+        ranks, threads, threads == 1 ? "" : "s", error.message()));
 }
 
 }  // namespace
@@ -65,9 +65,10 @@ struct RankTeam::Impl {
                         .keeps_references = !options.distribute,  // distributed rows change
                         .is_distributed = options.distribute,
                         .requests = {}} {
+    require_threads(options.ranks, lead.parallel().threads());
     try {
       for (unsigned rank = 1; rank < options.ranks; ++rank) {
-        threads.push_back(make_thread(rank, options.ranks));
+        threads.push_back(std::make_unique<partition::JobThread>(1));
         threads.back()->add([this, &lead, &registry, world, rank] { follow(lead, registry, world, rank); });
       }
       for (unsigned rank = 1; rank < options.ranks; ++rank) mailboxes.of(0).receive(rank);  // rank is ready

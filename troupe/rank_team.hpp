@@ -44,7 +44,8 @@ unsigned threads_per_rank(unsigned threads, unsigned ranks);
 /// thread is rank 0.
 class RankTeam : public RankGroup {
  public:
-  /// Makes a replica of a world on each rank. Throws partition::RankError if a replica cannot be made.
+  /// Makes a replica of a world on each rank. Throws partition::RankError if a replica cannot be made, or if
+  /// the system does not allow the threads of all ranks.
   ///
   /// lead: the world; it becomes the replica of rank 0. It must be at tick 0 (no step has been made) and
   /// outlive this object

@@ -28,6 +28,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace troupe::apps {
@@ -186,12 +187,17 @@ void check_replaced_tables(const fs::path& folder, bool has_series) {
 /// Creates the folder for the results. Throws OutputError if the results could not be written there.
 void prepare_folder(const SweepOptions& options, bool has_series) {
   check_folder(options.folder);
+  const fs::path series = options.folder / "series";
   if (fs::exists(options.folder)) {
+    if (has_series) check_folder(series);
     check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
     check_replaced_tables(options.folder, has_series);
   }
   stop_on_signals();
-  fs::create_directories(has_series ? options.folder / "series" : options.folder);
+  const fs::path& made = has_series ? series : options.folder;
+  std::error_code error;
+  fs::create_directories(made, error);
+  if (error) refuse_output(made, error.message());
   worldio::sync_folder_of(options.folder);
 }
 

@@ -36,6 +36,17 @@ class HostileUsage : public ProgramTest {
     const int status = std::system(line.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
+  /// The exit code of `troupe COMMAND` in a process whose address space is limited. The stack of a further
+  /// thread, 4 GB, does not fit into k_no_thread, and that of two does not fit into k_one_thread. The
+  /// standard error is in err.txt.
+  int limited(int most_kilobytes, const std::string& command) const {
+    return shell("--version >/dev/null; ulimit -s 4000000 && ulimit -v " + std::to_string(most_kilobytes) +
+                 " || exit 9; timeout -s KILL 240 '" TROUPE_PROGRAM "' " + command + " 2>err.txt");
+  }
+  static constexpr int k_no_thread = 3'000'000, k_one_thread = 6'000'000;
+  bool can_limit_threads() const {
+    return !test::k_slow_build && limited(k_no_thread, "--version >/dev/null") == 0;
+  }
   std::string study(const std::string& name) {
     write(
         name,
@@ -202,6 +213,14 @@ TEST_F(HostileUsage, SweepsRefuseWhatCannotBeWrittenBeforeTheirRuns) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("out/table.csv: error: cannot be written: it is a folder"));
   EXPECT_EQ(std::distance(fs::directory_iterator(path("out")), {}), 1);
+  write(
+      "series.json",
+      R"({"troupe_study": 1, "world": "room.world", "for_s": 0.2, "measures": ["stalls"], "series": true})");
+  fs::create_directory(path("o3"));
+  write("o3/series", "");
+  const Outcome occupied = troupe({"sweep", "series.json", "-o", "o3"});
+  EXPECT_EQ(occupied.code, 2);
+  EXPECT_THAT(lines_of(occupied.err), ElementsAre("o3/series: error: cannot be written: it is not a folder"));
   for (const char* folder : {"", "--list"}) {
     const Outcome refused = troupe({"sweep", "study.json", "-o", folder});
     EXPECT_EQ(refused.code, 2);
@@ -262,16 +281,10 @@ TEST_F(HostileUsage, AFolderMayEndInASlash) {
   EXPECT_TRUE(fs::exists(path("new/table.csv")));
 }
 
-// The stack of a further thread, 4 GB, does not fit into the address space that the limits allow.
 TEST_F(HostileUsage, TooFewThreadsAreAnErrorThatSaysSo) {
-  if (test::k_slow_build) GTEST_SKIP() << "sanitizers reserve more address space";
+  if (!can_limit_threads())
+    GTEST_SKIP() << "the limits cannot be set, or sanitizers reserve more address space";
   study("study.json");
-  const auto limited = [&](int most_kilobytes, const std::string& command) {
-    return shell("--version >/dev/null; ulimit -s 4000000 && ulimit -v " + std::to_string(most_kilobytes) +
-                 " || exit 9; '" TROUPE_PROGRAM "' " + command + " 2>err.txt");
-  };
-  constexpr int k_no_thread = 3'000'000, k_one_thread = 6'000'000;
-  if (limited(k_no_thread, "--version >/dev/null") != 0) GTEST_SKIP() << "the limits cannot be set";
   std::vector<std::string> commands{"sweep study.json -o none",
                                     "check room.world --for 0.1 --threads 1 --controllers"};
   if (worldio::has_hdf5()) commands.push_back("run room.world --for 0.1 --threads 1 --record run.h5");
@@ -297,6 +310,33 @@ TEST_F(HostileUsage, TooFewThreadsAreAnErrorThatSaysSo) {
   EXPECT_FALSE(fs::exists(path("room.session.jsonl")));
   EXPECT_EQ(limited(k_one_thread, "sweep study.json -o one --threads 2 --quiet"), 0) << read("err.txt");
   EXPECT_TRUE(fs::exists(path("one/table.csv")));
+}
+
+// Mesa would wait for ever for threads that it cannot start.
+TEST_F(HostileUsage, PicturesAreTheSameIfThereAreTooFewThreads) {
+  if (!can_limit_threads())
+    GTEST_SKIP() << "the limits cannot be set, or sanitizers reserve more address space";
+  const Outcome outcome =
+      troupe({"render", "room.world", "-o", "right.png", "--for", "0.1", "--threads", "1"});
+  if (lacks_pictures(outcome)) GTEST_SKIP() << outcome.err;
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const int most_kilobytes : {k_no_thread, k_one_thread}) {
+    EXPECT_EQ(limited(most_kilobytes, "render room.world -o limited.png --for 0.1 --threads 1"), 0)
+        << read("err.txt");
+    EXPECT_EQ(read("limited.png"), read("right.png"));
+  }
+}
+
+TEST_F(HostileUsage, TooLittleMemoryForOsmesaDoesNotMeanThatItIsMissing) {
+  if (!can_limit_threads())
+    GTEST_SKIP() << "the limits cannot be set, or sanitizers reserve more address space";
+  const std::vector<std::string> render{"render", "room.world", "-o", "right.png", "--threads", "1"};
+  if (const Outcome outcome = troupe(render); lacks_pictures(outcome)) GTEST_SKIP() << outcome.err;
+  constexpr int k_no_library = 100'000;
+  EXPECT_EQ(limited(k_no_library, "render room.world -o none.png --for 0.1 --threads 1"), 1);
+  EXPECT_THAT(
+      read("err.txt"),
+      HasSubstr("cannot draw: OSMesa cannot be loaded (raise the limits on memory of this process): "));
 }
 
 TEST_F(HostileUsage, FilmsHaveRatesThatCanBePlayed) {

@@ -29,6 +29,7 @@
 #include <initializer_list>
 #include <limits>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -246,6 +247,27 @@ TEST_F(ViewTest, WaitsWithoutFreeFileDescriptors) {
   EXPECT_LT(used_s, 0.3) << "the server tries again without a pause";
   ASSERT_EQ(reports.size(), 1u);
   EXPECT_THAT(reports[0], HasSubstr("a connection, until the system can accept it: Too many open files"));
+}
+
+TEST_F(ViewTest, AcceptsNewConnectionsAfterAnError) {
+  Simulation simulation = Simulation::from_text(k_one_bot, "w.json", {.threads = 1});
+  std::mutex mutex;
+  std::vector<std::string> reports;
+  const View view(simulation, View::Options{.folder = folder_, .report = [&](const std::string& text) {
+                                              const std::scoped_lock lock(mutex);
+                                              reports.push_back(text);
+                                              if (reports.size() == 1) throw std::bad_alloc();
+                                            }});
+  Viewer before(view.address());
+  EXPECT_EQ(before.receive()["type"], "hello");
+  EXPECT_THROW(Viewer(view.address() + "x").receive(), std::runtime_error);
+  EXPECT_THROW(before.receive(), std::runtime_error);
+  EXPECT_EQ(Viewer(view.address()).receive()["type"], "hello");
+  const std::scoped_lock lock(mutex);
+  EXPECT_THAT(reports,
+              ::testing::ElementsAre("refused: a WebSocket without a valid token",
+                                     "refused: all connections, until browsers load the page again, because "
+                                     "of an error: not enough memory"));
 }
 
 TEST_F(ViewTest, ACheckpointOfAPausedRunDoesNotContainALaterAct) {

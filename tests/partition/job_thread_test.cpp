@@ -4,12 +4,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <future>
 #include <memory>
 #include <numeric>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -100,6 +102,14 @@ TEST(JobThread, ItsEndDropsJobsThatHaveNotBegun) {
   }
   EXPECT_TRUE(ended);
   EXPECT_FALSE(followed);
+}
+
+TEST(TryThreads, TellsWhetherTheSystemAllowsThem) {
+  constexpr std::size_t k_more_than_any_memory = std::size_t{1} << 50;
+  EXPECT_FALSE(try_threads(0));
+  EXPECT_FALSE(try_threads(5));
+  EXPECT_FALSE(try_threads(5, 1 << 20));
+  EXPECT_EQ(try_threads(1, k_more_than_any_memory), std::errc::resource_unavailable_try_again);
 }
 
 }  // namespace

@@ -15,9 +15,12 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
+#include <iterator>
 #include <mutex>
 #include <set>
 #include <stdexcept>
@@ -248,6 +251,34 @@ TEST(ParallelDeathTest, TooFewThreadsAreAnErrorThatSaysSo) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");  // a new process, in which oneTBB has no threads yet
   EXPECT_EXIT(loop_without_threads(), ::testing::ExitedWithCode(0),
               "the system allows no further thread .use fewer threads, or raise the limits|unlimited");
+}
+
+std::ptrdiff_t threads_of_process() {
+  const std::filesystem::directory_iterator threads("/proc/self/task");
+  return std::distance(begin(threads), end(threads));
+}
+
+/// Runs loops on eight threads of many objects, one after the other, prints how many threads the process has
+/// afterwards in addition to those that it had before, and ends the process.
+[[noreturn]] void loop_in_objects_in_a_row() {
+  constexpr int k_objects = 200;
+  constexpr std::ptrdiff_t k_others = 7;
+  const std::ptrdiff_t before = threads_of_process();
+  for (int i = 0; i < k_objects; ++i) {
+    Parallel parallel(k_others + 1);
+    parallel.for_each(100, [](std::size_t) { std::this_thread::sleep_for(std::chrono::microseconds(1)); });
+  }
+  // A thread that has been joined remains in /proc for a moment.
+  for (int i = 0; i < 1000 && threads_of_process() > before + k_others; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  std::fprintf(stderr, "further threads: %td.", std::max(threads_of_process() - before, k_others));
+  std::_Exit(0);
+}
+
+// Otherwise, a limit that allows the threads of one object could end the process in the loops of the second.
+TEST(ParallelDeathTest, ObjectsUseTheThreadsOfDestroyedOnes) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // a new process, in which oneTBB has no threads yet
+  EXPECT_EXIT(loop_in_objects_in_a_row(), ::testing::ExitedWithCode(0), "further threads: 7[.]");
 }
 
 TEST(Parallel, TakesTheProcessorsThatItMayUseByDefault) {

@@ -538,6 +538,37 @@ print("same" if [alone.state_hash(i) for i in range(4)] == [watched.state_hash(i
                 process.kill()
                 raise
 
+    @needs_view
+    def test_too_few_threads_for_a_watched_batch_are_an_error_that_says_so(self):
+        """A step of a batch with a view runs on a further thread, whose stack does not fit into the address space."""
+        code = f"""
+import resource, tempfile
+import troupe
+team = {{"name": "r", "robots": "r", "arrays": [], "actions": [{{"command": "forward", "low": 0, "high": 1}}],
+        "rewards": [], "ends": []}}
+batch = troupe.BatchEnv(troupe.Simulation({ROOM!r}, threads=1),
+                        {{"copies": 2, "threads": 1, "ticks": 2, "seconds": 100.0, "teams": [team]}})
+batch.reset()
+with tempfile.TemporaryDirectory() as folder:
+    view = batch.view(rate=0, out=folder)
+    usual = resource.getrlimit(resource.RLIMIT_AS)
+    used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (used + (4 << 20), usual[1]))
+    try:
+        batch.step()
+    except RuntimeError as error:
+        print(error)
+    resource.setrlimit(resource.RLIMIT_AS, usual)
+    batch.step()
+    view.close()
+print(batch.tick())
+"""
+        done = subprocess.run(["sh", "-c", 'ulimit -s 65536 && exec "$@"', "sh", sys.executable, "-c", code],
+                              capture_output=True, text=True, timeout=WAIT_S)
+        self.assertEqual(done.stderr, "")
+        self.assertRegex(done.stdout, "^the system allows no further thread \\(use fewer threads, or raise the limits "
+                                      "on threads and memory of this process\\): .*\n3\n$")
+
     def test_a_thread_that_steps_as_the_interpreter_exits_ends_quietly(self):
         code = f"""
 import threading, time

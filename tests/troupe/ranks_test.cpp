@@ -914,16 +914,20 @@ class NoFurtherThread {
 
 TEST_F(RanksOfAProgram, SayThatTheSystemAllowsTooFewThreads) {
   SimulationOptions options;
-  options.threads = 1;
   options.ranks = 3;
   const fs::path file = write("room.json", k_wanderers);
-  const NoFurtherThread limit;
-  try {
-    Simulation(file, options);
-    ADD_FAILURE();
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), StartsWith("3 ranks: the system allows no thread for rank 1 ("));
-    EXPECT_THAT(error.what(), HasSubstr("use fewer ranks, or raise the limits on threads and memory"));
+  for (const auto& [threads, begin] :
+       {std::pair(1u, "3 ranks with 1 thread each: "), std::pair(4u, "3 ranks with 4 threads each: ")}) {
+    options.threads = threads;
+    try {
+      const NoFurtherThread limit;
+      Simulation(file, options);
+      ADD_FAILURE();
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), StartsWith(std::string(begin) + "the system allows too few threads ("));
+      EXPECT_THAT(error.what(),
+                  HasSubstr("use fewer ranks or threads, or raise the limits on threads and memory"));
+    }
   }
 }
 
