@@ -173,16 +173,13 @@ void bind_model_devices(ModelClass& model) {
           "Intensities that the ranger named `sensor` measured, float32, one per value of ranges(); empty "
           "unless the parameter\n`intensity` of the ranger is true. The array and the errors are as in "
           "ranges().")
-      .def(
-          "readings", &readings, py::arg("field"), py::arg("device") = "",
-          "The values of a field of a sensor or another device, an array of one dimension with the type of "
-          "the field; an empty\n`device` means the first device that has this field. `device` may also be "
-          "the "
-          "memory of a controller, such as \"wander/0\".\nThe array is read-only and refers to the memory of "
-          "the simulation: its content changes with each step. Raises LookupError,\nwhose text lists the "
-          "known "
-          "names, for an unknown field or device, and RuntimeError for a sensor that does not run (see\n"
-          "Simulation.subscribe()).")
+      .def("readings", &readings, py::arg("field"), py::arg("device") = "",
+           "The values of a field of a sensor or another device, an array of one dimension with the type of "
+           "the field; an empty\n`device` means the first device that has this field. `device` may also be "
+           "the memory of a controller, such as\n\"wander/0\". The array is read-only and refers to the "
+           "memory of the simulation: its content changes with each step.\nRaises LookupError, whose text "
+           "lists the known names, for an unknown field or device, and RuntimeError for a sensor\nthat does "
+           "not run (see Simulation.subscribe()).")
       .def(
           "fields",
           [](HeldModel& m, const std::string& device) {
@@ -191,7 +188,7 @@ void bind_model_devices(ModelClass& model) {
           },
           py::arg("device"),
           "The fields of a device, or of the memory of a controller, that readings() can return: a list of "
-          "Field, whose member `text`\ndescribes the field. Raises LookupError for an unknown device.")
+          "Field, whose member\n`text` describes the field. Raises LookupError for an unknown device.")
       .def("command", &command, py::arg("device"),
            "Sets fields of the command of a device by name: robot.command(\"lamp\", shows=1, red=1). Other "
            "fields of the\ncommand keep their values. The command applies from the next step on. Returns the "
