@@ -607,6 +607,16 @@ class InABrowser(unittest.TestCase):
                 page.wait("(trail => trail > 1 && trail < 2.5)(troupe.trail())", 30)
                 self.assertLess(page.run("troupe.trail()"), 4, rate)
 
+    def test_trails_keep_their_length_at_half_the_rate(self):
+        with self.opened("--rate", 1.8) as (_, page):
+            page.wait("troupe.state().time > 8")
+            page.run("troupe.trails(2)")
+            page.wait("troupe.trail() > 1.4", 30)
+            page.run("troupe.act({do: 'rate', rate: 1})")
+            begin = page.run("troupe.state().time")
+            page.wait(f"troupe.state().time > {begin + 5}")  # the page measures the time between pictures over 3 s
+            page.wait("troupe.trail() > 1.4", 30)
+
     def test_all_robots_stay_in_a_window_that_becomes_narrower(self):
         with self.opened() as (_, page):
             self.pause(page)

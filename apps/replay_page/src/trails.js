@@ -80,8 +80,9 @@ export class Trails {
   update(frame) {
     this.object.visible = this.seconds > 0;
     if (this.seconds === 0) return;
-    const change = this.meanFrame / this.frame; // the time between the pictures of a running world changes with its rate
-    if (change < 0.5 || change > 2) this.setLength(this.seconds);
+    // The time between the pictures of a running world changes with its rate. If it is shorter, the marks reach less far.
+    const change = this.meanFrame / this.frame;
+    if (change < 0.7 || change > 2) this.setLength(this.seconds);
     const { times } = this.recording;
     const newest = Math.floor(frame / this.spacing);
     let count = 0;
