@@ -64,10 +64,13 @@ export class Trails {
   setLength(seconds) {
     this.seconds = seconds;
     this.held.fill(-1);
-    this.frame = this.meanFrame; // s, for which marks are spaced
-    this.spacing = Math.max(1, Math.ceil(seconds / this.frame / this.ring)); // frames between marks
-    this.marks = Math.min(this.ring, Math.max(1, Math.round(seconds / (this.frame * this.spacing))));
+    this.spacing = this.leastSpacing; // frames between marks
     this.shown = 0; // s, the age of the oldest mark that is drawn
+  }
+
+  /** The least number of frames between marks with which all marks together reach back over the length of trails. */
+  get leastSpacing() {
+    return Math.max(1, Math.ceil(this.seconds / this.meanFrame / this.ring));
   }
 
   /** Mean time between frames, s. */
@@ -80,17 +83,17 @@ export class Trails {
   update(frame) {
     this.object.visible = this.seconds > 0;
     if (this.seconds === 0) return;
-    // The time between the pictures of a running world changes with its rate. If it is shorter, the marks reach less far.
-    const change = this.meanFrame / this.frame;
-    if (change < 0.7 || change > 2) this.setLength(this.seconds);
+    const least = this.leastSpacing; // the time between the pictures of a running world changes with its rate
+    if (least > this.spacing || 2 * least <= this.spacing) this.setLength(this.seconds);
     const { times } = this.recording;
     const newest = Math.floor(frame / this.spacing);
+    const frameTime = this.meanFrame;
     let count = 0;
     let uploads = 0;
-    for (; count < this.marks && newest - count >= 0; count++) {
+    for (; count < this.ring && newest - count >= 0; count++) {
       const mark = newest - count;
       const age = times[frame] - times[mark * this.spacing];
-      if (age > this.seconds + this.frame) break; // NaN, of a frame that a live page no longer stores: the mark may be held
+      if (age > this.seconds + frameTime / 2) break; // NaN, of a frame that a live page no longer stores: the mark may be held
       this.shown = age;
       if (this.held[mark % this.ring] === mark) continue;
       if (uploads === UPLOADS || !this.upload(mark)) break;
@@ -99,7 +102,8 @@ export class Trails {
     this.object.geometry.setDrawRange(0, TRIANGLES * count);
     this.material.uniforms.newest.value = newest % this.ring;
     this.material.uniforms.last.value = count;
-    this.material.uniforms.count.value = this.marks + 1;
+    // A trail that is still short, such as at the beginning of a run, fades as if it had its full length.
+    this.material.uniforms.count.value = Math.max(count, Math.min(this.ring, Math.round(this.seconds / (frameTime * this.spacing)))) + 1;
     this.pose.needsUpdate = true;
   }
 
