@@ -64,13 +64,13 @@ export class Trails {
   setLength(seconds) {
     this.seconds = seconds;
     this.held.fill(-1);
-    this.spacing = this.leastSpacing; // frames between marks
+    this.spacing = this.leastSpacing(this.meanFrame); // frames between marks
     this.shown = 0; // s, the age of the oldest mark that is drawn
   }
 
-  /** The least number of frames between marks with which all marks together reach back over the length of trails. */
-  get leastSpacing() {
-    return Math.max(1, Math.ceil(this.seconds / this.meanFrame / this.ring));
+  /** The least number of frames, of so many seconds, between marks that together reach back over the length of trails. */
+  leastSpacing(frameTime) {
+    return Math.max(1, Math.ceil(this.seconds / frameTime / this.ring));
   }
 
   /** Mean time between frames, s. */
@@ -83,11 +83,11 @@ export class Trails {
   update(frame) {
     this.object.visible = this.seconds > 0;
     if (this.seconds === 0) return;
-    const least = this.leastSpacing; // the time between the pictures of a running world changes with its rate
+    const frameTime = this.meanFrame; // of a running world, it changes with the rate
+    const least = this.leastSpacing(frameTime);
     if (least > this.spacing || 2 * least <= this.spacing) this.setLength(this.seconds);
     const { times } = this.recording;
     const newest = Math.floor(frame / this.spacing);
-    const frameTime = this.meanFrame;
     let count = 0;
     let uploads = 0;
     for (; count < this.ring && newest - count >= 0; count++) {
