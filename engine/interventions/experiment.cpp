@@ -298,9 +298,9 @@ double World::speed_scale(Row row) const {
 /// engine/ranks/halo.hpp).
 void World::intervene() {
   Experiment& e = experiment_;
-  bool is_index_old = false;  // bodies are elsewhere, were born or have died
-  bool was_move = false;      // the last intervention, and on this rank it has moved a body:
-  bool has_cargo_to_follow = false;
+  bool is_index_old = false;         // bodies are elsewhere, were born or have died
+  bool was_move = false;             // the last intervention was `move`
+  bool has_cargo_to_follow = false;  // such interventions have moved a body on this rank
   bool has_moved = false;  // bodies are elsewhere, or no longer part of a tree because another body died
   bool has_added = false;
   // The work that takes time proportional to the number of bodies is done once for many interventions: cargo

@@ -290,14 +290,19 @@ TEST_F(Sweep, ReplacesATableWithALineBreakInTheNameOfAColumn) {
   EXPECT_THAT(troupe({"info", "out/table.csv"}).out, HasSubstr("table of the results of a sweep"));
 }
 
+/// The world of the studies, with walls that the image a.pgm shows.
+std::string world_with_image() {
+  std::string world(k_world);
+  world.replace(world.find("\"bounds_m\""), 10,
+                R"("floorplans": [{"name": "walls", "bitmap": "a.pgm", "size_m": [12, 12, 1]}], "bounds_m")");
+  return world;
+}
+
 // Run 0 does not read the file that has changed.
 TEST_F(Sweep, DoesNotMixStudiesOfWhichAChosenFileHasChanged) {
   write("a.pgm", "P5 4 1 255\n" + std::string("\0\xff\xff\0", 4));
   write("b.pgm", "P5 4 1 255\n" + std::string("\0\xff\xff\0", 4));
-  std::string world(k_world);
-  world.replace(world.find("\"bounds_m\""), 10,
-                R"("floorplans": [{"name": "walls", "bitmap": "a.pgm", "size_m": [12, 12, 1]}], "bounds_m")");
-  write("w.json", world);
+  write("w.json", world_with_image());
   write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1,
     "parameters": [{"set": "/floorplans/0/bitmap", "name": "image", "values": ["a.pgm", "b.pgm"]}]})");
   const Outcome made = troupe({"sweep", "study.json", "-o", "out"});
@@ -312,10 +317,7 @@ TEST_F(Sweep, DoesNotMixStudiesOfWhichAChosenFileHasChanged) {
 TEST_F(Sweep, DoesNotMixStudiesOfWhichAFileChosenTogetherWithAnotherValueHasChanged) {
   write("a.pgm", "P5 4 1 255\n" + std::string("\0\xff\xff\0", 4));
   write("b.pgm", "P5 4 1 255\n" + std::string("\0\0\0\0", 4));
-  std::string world(k_world);
-  world.replace(world.find("\"bounds_m\""), 10,
-                R"("floorplans": [{"name": "walls", "bitmap": "a.pgm", "size_m": [12, 12, 1]}], "bounds_m")");
-  write("w.json", world);
+  write("w.json", world_with_image());
   write("study.json",
         R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"], "parameters": [
     {"set": "/floorplans/0/bitmap", "name": "image", "values": ["a.pgm", "b.pgm"]},
