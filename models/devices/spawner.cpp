@@ -132,10 +132,13 @@ struct Spawner {
       state.request = request;
       if (params.every > 0)
         due += periods_ended(batch.view, batch.rows[i], type.devices[batch.device].period, params.every);
+      const std::uint64_t received = flags_received(batch, type, i);
       if (const auto per_flags = static_cast<std::uint64_t>(params.per_flags); per_flags > 0) {
-        const std::uint64_t received = flags_received(batch, type, i);
-        due += received / per_flags - state.flags / per_flags;
-        state.flags = received;
+        const std::uint64_t counted = received - state.uncounted;
+        due += counted / per_flags - state.flags / per_flags;
+        state.flags = counted;
+      } else {
+        state.uncounted = received - state.flags;
       }
       // A birth is tried even if the last one found the reserve used up: since then, an intervention may have
       // given the spawner another population.

@@ -26,8 +26,11 @@ struct SpawnerCommand {
 /// it succeeds.
 struct SpawnerState {
   /// Number of flags (coloured tokens) that other bodies had given to the spawner's body when the spawner ran
-  /// last; 0 if the parameter `per_flags` is 0.
+  /// last, without the flags in `uncounted`.
   std::uint64_t flags = 0;
+  /// Number of flags that other bodies had given to the spawner's body while the parameter `per_flags` was 0.
+  /// They cause no births, also if an intervention or a user changes the parameter later.
+  std::uint64_t uncounted = 0;
   std::uint32_t born = 0;     ///< number of bodies that the spawner has brought into the world
   std::uint32_t owed = 0;     ///< number of births that are due
   std::uint32_t refused = 0;  ///< number of tries that failed: the place was occupied or out of bounds
@@ -38,7 +41,10 @@ struct SpawnerState {
   static constexpr void describe(engine::Description<SpawnerState>& d) {
     d.member<&SpawnerState::flags>("flags",
                                    "number of flags that the spawner's body had received when the spawner "
-                                   "last ran; 0 if the parameter `per_flags` is 0");
+                                   "last ran, without those in `uncounted`");
+    d.member<&SpawnerState::uncounted>("uncounted", engine::facts::is_sparse,
+                                       "number of flags that the spawner's body had received while the "
+                                       "parameter `per_flags` was 0");
     d.member<&SpawnerState::born>("born", "number of bodies spawned since the birth of the spawner's body");
     d.member<&SpawnerState::owed>("owed", "number of births that are due but have not succeeded yet");
     d.member<&SpawnerState::refused>("refused",
@@ -61,7 +67,7 @@ struct SpawnerState {
 ///           world; 0: never. The birth is due in the first tick that ends at this time or later. Times below
 ///           the length of a tick count as this length
 ///         - each time other bodies have given `per_flags` more flags (tokens) to the spawner's body; 0:
-///           never
+///           never. If the parameter is 0 at first and changes during the run, flags count from then on
 ///         - for each request of a controller (SpawnerCommand)
 ///         `every` and `per_flags` are parameters.
 /// when    In each tick (time step) in which a birth is due, the spawner tries one birth. The birth

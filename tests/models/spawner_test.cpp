@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -107,25 +109,47 @@ struct Giver {
   }
 };
 
-TEST(Spawner, CountsTheFlagsThatItsBodyIsGiven) {
-  engine::Registry registry = test::registry();
-  registry.controllers.push_back(engine::make_controller_kind<Giver>("giver", ""));
+/// A nest with a spawner of four bots, to which another robot gives a flag in every fourth tick.
+struct Nest {
   SceneBuilder scene;
-  const TypeId nest = scene.type("nest", {box(0.4, 0.4)});
-  scene[nest].devices = {device("spawner", {{"population", "bot"}, {"per_flags", 2}}, {1, 0, 0, 0}),
-                         device("flags", {})};
-  const BodyId body = scene.body("nest", nest);
-  ASSERT_EQ(body, BodyId(1));
-  const TypeId giver = scene.robot("giver", {box(0.2, 0.2)});
-  scene[giver].devices = {device("flags", {{"yellow", 5}})};
-  scene[giver].controllers = {{.kind = "giver", .params = {}}};
-  scene.body("giver", giver, {5, 0, 0, 0});
-  const TypeId bot = scene.robot("bot", {box(0.2, 0.2)});
-  scene.spec.reserves = {{"bot", BodyId(scene.spec.bodies.size()), 4}};
-  for (int i = 0; i < 4; ++i) scene.body(fmt::format("bot{}", i), bot);
-  Diagnostics diagnostics;
-  World world(scene.spec, registry, {.threads = 1}, diagnostics);
-  const auto& state = test::state_of<SpawnerState>(world, body, 0);
+  engine::Registry registry = test::registry();
+  BodyId nest;
+
+  explicit Nest(std::int64_t per_flags) {
+    registry.controllers.push_back(engine::make_controller_kind<Giver>("giver", ""));
+    const TypeId type = scene.type("nest", {box(0.4, 0.4)});
+    scene[type].devices = {device("spawner", {{"population", "bot"}, {"per_flags", per_flags}}, {1, 0, 0, 0}),
+                           device("flags", {})};
+    nest = scene.body("nest", type);
+    const TypeId giver = scene.robot("giver", {box(0.2, 0.2)});
+    scene[giver].devices = {device("flags", {{"yellow", 20}})};
+    scene[giver].controllers = {{.kind = "giver", .params = {}}};
+    scene.body("giver", giver, {5, 0, 0, 0});
+    const TypeId bot = scene.robot("bot", {box(0.2, 0.2)});
+    scene.spec.reserves = {{"bot", BodyId(scene.spec.bodies.size()), 4}};
+    for (int i = 0; i < 4; ++i) scene.body(fmt::format("bot{}", i), bot);
+  }
+  World world() const {
+    Diagnostics diagnostics;
+    return World(scene.spec, registry, {.threads = 1}, diagnostics);
+  }
+  const SpawnerState& state(const World& world) const { return test::state_of<SpawnerState>(world, nest, 0); }
+  /// Changes `per_flags` of the spawner.
+  void set(World& world, std::int64_t per_flags) const {
+    engine::SettingSpec setting{world.spec().bodies[nest.index()].type, engine::SettingSpec::Of::device, 0,
+                                device("spawner", {{"per_flags", per_flags}}).params};
+    const auto changed = static_cast<std::size_t>(registry.device("spawner")->params.find("per_flags"));
+    for (std::size_t p = 0; p < setting.params.size(); ++p)
+      if (p != changed) setting.params[p] = {};
+    ASSERT_TRUE(world.set(setting, registry));
+  }
+};
+
+TEST(Spawner, CountsTheFlagsThatItsBodyIsGiven) {
+  const Nest nest(2);
+  ASSERT_EQ(nest.nest, BodyId(1));
+  World world = nest.world();
+  const SpawnerState& state = nest.state(world);
   step(world, 6);  // asked in tick 1, given in 2, counted in 3; the second one is counted in 7
   EXPECT_EQ(state.flags, 1u);
   EXPECT_EQ(state.born, 0u);
@@ -140,6 +164,27 @@ TEST(Spawner, CountsTheFlagsThatItsBodyIsGiven) {
   world.step();
   EXPECT_EQ(state.born, 2u);
   EXPECT_EQ(state.owed, 0u);
+}
+
+TEST(Spawner, CountsNoFlagsOfTheTimeInWhichPerFlagsIsZero) {
+  const Nest nest(0);
+  World world = nest.world();
+  const SpawnerState& state = nest.state(world);
+  step(world, 12);  // three flags
+  nest.set(world, 2);
+  step(world, 6);  // a flag in tick 15
+  EXPECT_EQ(state.uncounted, 3u);
+  EXPECT_EQ(state.flags, 1u);
+  EXPECT_EQ(state.born + state.owed, 0u);
+  world.step();
+  EXPECT_EQ(state.born, 1u);
+  nest.set(world, 0);
+  step(world, 8);  // flags in the ticks 23 and 27
+  nest.set(world, 2);
+  step(world, 8);  // flags in the ticks 31 and 35
+  EXPECT_EQ(state.uncounted, 5u);
+  EXPECT_EQ(state.flags, 4u);
+  EXPECT_EQ(state.born + state.owed, 2u);
 }
 
 TEST(Spawner, WithinACircleEachIsBornSomewhereElse) {
