@@ -11,7 +11,8 @@ namespace troupe::engine {
 /// computed. A step computes one tick. The text names the number of the tick and the robot, as far as they
 /// are known. The causes:
 /// - A number is not finite: in a command to a drive, in the velocity that a drive computes or starts with,
-///   or in a pose to which a device moves a joint; or a command to an actuator is NaN.
+///   in the odometry estimate that follows from this velocity, or in a pose to which a device moves a joint;
+///   or a command to an actuator is NaN.
 /// - The code of a sensor, other device, drive or controller threw an exception. It is nested in the
 ///   StepError (std::rethrow_if_nested()).
 /// - A device uses a joint that its kind does not declare (DeviceKind::joints).
@@ -29,11 +30,11 @@ namespace troupe::engine {
 class StepError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-  /// An error of the drive (BodyType::drive) of a robot: the command to the drive or the velocity of the
-  /// drive is not finite.
+  /// An error of the drive (BodyType::drive) of a robot: the command to the drive, the velocity of the drive
+  /// or the odometry estimate is not finite.
   StepError(const std::string& text, BodyId robot) : std::runtime_error(text), robot_(robot) {}
-  /// The robot whose drive (BodyType::drive) has a command or a velocity that is not finite. If there are
-  /// several, the one with the lowest id. Not valid() for all other errors.
+  /// The robot whose drive (BodyType::drive) has a command, a velocity or an odometry estimate that is not
+  /// finite. If there are several, the one with the lowest id. Not valid() for all other errors.
   BodyId robot() const { return robot_; }
 
  private:

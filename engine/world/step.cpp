@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -45,6 +46,15 @@ bool is_command(const Command& command) {
 }
 
 Velocity scaled(const Velocity& v, double by) { return {v.x * by, v.y * by, v.turn * by}; }
+
+/// Whether the odometry estimate of a robot stays finite if the robot turns by `turn`, rad, in a tick. True
+/// if the robot has no odometry. Other motions cannot make the estimate infinite, because they end within the
+/// bounds of the world.
+bool keeps_odometry_finite(const World& world, Row row, const BodyType::Drive& drive, double turn) {
+  constexpr double k_large = 1e300;  // rad: with smaller turns, no error that is allowed has this effect
+  return !drive.odometry_table || std::abs(turn) < k_large ||
+         std::isfinite(turn * (1 + drive.localization.error_of(world.spec().seed, world.body(row)).turn));
+}
 
 }  // namespace
 
@@ -182,7 +192,7 @@ void World::sense() {
 }
 
 void World::actuate() {
-  // Lowest id of the robots whose command or velocity is not finite.
+  // Lowest id of the robots whose command, velocity or odometry is not finite.
   std::atomic<std::uint32_t> faulty = BodyId().value;
   const auto actuate_rows = [&](std::span<const Row> rows, const BodyType& type) {
     if (type.drive)
@@ -204,12 +214,19 @@ void World::actuate() {
     for_enabled(state_, rows, [&](std::span<const Row> enabled) { actuate_rows(enabled, type); });
   });
   if (const BodyId id(faulty.load()); id.valid()) {
-    const Command& command = commands()[row(id).index()];
+    const Row row = this->row(id);
+    const Command& command = commands()[row.index()];
+    const double turn = velocities()[row.index()].turn * state_.spec.tick_s;
     const std::string& name = state_.spec.name(id);
     const std::string wrong =
-        is_command(command)
-            ? fmt::format("the drive of robot \"{}\" computed a velocity that is not a finite number", name)
-            : fmt::format("robot \"{}\" was commanded {}", name, wrong_command_text(command.mode));
+        !is_command(command)
+            ? fmt::format("robot \"{}\" was commanded {}", name, wrong_command_text(command.mode))
+        : !keeps_odometry_finite(*this, row, *type(row).drive, turn)
+            ? fmt::format(
+                  "the odometry of robot \"{}\" computed a heading that is not a finite number, from a "
+                  "turn of {:g} rad in a tick and the error of the turn in `odom_error`",
+                  name, turn)
+            : fmt::format("the drive of robot \"{}\" computed a velocity that is not a finite number", name);
     throw StepError(fmt::format("tick {}: {}", state_.now.tick, wrong), id);
   }
   check_effects();
@@ -350,16 +367,17 @@ void World::drive(std::span<const Row> rows, const BodyType::Drive& drive,
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Velocity v = has_slow ? scaled(velocities[i], speed_scale(rows[i])) : velocities[i];
+    const Velocity motion = scaled(v, state_.spec.tick_s);
     const Command& command = commands[i];  // tested too: a drive may clamp an infinite command
-    if (!is_command(command) || !is_finite(scaled(v, state_.spec.tick_s))) {
-      std::uint32_t lowest = faulty.load();
-      const std::uint32_t id = body(rows[i]).value;
-      while (id < lowest && !faulty.compare_exchange_weak(lowest, id)) {
-      }
-      continue;
-    }
+    const bool is_velocity = is_command(command) && is_finite(motion);
     // + 0.0 turns -0 into 0, so that equal velocities have equal bits.
-    state_.as<Velocity>(WorldState::k_velocity)[rows[i].index()] = {v.x + 0.0, v.y + 0.0, v.turn + 0.0};
+    if (is_velocity)
+      state_.as<Velocity>(WorldState::k_velocity)[rows[i].index()] = {v.x + 0.0, v.y + 0.0, v.turn + 0.0};
+    if (is_velocity && keeps_odometry_finite(*this, rows[i], drive, motion.turn)) continue;
+    std::uint32_t lowest = faulty.load();
+    const std::uint32_t id = body(rows[i]).value;
+    while (id < lowest && !faulty.compare_exchange_weak(lowest, id)) {
+    }
   }
 }
 

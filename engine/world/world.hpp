@@ -123,11 +123,11 @@ class World {
   /// kind or a callback does.
   ///
   /// Throws StepError if a hook of a kind or an OnDecide callback throws. Also throws StepError if one of
-  /// these is not finite: a command to the drive of a robot, the velocity that the drive computes, or the
-  /// pose to which a device moves a joint. The docstring of StepError lists further causes. Exceptions of the
-  /// callbacks of on_phase() and before_tick() propagate unchanged. After any exception the state is
-  /// incomplete: see require_whole(). In these callbacks, and in hooks of kinds, step() throws
-  /// std::logic_error.
+  /// these is not finite: a command to the drive of a robot, the velocity that the drive computes, the
+  /// odometry estimate, or the pose to which a device moves a joint. The docstring of StepError lists further
+  /// causes. Exceptions of the callbacks of on_phase() and before_tick() propagate unchanged. After any
+  /// exception the state is incomplete: see require_whole(). In these callbacks, and in hooks of kinds,
+  /// step() throws std::logic_error.
   void step();
   /// Throws std::logic_error if the state is incomplete. The state becomes incomplete if step() throws, or if
   /// a hook of a kind throws in spawn(), reset() or restart(). Some rows may then have the state of the new

@@ -1,6 +1,7 @@
 #include "engine/kinds/localization.hpp"
 
 #include "engine/observing/controller_check.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/result.hpp"
 #include "tests/support/scene.hpp"
 #include "troupe/simulation.hpp"
@@ -186,6 +187,20 @@ TEST(Localization, TheErrorsAndTheOriginAreLimited) {
   EXPECT_THROW(load("odom_error", {1001, 0, 0}), InputError);
   EXPECT_THROW(load("odom_error", {0, 0, -1001}), InputError);
   EXPECT_THROW(load("localization_origin", {0, 1.1e9}), InputError);
+}
+
+TEST(Localization, AnEstimateThatBecomesInfiniteIsAnError) {
+  Robot robot("diff", {{"localization", "odom"},
+                       {"odom_error", std::vector<double>{0, 0, 1000}},
+                       {"turn_max", 1e308}});
+  World world = robot.scene.world();
+  world.set_command(world.row(robot.body), {0, 0, 1e306});  // 1e305 rad in a tick, times 1001
+  world.step();
+  EXPECT_TRUE(std::isfinite(world.estimate(world.row(robot.body)).heading));
+  world.set_command(world.row(robot.body), {0, 0, 1e307});
+  EXPECT_EQ(test::message_of<StepError>([&] { world.step(); }),
+            "tick 2: the odometry of robot \"r\" computed a heading that is not a finite number, from a turn "
+            "of 1e+306 rad in a tick and the error of the turn in `odom_error`");
 }
 
 TEST(Localization, AWrongNumberOfNumbersIsAnError) {
