@@ -118,6 +118,7 @@ void Replica::get_changes(MessageReader& message, bool is_in_tick) {
 
 void Replica::tick(bool has_callback, const std::function<void()>& work) {
   is_exchanged_ = false;
+  observer_error_ = nullptr;
   std::ranges::fill(failed_, std::nullopt);
   phase_ = Phase::intervene;
   beams_before_ = parts_.beams;
@@ -139,6 +140,7 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
     throw;
   }
   is_in_tick_ = false;
+  if (observer_error_) std::rethrow_exception(std::exchange(observer_error_, nullptr));
   if (leads() && options_.keeps_references && is_read_) gather();
   if (may_write()) touch();
 }
@@ -174,6 +176,16 @@ void Replica::end_attempts() { rows_->end_attempts(); }
 void Replica::begin(Phase phase) {
   phase_ = phase;
   began_s_[static_cast<std::size_t>(phase)] = transport_.seconds();
+}
+
+void Replica::observe(const std::function<void()>& callback) {
+  if (observer_error_) return;
+  if (!is_exchanged_) return callback();
+  try {
+    callback();
+  } catch (...) {
+    observer_error_ = std::current_exception();
+  }
 }
 
 void Replica::agree(const std::function<void()>& callback) {

@@ -165,6 +165,10 @@ class Replica {
   void end_attempts();
   ///@}
   void begin(Phase phase);  ///< called when a phase begins: stores the phase and the time at which it began
+  /// Calls a callback that only observes the tick. After exchange(), the other ranks can no longer be told of
+  /// an error, and may wait for messages of this rank until the tick ends. If the callback then throws, it is
+  /// not called again in this tick, and tick() throws the exception when the tick is complete.
+  void observe(const std::function<void()>& callback);
 
   /// The rows that this rank owns.
   RowRange own() const { return rows_->own(); }
@@ -266,7 +270,8 @@ class Replica {
   std::atomic<bool> is_written_ = false;  // the program has changed the state
   bool is_in_tick_ = false;               // the program cannot read or change the state
   bool has_callback_ = false;
-  bool is_exchanged_ = false;  // in this tick, the messages of all ranks were received
+  bool is_exchanged_ = false;          // in this tick, the messages of all ranks were received
+  std::exception_ptr observer_error_;  // what the callback of observe() has thrown in this tick
   Phase phase_ = Phase::intervene;
   std::uint64_t beams_before_ = 0;  // at the beginning of the tick
   // Times at which the phases of this tick began on this rank, s. The time of on_rank_0() is added to that of

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -54,6 +55,15 @@ bool keeps_odometry_finite(const World& world, Row row, const BodyType::Drive& d
   constexpr double k_large = 1e300;  // rad: with smaller turns, no error that is allowed has this effect
   return !drive.odometry_table || std::abs(turn) < k_large ||
          std::isfinite(turn * (1 + drive.localization.error_of(world.spec().seed, world.body(row)).turn));
+}
+
+void call_on_phase(Replica* replica, const std::function<void(std::optional<Phase>)>& callback,
+                   std::optional<Phase> phase) {
+  if (!callback) return;
+  if (replica != nullptr)
+    replica->observe([&] { callback(phase); });
+  else
+    callback(phase);
 }
 
 }  // namespace
@@ -115,12 +125,12 @@ void World::make_tick() {
   move();
   begin(Phase::index);
   index_bodies();
-  if (on_phase_) on_phase_(std::nullopt);
+  call_on_phase(replica_, on_phase_, std::nullopt);
 }
 
 void World::begin(Phase phase) {
   if (replica_) replica_->begin(phase);
-  if (on_phase_) on_phase_(phase);
+  call_on_phase(replica_, on_phase_, phase);
 }
 
 void World::BlinkersDeleter::operator()(Blinkers* blinkers) const { delete blinkers; }

@@ -262,7 +262,9 @@ class World {
   double time_s() const { return static_cast<double>(state_.now.tick) * state_.spec.tick_s; }
   /// Replaces the callback that step() calls at the beginning of each phase and at the end of the tick. The
   /// argument is the phase that begins, or std::nullopt at the end of the tick. An empty callback is not
-  /// called. Call on_phase() between steps.
+  /// called. If several ranks compute the world, and the callback throws when the phase `move` begins or
+  /// later, step() completes the tick without further calls before it throws the exception. Call on_phase()
+  /// between steps.
   void on_phase(std::function<void(std::optional<Phase>)> callback) {
     require_between_steps("on_phase()");  // in its own callback, it would destroy the callback
     on_phase_ = std::move(callback);

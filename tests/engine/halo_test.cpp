@@ -11,6 +11,7 @@
 #include "models/devices/actuator.hpp"
 #include "partition/job_thread.hpp"
 #include "partition/mailboxes.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -468,6 +469,28 @@ TEST_F(HaloOfARoom, ARestartPlacesBodiesOnTheGroundOfAnyRank) {
     expect_equal_logs(halo_log(ranks.world(), 30), expected, name_of(team));
     ranks.world().reset();
     expect_equal_logs(halo_log(ranks.world(), 30), expected, "after a reset, " + name_of(team));
+  }
+}
+
+// In the phase move, the other ranks wait for messages of rank 0.
+TEST_F(HaloOfARoom, ACallbackOfAPhaseMayThrow) {
+  const Simulation simulation = load(60, 2);
+  World whole = whole_world(simulation);
+  const std::vector<Hashes> expected = halo_log(whole, 5);
+  HaloRanks ranks(simulation, {3, 1, {}, {}});
+  World& world = ranks.world();
+  for (int phase = 0; phase <= static_cast<int>(k_phases); ++phase) {
+    int calls = 0;
+    world.on_phase([&](std::optional<Phase>) {
+      if (calls++ == phase) throw std::runtime_error("not now");
+    });
+    EXPECT_EQ(test::message_of<std::runtime_error>([&] { world.step(); }), "not now") << phase;
+    EXPECT_EQ(calls, phase + 1);
+    EXPECT_THROW(world.step(), std::logic_error);
+    world.on_phase(nullptr);
+    world.reset();
+    expect_equal_logs(halo_log(world, 5), expected, std::to_string(phase));
+    world.reset();
   }
 }
 
