@@ -191,7 +191,8 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
 }
 
 /// Calls the hook `bind_world` of devices and controllers again, after poses or colours in the spec have
-/// changed: their kinds have stored places, contours or colours of bodies. No setting may be in force.
+/// changed: their kinds have stored places, contours or colours of bodies. The hook `prepare` of controllers
+/// may have read the reach of such a device. No setting may be in force.
 void World::bind_kinds_again(const Registry& registry) {
   const auto require = [](const auto& prepared) {
     if (!prepared) throw std::logic_error(prepared.error().text);  // it was accepted with the old poses
@@ -200,6 +201,7 @@ void World::bind_kinds_again(const Registry& registry) {
   for (std::size_t t = 0; t < state_.types.size(); ++t) {
     BodyType& type = state_.types[t];
     const TypeSpec& spec = state_.spec.types[t];
+    bool has_bound_device = false;
     for (std::size_t d = 0; d < type.devices.size(); ++d) {
       BodyType::Device& device = type.devices[d];
       if (!device.kind->bind_world) continue;
@@ -208,9 +210,9 @@ void World::bind_kinds_again(const Registry& registry) {
       require(prepared);
       device.prepared.data = std::move(prepared->data);
       device.prepared.reach_m = prepared->reach_m;
-      has_bound = true;
+      has_bound = has_bound_device = true;
     }
-    if (!type.binds_controllers()) continue;
+    if (!has_bound_device && !type.binds_controllers()) continue;
     Result<std::vector<std::any>> data =
         prepare_controllers(type.controllers.size(), state_.spec, spec, type, registry);
     require(data);

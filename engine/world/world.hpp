@@ -178,7 +178,7 @@ class World {
   /// bodies     one BodySpec for each body of the spec, in the same order. Only poses and colours may differ
   ///            from the spec; the function does not check this. If a static body has another pose, the
   ///            static scene is rebuilt. If any pose or colour differs, the hooks `bind_world`, with which
-  ///            kinds read the spec, are called again
+  ///            kinds read the spec, are called again, and the hooks `prepare` before them
   /// registry   the registry that was passed to the constructor
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
   /// Counts of work since tick 0. They are not part of the state.

@@ -682,18 +682,23 @@ TEST(Experiment, ARestartMakesItsFaultsWithTheParametersOfTickZero) {
   EXPECT_EQ(hash_after(5), first);
 }
 
-// The reach of a device and the effect of a fault depend on where a body starts.
-TEST(Experiment, ARestartMakesDevicesAndFaultsForItsBodies) {
-  Registry registry = test::registry();
-  DeviceKind seer{.name = "seer", .text = ""};
-  seer.prepare = [](const Record&, const Pose&) { return DeviceKind::Prepared{.data = 0.0}; };
-  seer.bind_world = [](std::any& data, const WorldSpec& world) -> Result<> {
+/// A device whose reach, m, is the x of the last body at the start of the run.
+DeviceKind seer() {
+  DeviceKind kind{.name = "seer", .text = ""};
+  kind.prepare = [](const Record&, const Pose&) { return DeviceKind::Prepared{.data = 0.0}; };
+  kind.bind_world = [](std::any& data, const WorldSpec& world) -> Result<> {
     data = world.bodies.back().pose_world_body.x;
     return {};
   };
-  seer.reach_m = [](const std::any& data) { return std::any_cast<double>(data); };
-  seer.sense = [](const SenseBatch&) -> std::uint64_t { return 0; };
-  registry.devices.push_back(seer);
+  kind.reach_m = [](const std::any& data) { return std::any_cast<double>(data); };
+  kind.sense = [](const SenseBatch&) -> std::uint64_t { return 0; };
+  return kind;
+}
+
+// The reach of a device and the effect of a fault depend on where a body starts.
+TEST(Experiment, ARestartMakesDevicesAndFaultsForItsBodies) {
+  Registry registry = test::registry();
+  registry.devices.push_back(seer());
   registry.faults.push_back({"near", "", {}, [](const Record&, const BodyType& type) {
                                return Result<Impairment>({.speed = 1 / type.devices.back().prepared.reach_m});
                              }});
@@ -713,6 +718,35 @@ TEST(Experiment, ARestartMakesDevicesAndFaultsForItsBodies) {
     step(*each, 3);
   }
   EXPECT_EQ(world.hashes().state, fresh.hashes().state);
+}
+
+/// Drives with a speed, m/s, of a tenth of the reach of its last device, m.
+struct FarSighted {
+  double speed = 0;
+  Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo> devices, std::vector<bool>&) {
+    speed = devices.back().prepared.reach_m / 10;
+    return std::vector<std::size_t>{devices.size() - 1};
+  }
+  void operator()(const Percept&, Random&, Actions& actions) const { actions.command = {speed, 0, 0}; }
+};
+
+// A controller without the hook bind_world may depend on where a body starts, by the reach of a device.
+TEST(Experiment, ARestartPreparesControllersWithTheNewReachOfDevices) {
+  Registry registry = test::registry();
+  registry.devices.push_back(seer());
+  registry.controllers.push_back(make_controller_kind<FarSighted>("far_sighted", ""));
+  ASSERT_EQ(registry.controllers.back().bind_world, nullptr);
+  Squad row(1);
+  row.scene[row.type].devices.push_back(
+      {.name = "seer", .kind = "seer", .params = {}, .active = true, .where = {}});
+  row.scene[row.type].controllers = {{.kind = "far_sighted", .params = {}}};
+  row.scene.spec.bodies.back().pose_world_body.x = 7;
+  Diagnostics diagnostics;
+  World world(row.scene.spec, registry, {.threads = 1}, diagnostics);
+  row.scene.spec.bodies.back().pose_world_body.x = 9;
+  world.restart(row.scene.spec.seed, row.scene.spec.bodies, registry);
+  step(world, 1);
+  EXPECT_EQ(world.commands().back().x, 0.9);
 }
 
 // ---- errors
