@@ -97,7 +97,9 @@ SweepIdentity unchecked_identity(const Study& study, const SweepOptions& options
   const std::string text =
       fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""), contents_of(simulation),
                   hash_of_choices(study, options), version_line());
-  return {hex(hash_text(text)), {measures.columns().begin(), measures.columns().end()}};
+  return {hex(hash_text(text)),
+          {measures.columns().begin(), measures.columns().end()},
+          simulation.world().spec().seed};
 }
 
 /// Returns the errors of a run, one per line, with positions in the study. A run sets each parameter of the

@@ -4,6 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "worldio/json/study.hpp"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct SweepIdentity {
   /// scripts (--controller), and the version of the program. It does not depend on the folders of the files.
   std::string text;
   std::vector<std::string> measures;  ///< names of the columns of its measures
+  std::uint64_t world_seed = 0;       ///< the seed of the loaded world
 };
 
 /// Loads the world of a run, so that errors in the worlds of all runs are reported before any run, and

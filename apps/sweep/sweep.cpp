@@ -22,6 +22,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <span>
@@ -125,8 +126,19 @@ std::size_t missing_runs(const SweepTable& table, std::size_t first, std::size_t
 fs::path csv_file(const fs::path& folder) { return folder / "table.csv"; }
 fs::path hdf5_file(const fs::path& folder) { return folder / "table.h5"; }
 
+/// Removes the file series.csv of an earlier sweep, if there is one: its runs are not those of the new
+/// tables.
+void remove_old_series(const fs::path& folder) {
+  const fs::path file = folder / "series.csv";
+  std::string start(k_series_mark.size(), '\0');
+  std::ifstream(file, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
+  std::error_code error;
+  if (start == k_series_mark && !fs::remove(file, error)) refuse_output(file, error.message());
+}
+
 /// Writes the tables of a study whose runs are all done. Throws OutputError if a file cannot be written.
 void write_tables(const SweepTable& table, const std::vector<std::string>& measures, const fs::path& folder) {
+  if (!table.study.series) remove_old_series(folder);
   write_csv(table, csv_file(folder));
   if (table.study.series) write_series(table, measures, folder);
   if (worldio::has_hdf5()) write_hdf5(table, hdf5_file(folder));
@@ -211,6 +223,7 @@ ExitCode finish(const Study& study, const SweepIdentity& identity, const SweepOp
   print_errors(ended.failed);
   SweepTable table{.study = study,
                    .measures = worldio::measure_columns(identity.measures, study.statistics),
+                   .world_seed = identity.world_seed,
                    .results = saved_results(study, identity, options.folder)};
   forget_old_errors(table.results, list, ended.failed);
   const bool is_complete = missing_runs(table, 0, 1) == 0;

@@ -4,6 +4,7 @@
 #include "worldio/json/study.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -22,6 +23,7 @@ namespace troupe::apps {
 struct SweepTable {
   const worldio::Study& study;        ///< study to which the runs belong
   std::vector<std::string> measures;  ///< names of the columns of SweepOutcome::values
+  std::uint64_t world_seed = 0;       ///< the seed of the world
   SweepResults results = {};
 };
 
@@ -31,9 +33,10 @@ std::string shown_value(const std::string& json);
 
 /// Writes a table with one row per run, in the order of the runs in the study. The columns are
 /// `run,PARAMETERS...,seed,ticks,time_s,MEASURES...,stopped_by,state_hash,error`. pandas.read_csv() reads the
-/// table without options. For a failed run, `ticks` is 0, and `seed` is `nan` if the study gives no seed;
-/// the other results are `nan` or empty. A whole number that has no equal double is written as in the study.
-/// Replaces the file only when the new table is complete. Throws OutputError if writing fails.
+/// table without options. For a failed run, `ticks` is 0, and `seed` is `nan` if a parameter of the study
+/// sets it to a value that is no seed; the other results are `nan` or empty. A whole number that has no equal
+/// double is written as in the study. Replaces the file only when the new table is complete. Throws
+/// OutputError if writing fails.
 void write_csv(const SweepTable& table, const std::filesystem::path& file);
 /// The text with which a table of write_csv() begins.
 inline constexpr std::string_view k_results_mark = "run,";

@@ -127,6 +127,18 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
     return row, series
 
 
+def _seed_of(study: Dict[str, Any], index: int) -> Optional[int]:
+    """Returns the seed of a failed run: that of the study or, if it gives no seeds, of a parameter or of the world. None
+    if the value of the parameter is no seed."""
+    texts, seed = study["runs"][index]
+    if seed is None:
+        seed = study["world_seed"]
+        for (_, pointer), text in zip(study["parameters"], texts):
+            if pointer == "/seed":
+                seed = int(text) if text.isdecimal() else None
+    return None if seed is None else int(seed)
+
+
 def _check_failures(failed: Dict[int, Exception], runs: int) -> None:
     """Raises the exception of the first failed run if all runs of a series have failed, and warns if some have."""
     if not failed:
@@ -195,10 +207,10 @@ def _make_all(world: Any, name: str, read: Any, options: Dict[str, Any], runs_at
                 except Exception as error:  # a plug-in may raise anything
                     traceback.clear_frames(error.__traceback__)  # they hold the world of the run
                     failed[index] = error
-                    texts, seed = read["runs"][index]
+                    texts, _ = read["runs"][index]
                     values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}
-                    rows.append({"run": index, **values, "seed": seed, "ticks": 0, "stopped_by": "", "state_hash": "",
-                                 "error": str(error)})
+                    rows.append({"run": index, **values, "seed": _seed_of(read, index), "ticks": 0, "stopped_by": "",
+                                 "state_hash": "", "error": str(error)})
         except BaseException:
             has_ended.set()  # else Ctrl-C would wait for the end of the running runs
             for future in futures:
@@ -251,6 +263,7 @@ def sweep(study: Union[str, "os.PathLike[str]", Mapping[str, Any]], *, series: O
     columns = list(_core.Measures(first, _wanted(read["measures"])).columns)
     _end_time_s(world, name, read, first)
     read["check_columns"](columns)
+    read["world_seed"] = first.seed
     del first
     rows, looks, failed = _make_all(world, name, read, options, runs_at_once)
     # Without `columns`, the first row would determine the order, and other worlds could add measures.

@@ -339,6 +339,19 @@ TEST_F(Sweep, DoesNotMixStudiesOfWhichAFileChosenTogetherWithAnotherValueHasChan
               HasSubstr("the folder contains runs of another study"));
 }
 
+// If the journals were removed by hand, another study can write its tables into the folder.
+TEST_F(Sweep, RemovesTheSeriesOfAnEarlierStudyThatIsNotReplaced) {
+  write("series.json", with_series());
+  ASSERT_EQ(troupe({"sweep", "series.json", "-o", "out"}).code, 0);
+  std::filesystem::remove(path("out/runs-1-of-1.jsonl"));
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  EXPECT_FALSE(std::filesystem::exists(path("out/series.csv")));
+  std::filesystem::remove(path("out/runs-1-of-1.jsonl"));
+  write("out/series.csv", "time,coverage\n");
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  EXPECT_EQ(read("out/series.csv"), "time,coverage\n") << "another program wrote it";
+}
+
 TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
   std::string study(k_study);
   study.replace(study.find("[2, 5]"), 6, "[2, 5000]");  // there is no room for them
@@ -352,7 +365,7 @@ TEST_F(Sweep, ARunThatCannotBeMadeIsARowThatSaysWhy) {
   EXPECT_THAT(lines[4], AllOf(StartsWith("3,5000,1,0,nan,nan,nan,nan,nan,,,"), HasSubstr("placed")));
 }
 
-TEST_F(Sweep, TheSeedOfAFailedRunWithoutSeedsIsUnknown) {
+TEST_F(Sweep, AFailedRunWithoutSeedsHasTheSeedOfTheWorld) {
   std::string world(k_world);
   write("w.json", world.insert(1, R"("seed": 7, )"));
   write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"],
@@ -361,10 +374,23 @@ TEST_F(Sweep, TheSeedOfAFailedRunWithoutSeedsIsUnknown) {
   const std::vector<std::string> lines = lines_of(table("out"));
   ASSERT_THAT(lines, SizeIs(3));
   EXPECT_THAT(lines[1], StartsWith("0,2,7,10,1,"));
-  EXPECT_THAT(lines[2], StartsWith("1,5000,nan,0,nan,nan,,,"));
+  EXPECT_THAT(lines[2], StartsWith("1,5000,7,0,nan,nan,,,"));
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
-  EXPECT_THAT(worldio::Hdf5File::open(path("out/table.h5")).group("table").dataset("seed").read<double>(),
-              ElementsAre(7, ::testing::IsNan()));
+  EXPECT_THAT(
+      worldio::Hdf5File::open(path("out/table.h5")).group("table").dataset("seed").read<std::uint64_t>(),
+      ElementsAre(7, 7));
+}
+
+TEST_F(Sweep, AFailedRunHasTheSeedOfItsParameter) {
+  write("study.json", R"({"troupe_study": 1, "world": "w.json", "for_s": 1, "measures": ["stalls"],
+    "parameters": [{"set": "/seed", "name": "first", "values": [9, -1]},
+                   {"set": "/populations/0/count", "name": "robots", "values": [2, 5000]}]})");
+  EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 1);
+  const std::vector<std::string> lines = lines_of(table("out"));
+  ASSERT_THAT(lines, SizeIs(5));
+  EXPECT_THAT(lines[1], StartsWith("0,9,2,9,10,1,"));
+  EXPECT_THAT(lines[2], StartsWith("1,9,5000,9,0,nan,nan,,,"));
+  EXPECT_THAT(lines[3], StartsWith("2,-1,2,nan,0,nan,nan,,,"));
 }
 
 TEST_F(Sweep, LargeWholeNumbersAreNotRounded) {

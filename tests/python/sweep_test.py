@@ -279,7 +279,12 @@ except KeyboardInterrupt:
         self.assertEqual(list(troupe.sweep(study)["seed"]), [7, 7])
         self.assertEqual(set(troupe.sweep(study, series=True)["seed"]), {7})
         study["parameters"] = [{**STUDY["parameters"][0], "values": [2, 100000]}]
-        self.assertEqual(list(troupe.sweep(study)["seed"].isna()), [False, True])  # that of a failed run is unknown
+        table = troupe.sweep(study)
+        self.assertEqual(list(table["seed"]), [7, 7])
+        self.assertEqual(table["seed"].dtype.kind, "i")
+        self.assertEqual(list(table["error"] == ""), [True, False])
+        study["parameters"].append({"set": "/seed", "name": "first", "values": [9, -1]})
+        self.assertEqual(list(troupe.sweep(study)["seed"].fillna(0)), [9, 0, 9, 0])
 
     def test_columns_have_different_names(self):
         def study(parameter, *measures):

@@ -174,6 +174,27 @@ TEST_F(StudyFile, StepsEndAtTheLastValueExactly) {
               ElementsAre("0.7"));
 }
 
+TEST_F(StudyFile, StepsAreTheNumbersOfFewestDigits) {
+  const auto steps = [&](const std::string& members) {
+    std::vector<std::string> all;
+    for (const std::vector<std::string>& row : values("\"parameters\": [{\"set\": \"/x\", " + members + "}]"))
+      all.push_back(row.front());
+    return all;
+  };
+  EXPECT_THAT(steps(R"("from": 0.1, "to": 0.5, "steps": 5)"), ElementsAre("0.1", "0.2", "0.3", "0.4", "0.5"));
+  EXPECT_THAT(steps(R"("from": 1.1, "to": -0.1, "steps": 4)"), ElementsAre("1.1", "0.7", "0.3", "-0.1"));
+  EXPECT_THAT(steps(R"("from": 1e-7, "to": 3e-7, "steps": 3)"), ElementsAre("1e-07", "2e-07", "3e-07"));
+  EXPECT_THAT(steps(R"("from": 0, "to": 1, "steps": 4)"),
+              ElementsAre("0", "0.3333333333333333", "0.6666666666666666", "1"));
+  EXPECT_THAT(steps(R"("from": 1e300, "to": 3e300, "steps": 3)"), ElementsAre("1e+300", "2e+300", "3e+300"));
+  EXPECT_THAT(steps(R"("from": 0.1234567890123456, "to": 0.3234567890123456, "steps": 3)"),
+              ElementsAre("0.1234567890123456", "0.2234567890123456", "0.3234567890123456"));
+  const std::vector<std::string> thousandths = steps(R"("from": -0.5, "to": 0.5, "steps": 1001)");
+  ASSERT_THAT(thousandths, SizeIs(1001));
+  for (std::size_t i = 0; i < 1001; ++i)
+    EXPECT_EQ(thousandths[i], fmt::format("{}", (static_cast<double>(i) - 500) / 1000));
+}
+
 TEST_F(StudyFile, SamplesAreDrawnWithinTheirIntervals) {
   const auto drawn = values(R"("samples": 500, "parameters": [{"set": "/u", "uniform": [-1, 3]},
     {"set": "/l", "log_uniform": [0.01, 100]}, {"set": "/i", "integers": [3, 6]}, {"set": "/v", "values": ["a", "b"]}])");

@@ -545,8 +545,19 @@ std::string_view statistic_name(Statistic statistic) {
 std::string Study::Choice::value(std::size_t i) const {
   if (kind == Kind::listed) return values[i];
   if (i + 1 == steps) return option_text(high);
-  const double share = static_cast<double>(i) / static_cast<double>(steps - 1);
-  return option_text(low + share * (high - low));
+  const double last = static_cast<double>(steps - 1);
+  const double at = static_cast<double>(i);
+  // If both ends are whole multiples of 10^-n, the value is a quotient of whole numbers. One division rounds
+  // it to the double that is nearest to the decimal number: 0.3, where the formula below gives
+  // 0.30000000000000004.
+  constexpr double k_most = 0x1p53;  // whole numbers up to here are exact
+  for (double scale = 1; scale < 1e16; scale *= 10) {
+    const double first = std::round(low * scale), end = std::round(high * scale);
+    if (std::max({std::abs(first), std::abs(end), scale}) * last > k_most / 2) break;
+    if (first / scale == low && end / scale == high)
+      return option_text((first * (last - at) + end * at) / (last * scale));
+  }
+  return option_text(low + at / last * (high - low));
 }
 
 std::size_t Study::run_count() const {
