@@ -206,6 +206,9 @@ class Members {
       if (std::is_same_v<T, py::list> && !py::isinstance<py::list>(value) &&
           !py::isinstance<py::tuple>(value))
         throw py::cast_error();
+      // cast<bool>() would take the truth of any object, such as None or 0.5.
+      if (std::is_same_v<T, bool> && !py::detail::make_caster<bool>().load(value, false))
+        throw py::cast_error();
       into = value.cast<T>();
     } catch (const py::cast_error&) {
       throw py::type_error(fmt::format("{}: the value {} of the member \"{}\" must be {}", what_,

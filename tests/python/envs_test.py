@@ -1428,6 +1428,17 @@ class Human(unittest.TestCase):
         with self.assertRaisesRegex(TypeError, 'batch: the value None of the member "teams" must be a list'):
             troupe.BatchEnv(troupe.Simulation(ROOM), {"teams": None})
 
+    def test_a_bool_is_no_number(self):
+        def reward(change):
+            return {"measures": ["stalls"], "teams": [{"robots": "r", "rewards": [{"measure": "stalls", "change": change}]}]}
+
+        for wrong in (None, 0.5, 1, "True", []):
+            text = f'batch/teams/0/rewards/0: the value {wrong!r} of the member "change" must be a bool'
+            with self.subTest(wrong), self.assertRaisesRegex(TypeError, f"^{re.escape(text)}$"):
+                troupe.BatchEnv(troupe.Simulation(ROOM), reward(wrong))
+        for right in (True, np.bool_(False)):
+            troupe.BatchEnv(troupe.Simulation(ROOM), reward(right))
+
 
 class Benchmark(unittest.TestCase):
     def test_both_environments_of_perf_learning_step_the_same_task(self):
