@@ -346,6 +346,13 @@ class OnProcesses:
     def test_wrong_usage_is_reported_once(self):
         self.refused(self.run_on(2, "run", "room.json", "--thread", 3), 'unknown option "--thread"')
 
+    def test_wrong_usage_of_another_rank_is_reported(self):
+        command = [self.launcher, *self.launcher_options, "-n", "1", PROGRAM, "run", "room.json", "--rank-limit", "10", ":",
+                   "-n", "1", PROGRAM, "run", "room.json", "--thread", "3"]
+        done = self.call(command)
+        self.assertNotEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stderr, '(?m)^rank 1 on .*: .*unknown option "--thread"')
+
     def test_the_help_and_the_version_are_printed_once(self):
         for arguments, text in ((("--version",), "troupe "), (("run", "--help"), "Usage: "), (("--help",), "Usage: ")):
             done = self.run_on(2, *arguments)

@@ -4,12 +4,20 @@
 #include "base/number_text.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <ios>
+#include <limits>
 #include <string_view>
+#include <system_error>
 
 namespace troupe {
+namespace fs = std::filesystem;
 namespace {
 
 std::optional<unsigned> number_in(const char* variable) {
@@ -40,6 +48,22 @@ constexpr std::array<Variables, 4> k_variables{{
     {"PMI_RANK", "SLURM_LOCALID", k_step_tasks, "srun --mpi=pmi2", "mpich"},
 }};
 
+/// Whether a process is a child of the process `parent`. process: its folder in /proc
+bool is_child_of(pid_t parent, const fs::path& process) {
+  std::ifstream status(process / "status");
+  for (std::string key; status >> key; status.ignore(std::numeric_limits<std::streamsize>::max(), '\n'))
+    if (pid_t found = 0; key == "PPid:") return status >> found && found == parent;
+  return false;
+}
+
+/// Whether a running process was started with the variable `name` set to `value`.
+bool has_variable(const fs::path& process, const std::string& name, const std::string& value) {
+  std::ifstream variables(process / "environ", std::ios::binary);  // empty if the process has ended
+  for (std::string each; std::getline(variables, each, '\0');)
+    if (each == name + "=" + value) return true;
+  return false;
+}
+
 }  // namespace
 
 std::optional<Launcher> find_launcher() {
@@ -58,6 +82,18 @@ std::optional<Launcher> find_launcher() {
                     "--mpi=pmix (srun --mpi=list shows the available values), or -n 1",
                     *tasks));
   return {};
+}
+
+bool runs_first_here() {
+  const auto names_first = [](const fs::path& process) {
+    return std::ranges::any_of(k_variables,
+                               [&](const Variables& each) { return has_variable(process, each.local, "0"); });
+  };
+  std::error_code error;
+  for (fs::directory_iterator process("/proc", error), end; !error && process != end;
+       process.increment(error))
+    if (is_child_of(getppid(), *process) && names_first(*process)) return true;
+  return false;
 }
 
 }  // namespace troupe

@@ -22,4 +22,9 @@ struct Launcher {
 /// other.
 std::optional<Launcher> find_launcher();
 
+/// Whether the first of the processes that the launcher started on this computer is still running. False if
+/// no launcher started this process, or if this cannot be found out, for example because another program
+/// started the process for the launcher.
+bool runs_first_here();
+
 }  // namespace troupe

@@ -372,12 +372,13 @@ void print_common_error(unsigned rank, std::string_view text) {
     std::this_thread::sleep_for(std::chrono::seconds(2));
 }
 
-/// Like print_common_error(), for an error that may occur on some computers only, so that rank 0 may not have
-/// it. After the two seconds, the first rank of each other computer prints it too. If rank 0 has the error,
-/// most launchers have ended these ranks by then.
+/// Like print_common_error(), for an error that may occur on some computers or with the arguments of some
+/// ranks only, so that rank 0 may not have it. After the two seconds, the first rank of each other computer
+/// prints it too. If rank 0 has the error, most launchers have ended these ranks by then. Any other rank
+/// prints the error if the first rank of its computer, which is still running, does not have it.
 void print_error_of_host(const Launcher& launcher, std::string_view text) {
   print_common_error(launcher.rank, text);
-  if (launcher.rank > 0 && launcher.is_first_here)
+  if (launcher.rank > 0 && (launcher.is_first_here || runs_first_here()))
     print_message(fmt::format("rank {} on {}: {}", launcher.rank, host(), text));
 }
 

@@ -19,8 +19,8 @@ namespace troupe::apps {
 ///
 /// - If run() throws InputError, rank 0 prints it and returns k_bad_input. The other ranks return k_finished.
 /// - If the connection fails, the ranks run different programs, or --ranks is given, rank 0 prints the error.
-///   All ranks return k_bad_input. The connection may fail on some computers only: the first rank of each
-///   other computer prints that error two seconds later, unless the launcher has ended this rank.
+///   All ranks return k_bad_input. The connection may fail on some ranks only: these then print that error
+///   two seconds later, as in print_usage_error().
 /// - After any other exception, the process prints the error and ends without returning, because other
 ///   processes may wait for it.
 ///
@@ -54,8 +54,9 @@ bool prints_for_all_ranks();
 /// Prints the text of an error of usage, which usually occurs on all processes of a launcher: rank 0 prints
 /// it. The other ranks wait for two seconds first, because a launcher ends all processes as soon as one has
 /// failed. Then the first rank of each other computer prints the text too: an error may occur on some
-/// computers only, for example because a processor lacks the instruction set of --simd. Without a launcher,
-/// prints the text.
+/// computers only, for example because a processor lacks the instruction set of --simd. A rank that is not
+/// the first of its computer prints the text if the first one is still running: the two have different
+/// arguments. Without a launcher, prints the text.
 void print_usage_error(std::string_view text);
 
 }  // namespace troupe::apps
