@@ -41,7 +41,7 @@ constexpr double k_full = 0.95;       // charging ends above this fraction of th
 constexpr double k_patience_s = 3;    // longest wait for the paddles to close or to open, which takes 2 s
 constexpr double k_back_off_s = 1.5;  // time of driving backwards from a sink or a charger
 constexpr double k_turn_s = 1;        // least time of turning away from a sink or a charger
-constexpr double k_more_turn_s = 2;   // the random time of turning away exceeds k_turn_s by at most this
+constexpr double k_more_turn_s = 2;   // the random time of turning away exceeds k_turn_s by less than this
 
 struct Collector {
   enum Mode : std::uint8_t { seeking, gripping, carrying, releasing, leaving, charging };
@@ -101,6 +101,7 @@ struct Collector {
   static void enter(Memory& memory, Mode mode) {
     memory.mode = mode;
     memory.updates = 0;
+    memory.avoid_updates = 0;  // a turn ends with its mode: leave() draws the length of its own turn
   }
   static std::uint32_t nearest(std::span<const Vec2> places, const Vec2& from) {
     const auto distance2 = [&](const Vec2& place) { return (place - from).squaredNorm(); };
@@ -249,11 +250,12 @@ void Collector::leave(Memory& memory, const engine::Percept& percept, Random& ra
                       engine::Actions& actions) {
   order(actions) = GripperCommand::open;
   actions.command = {-k_creep, 0, 0};
-  const std::uint32_t back_off = decisions_for(k_back_off_s, percept.period_s);
-  if (memory.updates <= back_off) return;
+  if (memory.updates <= decisions_for(k_back_off_s, percept.period_s)) return;
   actions.command = {0, 0, memory.goal % 2 == 0 ? 0.8 : -0.8};
-  const std::uint32_t turned = memory.updates - back_off;
-  if (turned > random_decisions(k_turn_s, k_more_turn_s, percept.period_s, random)) enter(memory, seeking);
+  if (memory.avoid_updates < 1)
+    memory.avoid_updates =
+        static_cast<std::int32_t>(random_decisions(k_turn_s, k_more_turn_s, percept.period_s, random));
+  if (--memory.avoid_updates == 0) enter(memory, seeking);
 }
 
 void Collector::head_for(const Vec2& goal, Memory& memory, const engine::Percept& percept, Random& random,

@@ -6,23 +6,28 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <string>
+#include <vector>
 
 namespace troupe::models {
 namespace {
 
-/// A world with a sink at (-2, 0), a puck at (1, 0), and a robot at the origin.
+/// A world with a sink at (-2, 0), a puck at (1, 0), and a robot at the origin. With several sites, the world
+/// contains these three bodies several times, 10 m apart.
 struct OnePuck {
   test::SceneBuilder scene;
-  std::size_t hand = 0;  ///< index of the robot's gripper
-  BodyId robot;
+  std::size_t hand = 0;  ///< index of the gripper of each robot
+  BodyId robot;          ///< the robot of the first site
+  std::vector<BodyId> robots;
 
-  explicit OnePuck(double tick_s) {
+  explicit OnePuck(double tick_s, int sites = 1) {
     scene.spec.tick_s = tick_s;
-    scene.body("sink", scene.type("sink", {test::box(1, 1, 0.01)}, {.obstacle = false, .ranger = -1}),
-               {-2, 0, 0, 0});
+    const TypeId sink = scene.type("sink", {test::box(1, 1, 0.01)}, {.obstacle = false, .ranger = -1});
     const TypeId puck = scene.type("puck", {test::box(0.1, 0.1, 0.1)}, {.fiducial = 1, .gripper = true});
-    scene.body("puck", puck, {1, 0, 0, 0});
     const TypeId type = scene.robot("robot", {test::box(0.3, 0.24, 0.2)});
     engine::DeviceSpec finder{
         .name = "finder",
@@ -34,7 +39,13 @@ struct OnePuck {
         finder};
     hand = test::add_device(scene[type], "hand", "gripper", {0.25, 0, 0, 0});
     scene[type].controllers = {test::controller("collector")};
-    robot = scene.body("r", type);
+    for (int site = 0; site < sites; ++site) {
+      const double y = 10.0 * site;
+      scene.body("sink" + std::to_string(site), sink, {-2, y, 0, 0});
+      scene.body("", puck, {1, y, 0, 0});
+      robots.push_back(scene.body("", type, {0, y, 0, 0}));
+    }
+    robot = robots.front();
   }
   const GripperState& gripper(const engine::World& world) const {
     return test::state_of<GripperState>(world, robot, hand);
@@ -58,6 +69,33 @@ int grips_in_ticks_of(double tick_s) {
 
 TEST(Collector, BacksOffFarEnoughFromItsPuckInShortTicksToo) {
   for (const double tick_s : {0.02, 0.05, 0.1}) EXPECT_EQ(grips_in_ticks_of(tick_s), 1) << tick_s;
+}
+
+/// Durations, s, of the turns with which 100 robots leave their sinks.
+std::vector<double> turns_in_ticks_of(double tick_s) {
+  OnePuck pucks(tick_s, 100);
+  engine::World world = pucks.scene.world({.threads = 1});
+  std::vector<double> turns(pucks.robots.size(), 0);
+  for (long tick = 0; tick < std::lround(40 / tick_s); ++tick) {
+    world.step();
+    for (std::size_t i = 0; i < turns.size(); ++i) {
+      const engine::Command& command = world.commands()[world.row(pucks.robots[i]).index()];
+      if (command.x == 0 && std::abs(command.turn) == 0.8) turns[i] += tick_s;
+    }
+  }
+  return turns;
+}
+
+// A draw per decision would end most turns after little more than the least time, the sooner the shorter the
+// ticks are.
+TEST(Collector, TurnsAwayForTimesThatDoNotDependOnTheTick) {
+  for (const double tick_s : {0.02, 0.1}) {
+    const std::vector<double> turns = turns_in_ticks_of(tick_s);
+    EXPECT_GT(std::ranges::min(turns), 1 - 1e-9) << tick_s;
+    EXPECT_LT(std::ranges::max(turns), 3 - 1e-9) << tick_s;
+    const double mean = std::accumulate(turns.begin(), turns.end(), 0.0) / static_cast<double>(turns.size());
+    EXPECT_NEAR(mean, 2, 0.2) << tick_s << ": the standard deviation of the mean is 0.06";
+  }
 }
 
 TEST(Collector, DoesNotTakeASlowDriveForAnObstacle) {
