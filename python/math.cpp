@@ -27,9 +27,9 @@ py::tuple sincos_of(const Numbers& angles) {
   return py::make_tuple(sines, cosines);
 }
 
-/// Returns the sums over the last axis of an array, added in ascending order of the index.
+/// Returns the sums over the last axis of an array, added in ascending order of the index. The array has an
+/// axis: ordered_sum() of python/troupe/math.py raises an error for a single number.
 py::array_t<double> ordered_sum(const Numbers& values) {
-  if (values.ndim() == 0) throw py::value_error("ordered_sum() takes an array, found a single number");
   const std::vector<py::ssize_t> shape(values.shape(), values.shape() + values.ndim() - 1);
   py::array_t<double> sums(shape);
   sum_rows({values.data(), static_cast<std::size_t>(values.size())},

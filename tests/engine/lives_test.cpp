@@ -81,7 +81,11 @@ TEST(Lives, AWorldWithoutThemHasNoSuchComponentAndNoDeaths) {
   const BodyId robot = scene.body("r", scene.robot("bot", {box(0.4, 0.4)}));
   World world = scene.world();
   EXPECT_FALSE(world.has_lives());
-  EXPECT_THROW(world.remove(world.row(robot)), std::logic_error);
+  EXPECT_EQ(
+      test::message_of<std::logic_error>([&] { world.remove(world.row(robot)); }),
+      "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set this key "
+      "when you load the world (in C++: SimulationOptions::mortal; in Python: set={\"/mortal\": True}); "
+      "worlds with a \"reserve\", a device that removes bodies, or an intervention \"remove\" need neither");
   const std::uint64_t hash = world.hashes().state;
 
   scene.spec.mortal = true;
@@ -139,6 +143,19 @@ TEST(Lives, NoEstimateIsSetOfWhoIsNotThere) {
   EXPECT_EQ(world.hashes().state, hash);
   world.remove(world.row(robot));
   EXPECT_THROW(world.set_estimate(world.row(robot), {1, 2, 0, 3}), std::logic_error);
+}
+
+TEST(Lives, WhoIsNotThereIsNotPlaced) {
+  Plain plain;
+  World world = plain.scene.world();
+  const World::Placed unborn{world.row(world.find("more0")), {3, 0, 0, 0}};
+  EXPECT_EQ(test::message_of<std::invalid_argument>([&] {
+              world.set_poses({&unborn, 1});
+            }),
+            "\"more0\" cannot be placed: it was removed from the world, or has not been added to it yet");
+  world.remove(world.row(plain.robot));
+  const World::Placed dead{world.row(plain.robot), {3, 0, 0, 0}};
+  EXPECT_THROW(world.set_poses({&dead, 1}), std::invalid_argument);
 }
 
 TEST(Lives, ABirthNeedsAFreePlaceInTheWorldAndAnUnbornBody) {
