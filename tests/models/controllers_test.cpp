@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace troupe::models {
 namespace {
@@ -571,6 +573,181 @@ TEST(Wander, TakesOverARobotThatWasSentSomewhere) {
   decide.command = {3, 4, 0.5, engine::ControlMode::position};
   // In its way, so that it changes single numbers of the command.
   EXPECT_EQ(decide(std::vector<float>(31, 0.1f)).mode, engine::ControlMode::velocity);
+}
+
+// ---- radio: commands worked out by hand from the formulas in the headers of the controllers
+
+constexpr double k_own = 0.5;  // rad: heading of the robot that decides, at the origin
+
+/// A point in this direction (rad, world frame) at this distance (m) from the origin.
+Vec2 towards(double direction, double distance) {
+  return distance * Vec2(std::cos(direction), std::sin(direction));
+}
+
+engine::DeviceSpec radio_turned_by(double heading) {
+  return test::device("radio", {{"range", 5.0}, {"walls", std::string("pass")}}, {0, 0, 0, heading});
+}
+
+/// The command that the robot `body` gives in the second tick: of what the others say in the first one, from
+/// where all stood at the start, because no command of the first tick has moved them yet.
+Command second_command(const test::SceneBuilder& scene, BodyId body) {
+  engine::World world = scene.world({.threads = 1});
+  world.step();
+  world.step();
+  return world.commands()[world.row(body).index()];
+}
+
+TEST(RadioFlocking, FollowsTheSumOfHeadingsDistancesAndObstacles) {
+  test::SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {test::box(0.05, 0.05)});
+  scene[type].devices = {
+      radio_turned_by(0.75),
+      test::ranger("eyes", {{}, {.pose = {0, 0, 0, k_pi / 2}}, {.pose = {0, 0, 0, -k_pi / 2}}})};
+  scene[type].controllers = {test::controller(
+      "radio_flocking",
+      {{"speed", 0.25}, {"distance", 0.6}, {"spacing_weight", 2.0}, {"gain", 1.5}, {"clearance", 0.8}})};
+  const BodyId robot = scene.body("r", type, {0, 0, 0, k_own});
+  struct Other {
+    double direction, distance, heading, weight;
+  };
+  // The weight is 1 - (0.6 / distance)^2, from -5 to 0.3.
+  const std::vector<Other> others{{2.75, 0.5, 1.25, -0.44}, {-2, 0.2, -2.5, -5}, {1.25, 3, 0, 0.3}};
+  Vec2 headings(1, 0), spacing(0, 0);  // frame of the robot
+  for (const Other& other : others) {
+    const Vec2 at = towards(other.direction, other.distance);
+    scene.body("o" + std::to_string(scene.spec.bodies.size()), type, {at.x(), at.y(), 0, other.heading});
+    headings += towards(other.heading - k_own, 1);
+    spacing += other.weight * towards(other.direction - k_own, 1);
+  }
+  // Walls of 0.1 m across two of the three beams: 0.2 m ahead, and 0.4 m to the left.
+  const TypeId wall = scene.type("wall", {test::box(0.1, 0.1)});
+  const Vec2 ahead = towards(k_own, 0.25), left = towards(k_own + k_pi / 2, 0.45);
+  scene.body("ahead", wall, {ahead.x(), ahead.y(), 0, k_own});
+  scene.body("left", wall, {left.x(), left.y(), 0, k_own});
+  const Vec2 push = -3.0 / 2 * Vec2(1 - 0.2 / 0.8, 1 - 0.4 / 0.8);
+
+  const Vec2 aim = headings / headings.norm() + 2.0 / 3 * spacing + push;
+  const double angle = std::atan2(aim.y(), aim.x());
+  const Command command = second_command(scene, robot);
+  EXPECT_NEAR(command.turn, 1.5 * angle, 1e-5);
+  EXPECT_NEAR(command.x, 0.25 * std::max(-0.5, std::cos(angle)), 1e-5);
+  EXPECT_EQ(command.y, 0);
+}
+
+TEST(RadioFlocking, DrivesBackwardsAtHalfItsSpeedAtMost) {
+  test::SceneBuilder scene;
+  const TypeId type = scene.robot("bot", {test::box(0.05, 0.05)});
+  scene[type].devices = {radio_turned_by(0)};
+  scene[type].controllers = {test::controller("radio_flocking", {{"speed", 0.25}, {"spacing_weight", 1.0}})};
+  const BodyId robot = scene.body("r", type, {0, 0, 0, 0});
+  scene.body("o", type, {0.1, 0, 0, 0});  // repels with a weight of 5
+  const Command command = second_command(scene, robot);
+  EXPECT_DOUBLE_EQ(command.x, -0.125);
+  EXPECT_NEAR(std::abs(command.turn), k_pi, 1e-6);
+}
+
+/// A world of robots with the controller `brazil_nut`, radii as given, and a lamp.
+struct Discs {
+  test::SceneBuilder scene;
+  TypeId disc(double radius, double taxis, double noise, double shake = 1) {
+    const TypeId type =
+        scene.robot("disc" + std::to_string(scene.spec.types.size()), {test::box(0.05, 0.05)});
+    scene[type].devices = {test::device("light_sensor", {{"occlusion", false}}, {0, 0, 0, 0.25}),
+                           radio_turned_by(-0.75)};
+    scene[type].controllers = {test::controller("brazil_nut", {{"radius", radius},
+                                                               {"speed", 0.125},
+                                                               {"gain", 2.0},
+                                                               {"taxis", taxis},
+                                                               {"noise", noise},
+                                                               {"push", 8.0},
+                                                               {"shake", shake}})};
+    return type;
+  }
+};
+
+TEST(BrazilNut, FollowsTheSumOfLightAndRepulsions) {
+  for (const double radius_of_other : {0.5, 0.125}) {
+    Discs discs;
+    const BodyId robot = discs.scene.body("r", discs.disc(0.25, 0.75, 0), {0, 0, 0, k_own});
+    const Vec2 other = towards(-1, 0.6), far = towards(3, 0.8), lamp = towards(2.25, 2);
+    discs.scene.body("o", discs.disc(radius_of_other, 0.75, 0), {other.x(), other.y(), 0, 0});
+    discs.scene.body("f", discs.disc(0.5, 0.75, 0), {far.x(), far.y(), 0, 0});  // 0.8 m is beyond both radii
+    const TypeId post = discs.scene.type("lamp", {test::box(0.1, 0.1)});
+    discs.scene[post].devices = {test::device("blinkenlight", {{"intensity", 3.0}})};
+    discs.scene.body("lamp", post, {lamp.x(), lamp.y(), 0, 0});
+    Vec2 aim = 0.75 * towards(2.25 - k_own, 1);
+    const double both = 0.25 + radius_of_other;
+    if (0.6 < both) aim -= 8 * (1 - 0.6 / both) * towards(-1 - k_own, 1);
+    const double angle = std::atan2(aim.y(), aim.x());
+    const Command command = second_command(discs.scene, robot);
+    EXPECT_NEAR(command.turn, 2 * angle, 1e-5) << radius_of_other;
+    EXPECT_NEAR(command.x, 0.125 * std::min(aim.norm(), 1.0) * std::cos(angle), 1e-6) << radius_of_other;
+  }
+}
+
+TEST(BrazilNut, IsShakenInADirectionOfTheWorldThatChangesWithItsTime) {
+  Discs discs;
+  const BodyId robot = discs.scene.body("r", discs.disc(0.25, 0, 1, 0.5), {0, 0, 0, k_own});
+  engine::World world = discs.scene.world({.threads = 1});
+  std::vector<double> directions;  // world frame
+  for (int tick = 0; tick < 15; ++tick) {
+    const Row row = world.row(robot);
+    // It decides before it moves: at the pose after the tick before.
+    const double heading = world.pose(robot).heading;
+    world.step();
+    directions.push_back(wrap_angle(heading + world.commands()[row.index()].turn / 2));
+  }
+  for (std::size_t i = 0; i < 15; ++i)
+    EXPECT_NEAR(wrap_angle(directions[i] - directions[i - i % 5]), 0, 1e-9) << i;
+  EXPECT_GT(std::abs(wrap_angle(directions[5] - directions[0])), 1e-3);
+  EXPECT_GT(std::abs(wrap_angle(directions[10] - directions[5])), 1e-3);
+}
+
+TEST(Gradient, CountsTheHopsAndCountsAgainWhenARobotFails) {
+  // A beacon, and robots without rangers, which are settled from the start, in a line of 1 m steps.
+  test::SceneBuilder scene;
+  scene.spec.mortal = true;
+  std::vector<BodyId> robots;
+  for (int i = 0; i < 5; ++i) {
+    const TypeId type = scene.type("t" + std::to_string(i), {test::box(0.2, 0.2)});
+    scene[type].devices = {test::device("radio", {{"range", 1.5}})};
+    scene[type].controllers = {test::controller("gradient", {{"beacon", i == 0}, {"patience", 5}})};
+    robots.push_back(scene.body("r" + std::to_string(i), type, {1.0 * i, 0, 0, 0}));
+  }
+  engine::World world = scene.world({.threads = 1});
+  const auto hops = [&](std::size_t i) {
+    const Row row = world.row(robots[i]);
+    const engine::StateTable& table = world.tables()[*world.type(row).controllers[0].table];
+    return table.number(world.slot(row), 0, 0);
+  };
+  for (int tick = 0; tick < 10; ++tick) world.step();
+  for (std::size_t i = 0; i < robots.size(); ++i) EXPECT_EQ(hops(i), i);
+  world.set_disabled(world.row(robots[1]), true);
+  for (int tick = 0; tick < 5; ++tick) world.step();
+  EXPECT_EQ(hops(2), 2) << "its patience lasts five decisions";
+  for (int tick = 0; tick < 20; ++tick) world.step();
+  EXPECT_GT(hops(2), 3) << "it hears robots only that have counted by it";
+  world.set_disabled(world.row(robots[1]), false);
+  for (int tick = 0; tick < 10; ++tick) world.step();
+  for (std::size_t i = 0; i < robots.size(); ++i) EXPECT_EQ(hops(i), i) << "a lower count holds at once";
+}
+
+TEST(Chain, TheNestHasAPathWhereItHearsThePrey) {
+  for (const double distance : {0.9, 1.1}) {
+    test::SceneBuilder scene;
+    std::vector<BodyId> ends;
+    for (const std::string role : {"nest", "prey"}) {
+      const TypeId type = scene.type(role, {test::box(0.2, 0.2)});
+      scene[type].devices = {test::device("radio", {{"range", 1.0}})};
+      scene[type].controllers = {test::controller("chain", {{"role", role}})};
+      ends.push_back(scene.body(role, type, {ends.empty() ? 0 : distance, 0, 0, 0}));
+    }
+    engine::World world = scene.world({.threads = 1});
+    for (int tick = 0; tick < 3; ++tick) world.step();
+    const Row row = world.row(ends[0]);
+    const engine::StateTable& table = world.tables()[*world.type(row).controllers[0].table];
+    EXPECT_EQ(table.cell<std::uint8_t>(world.slot(row), 2)[0], distance < 1 ? 1 : 0) << distance;
+  }
 }
 
 }  // namespace

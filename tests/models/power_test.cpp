@@ -70,6 +70,40 @@ TEST(PowerPack, FeedsWhatRunsOnIt) {
   EXPECT_NEAR(pack_of(world, robot).dissipated, 3 + 3 * 0.2, 1e-12);  // W, for a second
 }
 
+TEST(PowerPack, EachKindOfSensorDrawsItsOwnPower) {
+  const engine::BumperParams strips{.bumpers = {{{0.21, 0, 0, 0}, 0.3}, {{-0.21, 0, 0, k_pi}, 0.3}}};
+  const std::vector<std::pair<DeviceSpec, double>> sensors{
+      {device("blobfinder", {}), 2},
+      {{.name = "bumper", .kind = "bumper", .params = engine::to_record(strips)}, 0.1},
+      {device("camera", {}), 100},
+      {test::ranger("scanner", {{.fov = 3, .samples = 90}, {.fov = 3, .samples = 30}}), 2 * 0.2},
+      {device("fiducial", {}), 0},
+      {device("compass", {}), 0}};
+  for (const auto& [sensor, watts] : sensors) {
+    SceneBuilder scene;
+    const TypeId type = scene.type("post", {box(0.4, 0.4)});
+    scene[type].devices = {pack({{"capacity", 1000.0}}), sensor};
+    scene[type].devices[1].active = true;
+    const BodyId post = scene.body("post", type);
+    World world = scene.world();
+    step(world, 10);
+    EXPECT_NEAR(pack_of(world, post).dissipated, watts, 1e-9) << sensor.kind << ", in a second";
+  }
+}
+
+TEST(PowerPack, ADriveDrawsForSpeedsInAnyDirection) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)}, "omni");
+  scene[type].devices = {pack({{"capacity", 1000.0}, {"mass", 2.0}, {"idle", 0.5}})};
+  const BodyId robot = scene.body("r", type);
+  for (const double sign : {1.0, -1.0}) {
+    World world = scene.world();
+    world.set_command(world.row(robot), {sign * 0.25, sign * 0.5, sign * 0.125});
+    world.step();
+    EXPECT_NEAR(pack_of(world, robot).dissipated, 0.1 * (0.5 + 10 * 2 * 0.875), 1e-12);
+  }
+}
+
 TEST(PowerPack, AnActuatorDrawsTwoWattsAndStandsWithoutThem) {
   SceneBuilder scene;
   const TypeId type = scene.type("gate", {box(0.4, 0.4)});

@@ -73,6 +73,20 @@ TEST(Spawner, SpawnsOneEveryPeriodUntilTheReserveIsEmpty) {
   EXPECT_EQ(door.state(world).owed, 0u);
 }
 
+TEST(Spawner, BirthsThatAreDueEndWithItsBody) {
+  Door door({device("spawner", {{"population", "bot"}, {"every", 0.5}}, {1, 0, 0, 0})});
+  const TypeId pit = door.scene.type("pit", {box(0.1, 0.1)}, {.obstacle = false});
+  door.scene[pit].devices = {device("remover", {{"radius", 0.5}, {"of", "door"}})};
+  door.scene.body("pit", pit, {-1, 9, 0, 0});
+  World world = door.scene.world();
+  step(world, 4);
+  world.set_poses(std::vector<World::Placed>{{world.row(world.find("pit")), {-1, 0.5, 0, 0}}});
+  step(world, 1);  // 0.5 s: a birth is due in the tick in which the remover reaches exactly to the door
+  EXPECT_FALSE(world.is_there(world.row(door.door)));
+  EXPECT_EQ(world.robots(), 0u);
+  EXPECT_EQ(world.unborn(0), 4u);
+}
+
 TEST(Spawner, PeriodsNeedNotBeWholeTicks) {
   for (const auto& [every_s, births] :
        {std::pair(0.25, 40u), {0.15, 66u}, {0.3, 33u}, {0.7, 14u}, {0.01, 100u}}) {
