@@ -7,6 +7,7 @@
 import base64
 import contextlib
 import json
+import math
 import struct
 import sys
 import time
@@ -496,16 +497,23 @@ class InABrowser(unittest.TestCase):
 
     def test_the_speeds_of_a_paused_world_stay(self):
         with self.opened("--rate", 5) as (_, page):
+            # Until the page was open, the robots may have driven anywhere. From here, blue drives in a circle without end.
+            page.run("troupe.act({do: 'disable', robot: 'red'})")
+            page.run("troupe.act({do: 'move', robot: 'blue', pose: [3, 0, 0, 0]})")
+            page.run("troupe.act({do: 'hold', robot: 'blue', speed: [0.3, 0, 0.6]})")
+            time_s = page.run("troupe.state().time")
+            page.wait(f"troupe.state().time > {time_s + 1}")
             page.run("troupe.color('speed')")
-            page.run("troupe.act({do: 'hold', robot: 'blue', speed: [0.3, 0, 0]})")
-            page.wait("troupe.state().time > 2 && troupe.legend()[1] > 0.2")
+            page.wait("troupe.legend()[1] > 0.2")
             self.pause()
             for robot in ("red", None):  # each makes the program send a picture of the same time
                 frame = page.run("troupe.state().frame")
                 page.run(f"troupe.select({json.dumps(robot)})")
                 page.wait(f"troupe.state().frame > {frame}")
             page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-            red, green, blue = self.pixel("blue", (-0.12, -0.12, 0.3))
+            heading = page.run("troupe.pose('blue')[3]")
+            behind = (-0.15 * math.cos(heading), -0.15 * math.sin(heading), 0.3)  # the mark is at the front
+            red, green, blue = self.pixel("blue", behind)
             self.assertGreater(green, 60, (red, green, blue))  # (68, 1, 84): a robot that stands still
 
     def test_the_scale_of_a_quantity_that_is_the_same_everywhere(self):
@@ -588,10 +596,14 @@ class InABrowser(unittest.TestCase):
             # At most 30 pictures per second, so at these rates there is a picture for each 0.1, 1, 0.3, 0.2 and 0.1 s.
             for rate in (1, 30, 8, 5, 3, 1):
                 page.run(f"troupe.act({{do: 'rate', rate: {rate}}})")
-                begin = page.run("troupe.state().time")
+                begin, first = page.run("[troupe.state().time, troupe.state().frame]")
                 page.wait(f"troupe.state().time > {begin + 4 * rate}")
-                page.wait("(trail => trail > 1.6 && trail < 2.6)(troupe.trail())", 30)
-                self.assertLess(page.run("troupe.trail()"), 4, rate)
+                time_s, frame = page.run("[troupe.state().time, troupe.state().frame]")
+                # On a busy machine pictures may come so slowly that a trail of 2 s has fewer than three marks.
+                between = (time_s - begin) / (frame - first)
+                least, most = (1.6, 2.6) if between < 1.2 else (2 - between, 2 + between)
+                page.wait(f"(trail => trail > {least} && trail < {most})(troupe.trail())", 30)
+                self.assertLess(page.run("troupe.trail()"), max(4, most), rate)
 
     def test_all_robots_stay_in_a_window_that_becomes_narrower(self):
         with self.opened() as (_, page):
