@@ -7,6 +7,7 @@
 import base64
 import contextlib
 import json
+import math
 import struct
 import sys
 import time
@@ -79,34 +80,48 @@ FAST = """
 
 @unittest.skipIf(PROGRAM is None, "no Chromium (scripts/setup --checks installs it)")
 class InABrowser(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.view = View("--rate", 1)
-        cls.addClassCleanup(cls.view.__exit__)
-        cls.page = Page(PROGRAM, SIZE)
-        cls.addClassCleanup(cls.page.__exit__)
+    @contextlib.contextmanager
+    def opened(self, *arguments, world=WORLD, script=None, size=SIZE, touch=False):
+        """A view and its page, which runs `script` before its own script."""
+        with View(*arguments, world=world) as view, Page(PROGRAM, size, touch) as self.page:
+            if script:
+                self.page.call("Page.addScriptToEvaluateOnNewDocument", source=f"{{{script}}}")
+            self.page.open_address(view.address)
+            self.page.wait("window.troupe && troupe.state().tick > 2")
+            yield view, self.page
 
     def keep(self, name):
         if PICTURES:
             (PICTURES / f"{name}.png").write_bytes(self.page.screenshot())
 
-    def state(self):
-        return self.page.run("(({scriptMs, ...rest}) => rest)(troupe.state())")
-
     def place(self, name):
         return self.page.run(f"troupe.screenPlace('{name}', [0, 0, 0])")
 
-    def press_button(self, selector):
-        self.press_button_of(self.page, selector)
+    def center(self, selector):
+        return self.page.run("(({x, y, width, height}) => [x + width / 2, y + height / 2])"
+                             f"(document.querySelector('{selector}').getBoundingClientRect())")
 
-    def press_button_of(self, page, selector):
-        box = page.run(f"(({{x, y, width, height}}) => [x + width / 2, y + height / 2])"
-                            f"(document.querySelector('{selector}').getBoundingClientRect())")
-        page.click(*box)
+    def press_button(self, selector):
+        self.page.click(*self.center(selector))
+
+    def pause(self):
+        self.press_button("#play")
+        return self.paused()
 
     def paused(self):
         self.page.wait("!troupe.state().playing && troupe.state().line")
-        return self.state()
+        return self.page.run("(({scriptMs, ...rest}) => rest)(troupe.state())")
+
+    def key(self, kind, key):
+        self.page.call("Input.dispatchKeyEvent", type=kind, key=key, code=key)
+
+    def told(self):
+        return self.page.run("document.getElementById('told').textContent")
+
+    def pixel(self, name, shift=(0, 0, 0)):
+        """The colour on the screen of a robot, or of a point shifted from it by some metres."""
+        x, y = (round(at) for at in self.page.run(f"troupe.screenPlace('{name}', {list(shift)})"))
+        return Picture(self.page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
 
     def drag_to(self, name, x, y):
         """Drags the selected robot to a point of the floor; returns the message of the page."""
@@ -117,137 +132,129 @@ class InABrowser(unittest.TestCase):
         self.page.drag(start, end)
 
     def test_a_person_uses_it(self):
-        view, page = self.view, self.page
-        page.open_address(view.address)
-        page.wait("window.troupe && troupe.state().tick > 5")
-        self.assertEqual(page.run("location.hash"), "", "the token is out of sight")
-        x = page.run("troupe.pose('red')")
-        page.wait(f"troupe.pose('red')[0] !== {x[0]}")
-        self.keep("running")
+        with self.opened("--rate", 1) as (view, page):
+            self.assertEqual(page.run("location.hash"), "", "the token is out of sight")
+            x = page.run("troupe.pose('red')")
+            page.wait(f"troupe.pose('red')[0] !== {x[0]}")
+            self.keep("running")
 
-        self.press_button("#play")
-        before = self.paused()
-        page.wait("document.getElementById('line').textContent === troupe.state().line")
-        self.press_button("#step")
-        page.wait(f"troupe.state().tick > {before['tick']} && !troupe.state().playing")
-        after = self.paused()
-        self.assertEqual(after["tick"], before["tick"] + 1)
+            before = self.pause()
+            page.wait("document.getElementById('line').textContent === troupe.state().line")
+            self.press_button("#step")
+            page.wait(f"troupe.state().tick > {before['tick']} && !troupe.state().playing")
+            after = self.paused()
+            self.assertEqual(after["tick"], before["tick"] + 1)
 
-        page.run("troupe.select('red')")
-        page.wait("troupe.inspected() && troupe.state().scanned")
-        self.assertIn("condition", page.run("document.getElementById('panel').innerText"))
-        self.keep("inspected")
+            page.run("troupe.select('red')")
+            page.wait("troupe.inspected() && troupe.state().scanned")
+            self.assertIn("condition", page.run("document.getElementById('panel').innerText"))
+            self.keep("inspected")
 
-        self.drag_to("red", 3, -2)  # into the other room
-        page.wait("Math.abs(troupe.pose('red')[0] - 3) < 0.05 && Math.abs(troupe.pose('red')[1] + 2) < 0.05")
-        self.drag_to("red", 0, 2)  # into the wall
-        page.wait("!document.getElementById('told').hidden")
-        self.assertIn("a wall or another body is there", page.run("document.getElementById('told').textContent"))
-        self.keep("refused")
-        page.wait("Math.abs(troupe.pose('red')[0] - 3) < 0.05")
-        heading = page.run("troupe.pose('red')[3]")
-        page.press("q", "KeyQ")
-        page.wait(f"Math.abs(troupe.pose('red')[3] - {heading}) > 0.2")
+            self.drag_to("red", 3, -2)  # into the other room
+            page.wait("Math.abs(troupe.pose('red')[0] - 3) < 0.05 && Math.abs(troupe.pose('red')[1] + 2) < 0.05")
+            self.drag_to("red", 0, 2)  # into the wall
+            page.wait("!document.getElementById('told').hidden")
+            self.assertIn("a wall or another body is there", page.run("document.getElementById('told').textContent"))
+            self.keep("refused")
+            page.wait("Math.abs(troupe.pose('red')[0] - 3) < 0.05")
+            heading = page.run("troupe.pose('red')[3]")
+            page.press("q", "KeyQ")
+            page.wait(f"Math.abs(troupe.pose('red')[3] - {heading}) > 0.2")
 
-        page.run("document.querySelector('#values details').open = true")
-        page.wait("document.querySelector('[data-parameter=cruise_speed_mps]') !== null")
-        page.run("(input => { input.value = '0.9'; input.onchange(); })(document.querySelector('[data-parameter=cruise_speed_mps]'))")
-        page.run("troupe.step(25)")  # it may be turning away from the wall for 20 ticks
-        page.wait("troupe.inspected().components.find(c => c.name === 'velocity').fields[0].values[0] === 0.9")
-        self.paused()
-        self.keep("parameters")
-        page.run("document.querySelector('#values details').open = false")
+            page.run("document.querySelector('#values details').open = true")
+            page.wait("document.querySelector('[data-parameter=cruise_speed_mps]') !== null")
+            page.run("(input => { input.value = '0.9'; input.onchange(); })(document.querySelector('[data-parameter=cruise_speed_mps]'))")
+            page.run("troupe.step(25)")  # it may be turning away from the wall for 20 ticks
+            page.wait("troupe.inspected().components.find(c => c.name === 'velocity').fields[0].values[0] === 0.9")
+            self.paused()
+            self.keep("parameters")
+            page.run("document.querySelector('#values details').open = false")
 
-        page.run("troupe.follow(true)")
-        page.run("(rate => { rate.selectedIndex = 5; rate.onchange({target: rate}); })(document.getElementById('rate'))")
-        page.wait("troupe.state().rate === 5")
-        page.run("(measure => { measure.value = 'displacement'; measure.onchange({target: measure}); })"
-                 "(document.getElementById('measure'))")
-        self.press_button("#play")
-        page.wait("document.querySelector('#plot path').getAttribute('d').split('L').length > 10")
-        for name in ("x", "heading"):
-            page.run(f"[...document.querySelectorAll('#values > .plottable')].find(row => row.firstChild.innerText === '{name}').click()")
-        page.wait("document.querySelectorAll('#plots path').length === 2 && "
-                  "[...document.querySelectorAll('#plots path')].every(path => path.getAttribute('d').split('L').length > 10)")
-        plotted = page.run("[...document.querySelectorAll('#plots .now')].map(line => line.textContent)")
-        self.assertRegex(plotted[0], r"^pose x -?[0-9.]+ m$")
-        self.assertRegex(plotted[1], r"^pose heading -?[0-9.]+ °$")
-        self.keep("plotted")
+            page.run("troupe.follow(true)")
+            page.run("(rate => { rate.selectedIndex = 5; rate.onchange({target: rate}); })(document.getElementById('rate'))")
+            page.wait("troupe.state().rate === 5")
+            page.run("(measure => { measure.value = 'displacement'; measure.onchange({target: measure}); })"
+                     "(document.getElementById('measure'))")
+            self.press_button("#play")
+            page.wait("document.querySelector('#plot path').getAttribute('d').split('L').length > 10")
+            for name in ("x", "heading"):
+                page.run(f"[...document.querySelectorAll('#values > .plottable')].find(row => row.firstChild.innerText === '{name}').click()")
+            page.wait("document.querySelectorAll('#plots path').length === 2 && "
+                      "[...document.querySelectorAll('#plots path')].every(path => path.getAttribute('d').split('L').length > 10)")
+            plotted = page.run("[...document.querySelectorAll('#plots .now')].map(line => line.textContent)")
+            self.assertRegex(plotted[0], r"^pose x -?[0-9.]+ m$")
+            self.assertRegex(plotted[1], r"^pose heading -?[0-9.]+ °$")
+            self.keep("plotted")
 
-        page.press("m", "KeyM")
-        page.call("Input.dispatchKeyEvent", type="keyDown", key="ArrowLeft", code="ArrowLeft")
-        page.wait("troupe.inspected()?.components.find(c => c.name === 'velocity').fields.at(-1).values[0] === 1.2")
-        page.call("Input.dispatchKeyEvent", type="keyUp", key="ArrowLeft", code="ArrowLeft")
-        self.keep("driven")
-        page.press("m", "KeyM")
-        self.press_button("#disable")
-        page.wait("document.getElementById('disable').textContent === 'enable'")
-        page.run("troupe.theme('dark')")
-        self.keep("dark")
-        page.run("troupe.theme('light')")
+            page.press("m", "KeyM")
+            page.call("Input.dispatchKeyEvent", type="keyDown", key="ArrowLeft", code="ArrowLeft")
+            page.wait("troupe.inspected()?.components.find(c => c.name === 'velocity').fields.at(-1).values[0] === 1.2")
+            page.call("Input.dispatchKeyEvent", type="keyUp", key="ArrowLeft", code="ArrowLeft")
+            self.keep("driven")
+            page.press("m", "KeyM")
+            self.press_button("#disable")
+            page.wait("document.getElementById('disable').textContent === 'enable'")
+            page.run("troupe.theme('dark')")
+            self.keep("dark")
+            page.run("troupe.theme('light')")
 
-        page.run("troupe.select(null)")
-        for _ in range(2):  # the camera has followed red; V shows the whole world again
-            page.press("v", "KeyV")
-        red = self.place("red")
-        page.drag([at - 10 for at in red], [at + 10 for at in red], shift=True)
-        page.wait("troupe.group().length > 0")
-        self.assertEqual(page.run("troupe.group()"), ["red"])
-        page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)  # everything between the title and the bars
-        page.wait("troupe.group().length === 2")
-        self.keep("group")
-        self.press_button("#group-enable")
-        page.wait("document.getElementById('told').textContent.startsWith('Refused for 1 of 2 robots')")
-        self.press_button("#ungroup")
-        page.wait("troupe.group().length === 0")
+            page.run("troupe.select(null)")
+            for _ in range(2):  # the camera has followed red; V shows the whole world again
+                page.press("v", "KeyV")
+            red = self.place("red")
+            page.drag([at - 10 for at in red], [at + 10 for at in red], shift=True)
+            page.wait("troupe.group().length > 0")
+            self.assertEqual(page.run("troupe.group()"), ["red"])
+            page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)  # everything between the title and the bars
+            page.wait("troupe.group().length === 2")
+            self.keep("group")
+            self.press_button("#group-enable")
+            page.wait("document.getElementById('told').textContent.startsWith('Refused for 1 of 2 robots')")
+            self.press_button("#ungroup")
+            page.wait("troupe.group().length === 0")
 
-        page.run("troupe.color('pose.x')")
-        page.wait("troupe.legend()[1] > troupe.legend()[0]")  # the two robots are in different places
-        self.keep("coloured")
-        page.run("troupe.color('own colours')")
+            page.run("troupe.color('pose.x')")
+            page.wait("troupe.legend()[1] > troupe.legend()[0]")  # the two robots are in different places
+            self.keep("coloured")
+            page.run("troupe.color('own colours')")
 
-        picture = base64.b64decode(page.run("troupe.picture()"))
-        self.assertEqual(struct.unpack(">II", picture[16:24]), SIZE)
+            picture = base64.b64decode(page.run("troupe.picture()"))
+            self.assertEqual(struct.unpack(">II", picture[16:24]), SIZE)
 
-        self.press_button("#play")
-        shown = self.paused()
-        newest = page.run("troupe.pose('blue')")
-        page.run("(back => { back.value = Number(back.max) - 3; back.oninput({target: back}); })(document.getElementById('back'))")
-        page.wait("document.getElementById('now').textContent.endsWith(' s ago')")
-        self.keep("past")
-        self.press_button("#now")
-        page.wait("document.getElementById('now').textContent === 'now'")
-        self.assertEqual(page.run("troupe.pose('blue')"), newest)
+            shown = self.pause()
+            newest = page.run("troupe.pose('blue')")
+            page.run("(back => { back.value = Number(back.max) - 3; back.oninput({target: back}); })(document.getElementById('back'))")
+            page.wait("document.getElementById('now').textContent.endsWith(' s ago')")
+            self.keep("past")
+            self.press_button("#now")
+            page.wait("document.getElementById('now').textContent === 'now'")
+            self.assertEqual(page.run("troupe.pose('blue')"), newest)
 
-        self.press_button("#checkpoint")
-        page.wait("document.getElementById('told').textContent === 'rooms.checkpoint.h5 is written'")
-        shown = self.paused()
-        page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)
-        page.wait("troupe.group().length === 2")
-        self.press_button("#group-remove")
-        page.wait("troupe.group().length === 0 && troupe.state().robots === 0")
-        self.press_button("#restart")
-        page.wait("troupe.state().run === 2")
-        restarted = self.paused()
-        self.assertEqual(restarted["tick"], 0)
-        page.wait("troupe.pose('red')[3] === 0 && Math.abs(troupe.pose('red')[0] + 3) < 1e-3")  # it is drawn again
-        self.keep("restarted")
-        self.assertEqual(page.problems, [])
-        view.end()
-        page.wait("document.getElementById('problem').innerText.startsWith('The program has ended')")
-        log = view.replayed()
-        for state in (before, after, shown):
-            self.assertEqual(log[state["tick"]], state["line"])
+            self.press_button("#checkpoint")
+            page.wait("document.getElementById('told').textContent === 'rooms.checkpoint.h5 is written'")
+            shown = self.paused()
+            page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)
+            page.wait("troupe.group().length === 2")
+            self.press_button("#group-remove")
+            page.wait("troupe.group().length === 0 && troupe.state().robots === 0")
+            self.press_button("#restart")
+            page.wait("troupe.state().run === 2")
+            restarted = self.paused()
+            self.assertEqual(restarted["tick"], 0)
+            page.wait("troupe.pose('red')[3] === 0 && Math.abs(troupe.pose('red')[0] + 3) < 1e-3")  # it is drawn again
+            self.keep("restarted")
+            self.assertEqual(page.problems, [])
+            view.end()
+            page.wait("document.getElementById('problem').innerText.startsWith('The program has ended')")
+            log = view.replayed()
+            for state in (before, after, shown):
+                self.assertEqual(log[state["tick"]], state["line"])
 
     def test_robots_are_found_and_followed(self):
-        with View() as view, Page(PROGRAM, SIZE) as page:
-            page.open_address(view.address)
-            page.wait("window.troupe && troupe.state().tick > 2")
-            self.press_button_of(page, "#play")
-            page.wait("!troupe.state().playing && troupe.state().line")
-            tick = page.run("troupe.state().tick")
+        with self.opened() as (_, page):
+            tick = self.pause()["tick"]
             page.run("document.getElementById('ticks').value = '7'")
-            self.press_button_of(page, "#step")
+            self.press_button("#step")
             page.wait(f"troupe.state().tick === {tick + 7} && !troupe.state().playing")
 
             page.press("/", "Slash")
@@ -289,26 +296,6 @@ class InABrowser(unittest.TestCase):
             page.wait(f"Math.abs(troupe.screenPlace('red')[0] - {SIZE[0] / 2}) < 30")
             self.assertEqual(page.problems, [])
 
-    @contextlib.contextmanager
-    def opened(self, *arguments, world=WORLD, script=None):
-        """A view and its page, which runs `script` before its own script."""
-        with View(*arguments, world=world) as view, Page(PROGRAM, SIZE) as page:
-            if script:
-                page.call("Page.addScriptToEvaluateOnNewDocument", source=f"{{{script}}}")
-            page.open_address(view.address)
-            page.wait("window.troupe && troupe.state().tick > 2")
-            yield view, page
-
-    def pause(self, page):
-        self.press_button_of(page, "#play")
-        page.wait("!troupe.state().playing && troupe.state().line")
-
-    def key(self, page, kind, key):
-        page.call("Input.dispatchKeyEvent", type=kind, key=key, code=key)
-
-    def told(self, page):
-        return page.run("document.getElementById('told').textContent")
-
     def test_readings_are_those_of_the_type_of_the_robot(self):
         world = json.loads(json.dumps(WORLD))
         world["types"]["watcher"] = {**world["types"]["runner"], "color": "gold"}
@@ -322,7 +309,7 @@ class InABrowser(unittest.TestCase):
     def test_a_turn_keeps_the_position(self):
         with self.opened() as (_, page):
             page.wait("troupe.state().time > 2")
-            self.pause(page)
+            self.pause()
             page.run("troupe.select('red')")
             place = [-3.0004321, -2.0001234]
             page.run(f"troupe.act({{do: 'move', robot: 'red', pose: [{place[0]}, {place[1]}, 0, 1]}})")
@@ -336,8 +323,8 @@ class InABrowser(unittest.TestCase):
             page.wait("document.getElementById('now').textContent.endsWith(' s ago')")
             page.press("e", "KeyE")
             page.wait("!document.getElementById('told').hidden")
-            self.assertIn("The page shows the past", self.told(page))
-            self.press_button_of(page, "#now")
+            self.assertIn("The page shows the past", self.told())
+            self.press_button("#now")
             page.run("troupe.act({do: 'disable', robot: 'blue'})")  # its answer comes after those of all earlier acts
             self.assertEqual(page.run("troupe.inspected().pose.slice(0, 2)"), place)
             self.assertGreater(page.run("troupe.inspected().pose[3]"), 1.2)
@@ -349,7 +336,7 @@ class InABrowser(unittest.TestCase):
         region = [[-4, -4], [4, 4]]
         world["populations"][0] |= {"count": 4, "reserve": 1, "place": {"rule": "grid", "region_m": region, "pitch_m": 4, "z_m": 0.7}}
         with self.opened(world=world) as (_, page):
-            self.pause(page)
+            self.pause()
             page.run("(add => { add.selectedIndex = 1; add.onchange({target: add}); })(document.getElementById('add'))")
             x, y = page.run("troupe.pose('b0')")[:2]
             page.click(*page.run(f"troupe.screenPlace('b0', [{-x}, {-y}, 0])"))
@@ -371,10 +358,10 @@ class InABrowser(unittest.TestCase):
         world = json.loads(json.dumps({**WORLD, "same_names": "warn"}))
         world["models"][0]["name"] = "blue"
         with self.opened(world=world) as (_, page):
-            self.pause(page)
+            self.pause()
             self.assertEqual(page.run("troupe.header.robots.name"), ["blue", "blue"])
             page.run("troupe.select('blue')")  # the first
-            self.assertEqual(self.told(page), 'Several bodies have the name "blue"; only the last of them can be selected.')
+            self.assertEqual(self.told(), 'Several bodies have the name "blue"; only the last of them can be selected.')
             self.assertIsNone(page.run("troupe.state().selected"))
             page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)
             page.wait("troupe.group().length === 1")
@@ -422,17 +409,17 @@ class InABrowser(unittest.TestCase):
             page.run("troupe.select('red')")
             page.press("m", "KeyM")
             page.wait("document.getElementById('drive').checked")
-            self.key(page, "keyDown", "ArrowLeft")
+            self.key("keyDown", "ArrowLeft")
             page.wait(f"{turn} === 1.2")
             page.run("document.getElementById('color').focus()")
-            self.key(page, "keyUp", "ArrowLeft")
+            self.key("keyUp", "ArrowLeft")
             page.wait(f"{turn} === 0")
             for control in ("color", "drive-speed", "find", "back"):
                 page.run(f"document.getElementById('{control}').focus()")
-                self.key(page, "keyDown", "ArrowLeft")
-                self.key(page, "keyUp", "ArrowLeft")
+                self.key("keyDown", "ArrowLeft")
+                self.key("keyUp", "ArrowLeft")
             page.run("document.getElementById('drive').focus()")  # a checkbox uses no arrow keys
-            self.key(page, "keyDown", "ArrowRight")
+            self.key("keyDown", "ArrowRight")
             page.wait(f"{turn} === -1.2")
             page.run("window.dispatchEvent(new Event('blur'))")
             page.wait(f"{turn} === 0")
@@ -458,7 +445,7 @@ class InABrowser(unittest.TestCase):
             page.wait(f"troupe.state().frame > {frame + 5}")
             for text in ("–", "", "x", "1,"):
                 page.run(f"(input => {{ input.value = '{text}'; input.onchange(); }})({red})")
-                self.assertEqual(self.told(page), f'The command "red" must be numbers, separated by commas; found "{text}".')
+                self.assertEqual(self.told(), f'The command "red" must be numbers, separated by commas; found "{text}".')
             self.assertEqual(page.problems, [])
 
     def test_the_past_has_no_commands(self):
@@ -466,11 +453,11 @@ class InABrowser(unittest.TestCase):
         with self.opened(world=YARD) as (_, page):
             page.run("troupe.select('b0')")
             page.wait(f"troupe.state().time > 2 && {is_shown}")
-            self.pause(page)
+            self.pause()
             page.run("(back => { back.value = Number(back.max) - 1; back.oninput({target: back}); })(document.getElementById('back'))")
             page.wait("document.getElementById('now').textContent.endsWith(' s ago')")
             self.assertFalse(page.run(is_shown))
-            self.press_button_of(page, "#now")
+            self.press_button("#now")
             page.wait("document.getElementById('now').textContent === 'now'")
             self.assertTrue(page.run(is_shown))
             self.assertEqual(page.problems, [])
@@ -485,9 +472,9 @@ class InABrowser(unittest.TestCase):
 
     def test_messages_that_no_request_waits_for(self):
         with self.opened(script=KEPT_SOCKETS) as (_, page):
-            self.pause(page)
+            self.pause()
             page.run("sockets.at(-1).onmessage({data: JSON.stringify({type: 'refused', id: 7000, reason: 'the recording ends'})})")
-            self.assertEqual(self.told(page), "the recording ends")
+            self.assertEqual(self.told(), "the recording ends")
             # A picture that was sent before the program has read that the user plots nothing.
             late = "{...troupe.state(), type: 'state', plot: {measure: 'displacement', column: 'displacement', value: 1}}"
             page.run(f"sockets.at(-1).onmessage({{data: JSON.stringify({late})}})")
@@ -498,7 +485,7 @@ class InABrowser(unittest.TestCase):
         world = json.loads(json.dumps(WORLD))
         world["models"][1]["pose"] |= {"y_m": -2, "z_m": 1.5}
         with self.opened(world=world) as (_, page):
-            self.pause(page)
+            self.pause()
             page.run("troupe.slant()")
             page.drag((20, 20), (SIZE[0] - 20, SIZE[1] - 120), shift=True)
             page.wait("troupe.group().length === 2")
@@ -510,17 +497,23 @@ class InABrowser(unittest.TestCase):
 
     def test_the_speeds_of_a_paused_world_stay(self):
         with self.opened("--rate", 5) as (_, page):
+            # Until the page was open, the robots may have driven anywhere. From here, blue drives in a circle without end.
+            page.run("troupe.act({do: 'disable', robot: 'red'})")
+            page.run("troupe.act({do: 'move', robot: 'blue', pose: [3, 0, 0, 0]})")
+            page.run("troupe.act({do: 'hold', robot: 'blue', speed: [0.3, 0, 0.6]})")
+            time_s = page.run("troupe.state().time")
+            page.wait(f"troupe.state().time > {time_s + 1}")
             page.run("troupe.color('speed')")
-            page.run("troupe.act({do: 'hold', robot: 'blue', speed: [0.3, 0, 0]})")
-            page.wait("troupe.state().time > 2 && troupe.legend()[1] > 0.2")
-            self.pause(page)
+            page.wait("troupe.legend()[1] > 0.2")
+            self.pause()
             for robot in ("red", None):  # each makes the program send a picture of the same time
                 frame = page.run("troupe.state().frame")
                 page.run(f"troupe.select({json.dumps(robot)})")
                 page.wait(f"troupe.state().frame > {frame}")
             page.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-            x, y = (round(at) for at in page.run("troupe.screenPlace('blue', [-0.12, -0.12, 0.3])"))
-            red, green, blue = Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
+            heading = page.run("troupe.pose('blue')[3]")
+            behind = (-0.15 * math.cos(heading), -0.15 * math.sin(heading), 0.3)  # the mark is at the front
+            red, green, blue = self.pixel("blue", behind)
             self.assertGreater(green, 60, (red, green, blue))  # (68, 1, 84): a robot that stands still
 
     def test_the_scale_of_a_quantity_that_is_the_same_everywhere(self):
@@ -571,7 +564,7 @@ class InABrowser(unittest.TestCase):
 
     def test_a_click_on_the_selected_robot_keeps_its_plots(self):
         with self.opened() as (_, page):
-            self.pause(page)
+            self.pause()
             page.click(*page.run("troupe.screenPlace('red')"))
             page.wait("troupe.inspected()?.robot === 'red'")
             page.run("document.querySelector('#values > .plottable').click()")
@@ -587,13 +580,13 @@ class InABrowser(unittest.TestCase):
             page.run("troupe.act({do: 'layers', layers: ['radio']})")
             page.run("troupe.select('b0')")
             page.wait("troupe.lines() > 0 && troupe.state().scanned && troupe.state().time > 2")
-            self.pause(page)
+            self.pause()
             page.wait("troupe.lines() > 0 && troupe.state().scanned")
             page.run("(back => { back.value = Number(back.max) - 1; back.oninput({target: back}); })(document.getElementById('back'))")
             page.wait("troupe.lines() === 0 && !troupe.state().scanned", 30)
             text = "document.getElementById('panel').innerText"
             self.assertNotIn("velocity", page.run(text))
-            self.press_button_of(page, "#now")
+            self.press_button("#now")
             page.wait("troupe.lines() > 0 && troupe.state().scanned", 30)
             self.assertIn("velocity", page.run(text))
 
@@ -603,14 +596,18 @@ class InABrowser(unittest.TestCase):
             # At most 30 pictures per second, so at these rates there is a picture for each 0.1, 1, 0.3, 0.2 and 0.1 s.
             for rate in (1, 30, 8, 5, 3, 1):
                 page.run(f"troupe.act({{do: 'rate', rate: {rate}}})")
-                begin = page.run("troupe.state().time")
+                begin, first = page.run("[troupe.state().time, troupe.state().frame]")
                 page.wait(f"troupe.state().time > {begin + 4 * rate}")
-                page.wait("(trail => trail > 1.6 && trail < 2.6)(troupe.trail())", 30)
-                self.assertLess(page.run("troupe.trail()"), 4, rate)
+                time_s, frame = page.run("[troupe.state().time, troupe.state().frame]")
+                # On a busy machine pictures may come so slowly that a trail of 2 s has fewer than three marks.
+                between = (time_s - begin) / (frame - first)
+                least, most = (1.6, 2.6) if between < 1.2 else (2 - between, 2 + between)
+                page.wait(f"(trail => trail > {least} && trail < {most})(troupe.trail())", 30)
+                self.assertLess(page.run("troupe.trail()"), max(4, most), rate)
 
     def test_all_robots_stay_in_a_window_that_becomes_narrower(self):
         with self.opened() as (_, page):
-            self.pause(page)
+            self.pause()
             # Until the page was open, the robots may have driven anywhere.
             for robot, x, y in (("red", -4, -1), ("blue", 4, 1)):
                 page.run(f"troupe.act({{do: 'move', robot: '{robot}', pose: [{x}, {y}, 0, 0]}})")
@@ -631,7 +628,7 @@ class InABrowser(unittest.TestCase):
     def test_robots_far_outside_the_bounds_are_followed(self):
         world = {key: value for key, value in WORLD.items() if key != "bounds_m"}
         with self.opened(world=world) as (_, page):
-            self.pause(page)
+            self.pause()
             page.run("document.getElementById('follow-all').click()")
             for slanted, x in ((False, 200), (True, 2000)):
                 if slanted:
@@ -647,7 +644,7 @@ class InABrowser(unittest.TestCase):
 
     def test_a_click_while_a_drag_is_unanswered_moves_no_robot(self):
         with self.opened(script=SLOW_ANSWERS) as (view, page):
-            self.pause(page)
+            self.pause()
             page.run("troupe.select('red')")
             page.wait("troupe.inspected()?.robot === 'red'")
             x, y = page.run("troupe.pose('red')")[:2]
@@ -665,7 +662,7 @@ class InABrowser(unittest.TestCase):
             enter = "(text => { document.getElementById('seed').value = text; document.getElementById('restart').click(); })"
             for text in ("1.5", "-1", "1e3", "18446744073709551616"):
                 page.run(f"{enter}('{text}')")
-                self.assertEqual(self.told(page), f"The seed must be a whole number from 0 to 2^64 - 1, found {text}.")
+                self.assertEqual(self.told(), f"The seed must be a whole number from 0 to 2^64 - 1, found {text}.")
             for text in ("9007199254740993", "18446744073709551615"):
                 page.run(f"{enter}('{text}')")
                 page.wait(f"window.troupe?.header.about.seed === '{text}'")
@@ -673,7 +670,7 @@ class InABrowser(unittest.TestCase):
 
     def test_controls_are_operated_by_keyboard(self):
         with self.opened() as (_, page):
-            self.pause(page)
+            self.pause()
             page.press("Tab")
             page.run("document.getElementById('follow-all').focus()")
             page.press(" ", "Space")
@@ -722,17 +719,8 @@ class InABrowser(unittest.TestCase):
             self.assertTrue(page.run("window.isOld"))
 
     def test_layers_and_colours_are_drawn(self):
-        with View("--rate", 0, world=YARD) as view, Page(PROGRAM, SIZE) as page:
-            page.open_address(view.address)
-            page.wait("window.troupe && troupe.state().tick > 5")
-            self.press_button_of(page, "#play")
-            page.wait("!troupe.state().playing && troupe.state().line")
-
-            def pixel(name, shift=(0, 0, 0)):
-                """The colour on the screen of a robot, or of a point shifted from it by some metres."""
-                x, y = (round(at) for at in page.run(f"troupe.screenPlace('{name}', {list(shift)})"))
-                return Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
-
+        with self.opened("--rate", 0, world=YARD) as (_, page):
+            self.pause()
             self.assertEqual(page.run("troupe.lines()"), 0)
             page.run("(select => { select.selectedIndex = 1; select.onchange({target: select}); })(document.getElementById('layers'))")
             page.wait("troupe.lines() > 0")
@@ -741,32 +729,32 @@ class InABrowser(unittest.TestCase):
             names = page.run("troupe.header.robots.name")
             x, y, z = page.run(f"troupe.pose('{names[0]}')")[:3]
             middle = [(line[0] + line[3]) / 2 - x, (line[1] + line[4]) / 2 - y, (line[2] + line[5]) / 2 - z]
-            drawn = pixel(names[0], middle)
+            drawn = self.pixel(names[0], middle)
             page.press("l", "KeyL")  # all lines; there are no others
             page.press("l", "KeyL")  # none
             page.wait("troupe.lines() === 0")
             until = time.monotonic() + WAIT_S
-            while pixel(names[0], middle) == drawn and time.monotonic() < until:
+            while self.pixel(names[0], middle) == drawn and time.monotonic() < until:
                 pass
-            self.assertNotEqual(pixel(names[0], middle), drawn, "a link was drawn between two robots")
+            self.assertNotEqual(self.pixel(names[0], middle), drawn, "a link was drawn between two robots")
 
             left, right = sorted(names, key=lambda name: page.run(f"troupe.pose('{name}')[0]"))[::len(names) - 1]
-            own = pixel(left)
+            own = self.pixel(left)
             page.run(f"troupe.act({{do: 'command', robot: '{left}', device: 'lamp', values: {{red: 1, green: 0, blue: 0, shows: 1}}}})")
             page.run("troupe.step(1)")
-            page.wait("!troupe.state().playing && troupe.state().line")
+            self.paused()
             until = time.monotonic() + WAIT_S
-            while pixel(left) == own and time.monotonic() < until:
+            while self.pixel(left) == own and time.monotonic() < until:
                 pass
-            red, green, blue = pixel(left)
+            red, green, blue = self.pixel(left)
             self.assertTrue(red > 150 and green < 90 and blue < 90, (red, green, blue))
 
             page.run("troupe.color('pose.x')")
             page.wait("troupe.legend()[1] > troupe.legend()[0]")
             until = time.monotonic() + WAIT_S
-            while pixel(left)[0] > 150 and time.monotonic() < until:
+            while self.pixel(left)[0] > 150 and time.monotonic() < until:
                 pass
-            ends = [pixel(left), pixel(right)]
+            ends = [self.pixel(left), self.pixel(right)]
             self.assertGreater(sum(abs(a - b) for a, b in zip(*ends)), 100, ends)
             self.assertEqual(page.problems, [])
 
@@ -780,19 +768,12 @@ class InABrowser(unittest.TestCase):
                            "plain": {"size_m": [0.5, 0.5, 0.2], "color": [0.1, 0.2, 0.8], "drive": {"kind": "diff"}}},
                  "models": [{"name": "b", "type": "bot", "pose": {"x_m": 1}}, {"name": "p", "type": "plain", "pose": {"x_m": -1}},
                             {"name": "a", "type": "bot", "pose": {"x_m": -1, "y_m": 1}}]}
-        with View("--rate", 0, world=world) as view, Page(PROGRAM, SIZE) as page:
-            page.open_address(view.address)
-            page.wait("window.troupe && troupe.state().tick > 5")
-            self.press_button_of(page, "#play")
-            page.wait("!troupe.state().playing && troupe.state().line")
-
-            def pixel(name, shift):
-                x, y = (round(at) for at in page.run(f"troupe.screenPlace('{name}', {list(shift)})"))
-                return Picture(page.screenshot((x - 2, y - 2, x + 2, y + 2))).at(2, 2)
+        with self.opened("--rate", 0, world=world) as (_, page):
+            self.pause()
 
             def wait_for(name, shift, expected):
                 until = time.monotonic() + WAIT_S
-                while (found := pixel(name, shift)) != expected and time.monotonic() < until:
+                while (found := self.pixel(name, shift)) != expected and time.monotonic() < until:
                     pass
                 self.assertEqual(found, expected, name)
 
@@ -801,7 +782,7 @@ class InABrowser(unittest.TestCase):
             wait_for("b", top, (0, 153, 51))
             page.run("troupe.act({do: 'command', robot: 'b', device: 'lamp', values: {red: 1, green: 0, blue: 0, shows: 1}})")
             page.run("troupe.step(1)")
-            page.wait("!troupe.state().playing && troupe.state().line")
+            self.paused()
             wait_for("b", top, (255, 0, 0))
             wait_for("a", top, (0, 153, 51))
             x, y = (round(at) for at in page.run("troupe.screenPlace('a', [0.4, 0, 0.21])"))
@@ -810,16 +791,13 @@ class InABrowser(unittest.TestCase):
             self.assertIn((0, 255, 0), near, "the small part has its colour")
             self.assertNotIn((0, 153, 0), near, "no edges, which are darker, hide the colour of the small part")
             for name, shift in (("a", (-0.4, -0.4, 0.2)), ("b", (-0.4, -0.4, 0.2)), ("p", (-0.12, -0.12, 0.2))):
-                self.assertEqual(pixel(name, shift), (26, 51, 204), name)
+                self.assertEqual(self.pixel(name, shift), (26, 51, 204), name)
             self.assertEqual(page.problems, [])
 
     def test_a_tablet_is_touched(self):
-        with View() as view, Page(PROGRAM, (1024, 768), touch=True) as page:
-            page.open_address(view.address)
-            page.wait("window.troupe && troupe.state().tick > 2")
-            page.touch(page.run("(({x, y, width, height}) => [x + width / 2, y + height / 2])"
-                                "(document.querySelector('#play').getBoundingClientRect())"))
-            page.wait("!troupe.state().playing && troupe.state().line")
+        with self.opened(size=(1024, 768), touch=True) as (_, page):
+            page.touch(self.center("#play"))
+            self.paused()
             page.touch(page.run("troupe.screenPlace('red')"))
             page.wait("troupe.inspected()?.robot === 'red'")
             x, y = page.run("troupe.pose('red')")[:2]

@@ -11,7 +11,6 @@ import os
 import pathlib
 import pickle
 import re
-import signal
 import subprocess
 import sys
 import threading
@@ -22,7 +21,8 @@ import weakref
 
 import numpy as np
 import troupe
-from support import HOSPITAL, ROOM, ROOT, WAIT_S, InAFolder, has_view, needs_view, skipped_where_lacking, variables_of_locale
+from support import (HOSPITAL, ROOM, ROOT, WAIT_S, InAFolder, has_view, needs_view, output_when_interrupted, skipped_where_lacking,
+                     variables_of_locale)
 
 sys.path.insert(0, str(ROOT))
 from tests.support.websocket import Socket  # noqa: E402
@@ -489,15 +489,7 @@ except KeyboardInterrupt:
     world.step(ticks)
     print("same" if world.state_hash() == hash else "other")
 """
-        with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
-            self.assertEqual(process.stdout.readline(), "begun\n")
-            time.sleep(0.3)  # for some ticks
-            process.send_signal(signal.SIGINT)
-            try:
-                self.assertEqual(process.communicate(timeout=WAIT_S)[0], "same\n")
-            except subprocess.TimeoutExpired:
-                process.kill()
-                raise
+        self.assertEqual(output_when_interrupted(code, 0.3), "same\n")  # after some ticks
 
     @needs_view
     def test_control_c_ends_the_wait_of_a_batch_for_its_view(self):
@@ -527,16 +519,7 @@ while alone.tick() < watched.tick():
     alone.step()
 print("same" if [alone.state_hash(i) for i in range(4)] == [watched.state_hash(i) for i in range(4)] else "other")
 """
-        with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
-            for _ in range(2):
-                self.assertEqual(process.stdout.readline(), "begun\n")
-                time.sleep(1)
-                process.send_signal(signal.SIGINT)
-            try:
-                self.assertEqual(process.communicate(timeout=WAIT_S)[0], "same\n")
-            except subprocess.TimeoutExpired:
-                process.kill()
-                raise
+        self.assertEqual(output_when_interrupted(code, 1, 1), "same\n")
 
     @needs_view
     def test_too_few_threads_for_a_watched_batch_are_an_error_that_says_so(self):

@@ -6,9 +6,11 @@ import functools
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -52,6 +54,21 @@ ROOM = {
     ],
 }
 
+
+def output_when_interrupted(code, *waits_s):
+    """Runs a Python program that prints "begun" once for each of waits_s, and then interrupts it (Ctrl-C) after this time, s.
+    Returns the rest of what it prints."""
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
+        try:
+            for wait_s in waits_s:
+                line = process.stdout.readline()
+                if line != "begun\n":
+                    raise RuntimeError(f'the program printed {line!r}, not "begun"')
+                time.sleep(wait_s)
+                process.send_signal(signal.SIGINT)
+            return process.communicate(timeout=WAIT_S)[0]
+        finally:
+            process.kill()
 
 
 def is_lacking(error):

@@ -6,11 +6,9 @@ import math
 import os
 import pathlib
 import resource
-import signal
 import subprocess
 import sys
 import tempfile
-import time
 import traceback
 import unittest
 import unittest.mock
@@ -19,7 +17,7 @@ import warnings
 import numpy as np
 import troupe
 import troupe.plot
-from support import WAIT_S
+from support import output_when_interrupted
 
 try:
     import pandas
@@ -224,16 +222,7 @@ try:
 except KeyboardInterrupt:
     print("interrupted")
 """
-        with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
-            self.assertEqual(process.stdout.readline(), "begun\n")
-            time.sleep(3)  # until the runs are running
-            process.send_signal(signal.SIGINT)
-            try:
-                told = process.communicate(timeout=WAIT_S)[0]
-            except subprocess.TimeoutExpired:
-                process.kill()
-                raise
-        self.assertEqual(told, "interrupted\n")
+        self.assertEqual(output_when_interrupted(code, 3), "interrupted\n")  # when the runs are running
 
     def test_only_the_worlds_of_runs_need_be_loadable(self):
         crowded = {**WORLD, "populations": [{**WORLD["populations"][0], "count": 100000}]}

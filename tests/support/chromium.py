@@ -1,6 +1,8 @@
 """Controls a headless Chromium through its debugging pipe, so that tests of web pages need no library for browsers."""
 
+import atexit
 import base64
+import functools
 import json
 import os
 import select
@@ -21,10 +23,10 @@ def find():
     return named or next(filter(None, map(shutil.which, NAMES)), None)
 
 
-class Page:
-    """A page in the browser. Records its faults: console messages, exceptions, failed requests."""
+class Browser:
+    """A running headless Chromium."""
 
-    def __init__(self, program, size=(1280, 800), touch=False):
+    def __init__(self, program):
         self.folder = tempfile.TemporaryDirectory(prefix="troupe-chromium-", ignore_cleanup_errors=True)
         to_browser, self.out = os.pipe()
         self.into, from_browser = os.pipe()
@@ -32,8 +34,7 @@ class Page:
         command = [program, "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--use-angle=swiftshader",
                    "--use-gl=angle", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--disable-dev-shm-usage",
                    "--no-first-run", "--disable-extensions", "--disable-background-networking", "--mute-audio",
-                   "--hide-scrollbars", f"--user-data-dir={self.folder.name}", f"--window-size={size[0]},{size[1]}",
-                   "about:blank"]
+                   "--hide-scrollbars", f"--user-data-dir={self.folder.name}", "about:blank"]
 
         def pipes():  # the browser reads from 3 and writes to 4
             os.dup2(to_browser, 60)
@@ -48,22 +49,9 @@ class Page:
         os.close(from_browser)
         self.buffer = b""
         self.number = 0
-        self.session = None
-        self.problems = []
-        self.allowed = ()  # beginnings of addresses that the page may request
-        targets = self.call("Target.getTargets")["targetInfos"]
-        page = next(target for target in targets if target["type"] == "page")
-        self.session = self.call("Target.attachToTarget", targetId=page["targetId"], flatten=True)["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            self.call(f"{domain}.enable")
-        self.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=touch)
-        if touch:
-            self.call("Emulation.setTouchEmulationEnabled", enabled=True)
+        self.pages = {}  # the open pages by session
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
+    def close(self):
         self.process.terminate()
         try:
             self.process.wait(10)
@@ -91,6 +79,58 @@ class Page:
     def said(self):
         return (Path(self.folder.name) / "stderr").read_text(errors="replace")[-2000:]
 
+    def call(self, method, params, session=None, timeout=240):
+        self.number += 1
+        number = self.number
+        message = {"id": number, "method": method, "params": params}
+        if session:
+            message["sessionId"] = session
+        os.write(self.out, json.dumps(message).encode() + b"\0")
+        until = time.monotonic() + timeout
+        while True:
+            answer = self.receive(until)
+            if answer.get("id") == number:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error']['message']}")
+                return answer["result"]
+            if page := self.pages.get(answer.get("sessionId")):
+                page.note(answer)
+
+
+@functools.lru_cache(maxsize=None)
+def browser_of(program):
+    """Returns the browser in which all pages of this process are opened: starting one takes a second."""
+    browser = Browser(program)
+    atexit.register(browser.close)
+    return browser
+
+
+class Page:
+    """A page in the browser, which shares no cookies and no storage with other pages. Records its faults: console messages,
+    exceptions, failed requests."""
+
+    def __init__(self, program, size=(1280, 800), touch=False):
+        self.browser = browser_of(program)
+        self.problems = []
+        self.allowed = ()  # beginnings of addresses that the page may request
+        self.context = self.browser.call("Target.createBrowserContext", {})["browserContextId"]
+        target = self.browser.call("Target.createTarget", {"url": "about:blank", "browserContextId": self.context, "newWindow": True,
+                                                           "width": size[0], "height": size[1]})
+        self.session = self.browser.call("Target.attachToTarget", {"targetId": target["targetId"], "flatten": True})["sessionId"]
+        self.browser.pages[self.session] = self
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(f"{domain}.enable")
+        self.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=touch)
+        if touch:
+            self.call("Emulation.setTouchEmulationEnabled", enabled=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        del self.browser.pages[self.session]
+        self.browser.call("Target.disposeBrowserContext", {"browserContextId": self.context})
+
     def note(self, message):
         """Records a message of the browser if it reports a fault."""
         method, params = message.get("method"), message.get("params", {})
@@ -106,21 +146,8 @@ class Page:
             if not url.startswith(("file:", "data:", "blob:", "about:", *self.allowed)):
                 self.problems.append(f"asked for {url}")
 
-    def call(self, method, timeout=240, **params):
-        self.number += 1
-        number = self.number
-        message = {"id": number, "method": method, "params": params}
-        if self.session:
-            message["sessionId"] = self.session
-        os.write(self.out, json.dumps(message).encode() + b"\0")
-        until = time.monotonic() + timeout
-        while True:
-            answer = self.receive(until)
-            if answer.get("id") == number:
-                if "error" in answer:
-                    raise RuntimeError(f"{method}: {answer['error']['message']}")
-                return answer["result"]
-            self.note(answer)
+    def call(self, method, **params):
+        return self.browser.call(method, params, self.session)
 
     def open(self, path):
         self.call("Page.navigate", url=Path(path).resolve().as_uri())
@@ -144,7 +171,7 @@ class Page:
         while not self.run(condition):
             if time.monotonic() > until:
                 raise TimeoutError(f"never true: {condition}; the page said: {self.problems}")
-            time.sleep(0.05)
+            time.sleep(0.02)
 
     def press(self, key, code=None, shift=False):
         text = key if len(key) == 1 else ""
