@@ -64,7 +64,7 @@ void add_convert_options(CLI::App& command, ConvertOptions& options) {
   add_argument(command, "IN", "World file: Stage's .world, or .json", options.in);
   add_argument(command, "OUT", "World file to write; its ending, .world or .json, selects the format",
                options.out);
-  command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
+  add_switch(command, "--force", options.force, "Replace an existing file");
   add_set_option(command, options.set);
   add_kind_options(command, options.sources);
 }

@@ -63,6 +63,10 @@ CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
 
+/// Adds an option without a value. name: as typed, `--force`; help: the description in the help. Parsing sets
+/// `on`, which must outlive `app`, to true, and rejects a value, as in `--force=false`.
+CLI::Option* add_switch(CLI::App& app, const char* name, bool& on, const char* help);
+
 /// Adds a required positional argument, the name of a file or folder. name: as in the help, `RECORDING`;
 /// help: the description in the help. Parsing sets `file`, which must outlive `app`.
 void add_argument(CLI::App& app, const char* name, const char* help, std::filesystem::path& file);

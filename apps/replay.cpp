@@ -101,7 +101,7 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
   add_value(command, "-o,--output", "FILE.html",
             "Page to write (default: the name of the recording, ending in .html)",
             [&options](const std::string& text) { options.page = file_name("--output", text); });
-  command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
+  add_switch(command, "--force", options.force, "Replace an existing file");
   add_value(command, "--max-mb", "MB", "Largest size of the page, in megabytes (default: 25)",
             [&options](const std::string& text) {
               const auto mb = finite_number_of(text);

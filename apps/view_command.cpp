@@ -198,7 +198,7 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
   add_value(view, "--out", "DIR",
             "Folder for the session file, checkpoints and recordings (default: the working folder)",
             [&options](const std::string& text) { options.folder = file_name("--out", text); });
-  view.add_flag("--open", options.open, "Open the page in the default browser")->disable_flag_override();
+  add_switch(view, "--open", options.open, "Open the page in the default browser");
 }
 
 ExitCode view_world(const ViewOptions& options) {
