@@ -83,8 +83,8 @@ ExitCode convert(const ConvertOptions& options) {
       // The conversion also reads OUT, to compare it with IN, so the files of IN are looked up before.
       [&](const engine::WorldSpec& loaded) { check_inputs(options, loaded); });
   diagnostics.throw_if_errors();
-  for (const std::string& warning : diagnostics.warnings()) print_message(fmt::format("{}\n", warning));
-  for (const std::string& warning : plugins->warnings()) print_message(fmt::format("{}\n", warning));
+  print_lines(diagnostics.warnings());
+  print_lines(plugins->warnings());
   write_output(options.out, {world.text});
   fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
              counted(world.types, "type"), options.in.string());

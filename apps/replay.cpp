@@ -158,7 +158,7 @@ ExitCode replay(const ReplayOptions& options) {
     fmt::print("{}", write_replay_page(options));
     return k_finished;
   } catch (const OutputError& error) {
-    print_message(fmt::format("{}\n", error.what()));
+    print_line(error.what());
     return k_failed;
   }
 }

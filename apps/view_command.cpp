@@ -209,7 +209,7 @@ ExitCode view_world(const ViewOptions& options) {
                     options.folder.string()));
   Simulation simulation = load(options);
   if (options.for_s) check_end(options, simulation, *options.for_s);
-  for (const std::string& warning : simulation.warnings()) print_message(fmt::format("{}\n", warning));
+  print_lines(simulation.warnings());
   stop_on_signals();
   const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())
                                                : std::numeric_limits<std::uint64_t>::max();
