@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "engine/kinds/kinds.hpp"
 #include "troupe/script.hpp"
 #include "troupe/simulation.hpp"
@@ -12,11 +13,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-class Option;
-}  // namespace CLI
 
 /// Command-line options that several commands share.
 namespace troupe::apps {
