@@ -584,14 +584,8 @@ void bind_batch(py::module_& module) {
           "view",
           [](const BatchHolder& b, std::size_t copy, std::uint16_t port, double rate,
              const std::filesystem::path& out) {
-            return std::make_unique<HeldBatchView>(b, copy,
-                                                   live::View::Options{.port = port,
-                                                                       .bind = {},
-                                                                       .hosts = {},
-                                                                       .rate = rate,
-                                                                       .folder = out,
-                                                                       .is_over = {},
-                                                                       .report = {}});
+            return std::make_unique<HeldBatchView>(
+                b, copy, live::View::Options{.port = port, .rate = rate, .folder = out});
           },
           py::arg("copy") = 0, py::kw_only(), py::arg("port") = 0, py::arg("rate") = 1.0,
           py::arg("out") = std::filesystem::path(),

@@ -216,10 +216,7 @@ void WorldRun::open_outputs(std::function<bool()> is_over) {
 
 void WorldRun::open_view(const std::function<bool()>& is_over) {
   view_ = std::make_unique<live::View>(simulation_,
-                                       live::View::Options{.bind = {},
-                                                           .hosts = {},
-                                                           .rate = 0,  // --rate limits the run
-                                                           .folder = {},
+                                       live::View::Options{.rate = 0,  // --rate limits the run
                                                            .is_over = is_over,
                                                            .report = [](const std::string& text) {
                                                              print_message(fmt::format("view: {}\n", text));

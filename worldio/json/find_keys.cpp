@@ -77,7 +77,7 @@ bool have_kinds(const Objects& objects) {
 class Keys {
  public:
   explicit Keys(const engine::Registry& registry) : registry_(registry) {
-    sorts_.push_back({.path = {}, .table = &document_table<WorldDocument>()});
+    sorts_.push_back({.table = &document_table<WorldDocument>()});
     for (std::size_t i = 0; i < sorts_.size(); ++i)
       for (const Key& key : keys_of(Objects(sorts_[i])))
         if (std::optional<Objects> inner = inside(key); inner && !is_listed(*inner))
@@ -204,7 +204,7 @@ struct Path {
 };
 
 Path path_of(std::string_view text) {
-  Path path{.names = {}, .is_pointer = text.starts_with('/')};
+  Path path{.is_pointer = text.starts_with('/')};
   const char separator = path.is_pointer ? '/' : '.';
   while (!text.empty()) {
     const std::size_t end = std::min(text.find(separator), text.size());
