@@ -191,10 +191,10 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
     }
     return flush_output(run_command(app, commands, limit));
   } catch (const InputError& error) {
-    print_message(fmt::format("{}\n", error.what()));
+    print_line(error.what());
     return k_bad_input;
   } catch (const OutputError& error) {
-    print_message(fmt::format("{}\n", error.what()));
+    print_line(error.what());
     return k_bad_input;
   } catch (const std::bad_alloc&) {
     print_message(

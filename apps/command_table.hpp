@@ -1,11 +1,9 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
+
 #include <string>
 #include <vector>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
 
 namespace troupe::apps {
 

@@ -1,15 +1,12 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "apps/exit_code.hpp"
 
 #include <any>
 #include <functional>
 #include <string>
 #include <vector>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
 
 namespace troupe::apps {
 

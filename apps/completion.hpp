@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "apps/command_table.hpp"
 #include "apps/exit_code.hpp"
 
@@ -8,10 +9,6 @@
 #include <string>
 #include <string_view>
 #include <vector>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
 
 namespace troupe::apps {
 

@@ -64,7 +64,7 @@ void add_convert_options(CLI::App& command, ConvertOptions& options) {
   add_argument(command, "IN", "World file: Stage's .world, or .json", options.in);
   add_argument(command, "OUT", "World file to write; its ending, .world or .json, selects the format",
                options.out);
-  command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
+  add_switch(command, "--force", options.force, "Replace an existing file");
   add_set_option(command, options.set);
   add_kind_options(command, options.sources);
 }
@@ -83,8 +83,8 @@ ExitCode convert(const ConvertOptions& options) {
       // The conversion also reads OUT, to compare it with IN, so the files of IN are looked up before.
       [&](const engine::WorldSpec& loaded) { check_inputs(options, loaded); });
   diagnostics.throw_if_errors();
-  for (const std::string& warning : diagnostics.warnings()) print_message(fmt::format("{}\n", warning));
-  for (const std::string& warning : plugins->warnings()) print_message(fmt::format("{}\n", warning));
+  print_lines(diagnostics.warnings());
+  print_lines(plugins->warnings());
   write_output(options.out, {world.text});
   fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
              counted(world.types, "type"), options.in.string());

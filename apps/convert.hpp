@@ -8,10 +8,6 @@
 #include <utility>
 #include <vector>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}
-
 namespace troupe::apps {
 
 /// Options of `troupe convert`. Both files may be in Stage's format (.world) or in JSON (.json).

@@ -374,8 +374,8 @@ void add_describe_options(CLI::App& command, DescribeOptions& options) {
           "NAME", options.name,
           "Kind, such as ranger, or key of JSON worlds, such as populations (default: list all kinds)")
       ->option_text(" ");
-  CLI::Option* const schema = command.add_flag("--schema", options.schema,
-                                               "Print the JSON Schema of worlds, for editors and programs");
+  CLI::Option* const schema = add_switch(command, "--schema", options.schema,
+                                         "Print the JSON Schema of worlds, for editors and programs");
   add_kind_options(command, options.sources);
   for (const char* other : {"NAME", "--plugin-path", "--controller"})  // no part of the schema
     schema->excludes(command.get_option(other));

@@ -8,10 +8,6 @@
 #include <string_view>
 #include <vector>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
-
 namespace troupe::apps {
 
 /// Options of `troupe describe`. A kind is an implementation of a sensor, a drive, a controller and so on,

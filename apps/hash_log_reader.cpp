@@ -31,7 +31,7 @@ std::optional<std::uint64_t> hash_of(std::string_view text) {
 
 }  // namespace
 
-HashLogReader::HashLogReader(const std::filesystem::path& file) : header_{.file = file, .entries = {}} {
+HashLogReader::HashLogReader(const std::filesystem::path& file) : header_{.file = file} {
   if (const Result<> readable = worldio::check_readable(file); !readable)
     throw InputError(fmt::format("{}: error: {}", file.string(), readable.error().text));
   stream_.open(file, std::ios::binary);

@@ -8,10 +8,6 @@
 #include <utility>
 #include <vector>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}
-
 namespace troupe::apps {
 
 struct LintOptions {

@@ -1,10 +1,7 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "apps/exit_code.hpp"
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
 
 namespace troupe::apps {
 

@@ -1,5 +1,7 @@
 #include "apps/messages.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdio>
 
 namespace troupe::apps {
@@ -7,5 +9,11 @@ namespace troupe::apps {
 void print_message(std::string_view text) {
   static_cast<void>(std::fwrite(text.data(), 1, text.size(), stderr));
 }
+
+void print_lines(std::span<const std::string> lines) {
+  for (const std::string& line : lines) print_line(line);
+}
+
+void print_line(std::string_view line) { print_message(fmt::format("{}\n", line)); }
 
 }  // namespace troupe::apps

@@ -81,6 +81,10 @@ CLI::Option* add_values(CLI::App& app, const char* name, const char* value, cons
       ->allow_extra_args(false);
 }
 
+CLI::Option* add_switch(CLI::App& app, const char* name, bool& on, const char* help) {
+  return app.add_flag(name, on, help)->disable_flag_override();
+}
+
 void add_argument(CLI::App& app, const char* name, const char* help, std::filesystem::path& file) {
   add_value(app, name, " ", help, [&file](const std::string& text) { file = text; })->required();
 }
@@ -178,12 +182,10 @@ void add_threads_option(CLI::App& app, WorldOptions& options) {
 }
 
 void add_across_options(CLI::App& app, WorldOptions& options) {
-  app.add_flag("--across-versions", options.across_versions,
-               "Resume even if another version of Troupe wrote the checkpoint")
-      ->disable_flag_override();
-  app.add_flag("--across-plugins", options.across_plugins,
-               "Resume even if plug-ins were rebuilt since the checkpoint was saved")
-      ->disable_flag_override();
+  add_switch(app, "--across-versions", options.across_versions,
+             "Resume even if another version of Troupe wrote the checkpoint");
+  add_switch(app, "--across-plugins", options.across_plugins,
+             "Resume even if plug-ins were rebuilt since the checkpoint was saved");
 }
 
 void refuse_across_options(const WorldOptions& options) {
@@ -203,9 +205,8 @@ void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
 }
 
 void add_distribute_option(CLI::App& app, WorldOptions& options) {
-  app.add_flag("--distribute", options.simulation.distribute,
-               "With several ranks: each rank has only its own and nearby robots, if the world allows it")
-      ->disable_flag_override();
+  add_switch(app, "--distribute", options.simulation.distribute,
+             "With several ranks: each rank has only its own and nearby robots, if the world allows it");
 }
 
 void add_rank_limit_option(CLI::App& app, double& limit_s) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "engine/kinds/kinds.hpp"
 #include "troupe/script.hpp"
 #include "troupe/simulation.hpp"
@@ -12,11 +13,6 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-class Option;
-}  // namespace CLI
 
 /// Command-line options that several commands share.
 namespace troupe::apps {
@@ -62,6 +58,10 @@ CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const
 /// the command line, with the text of the value.
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
                         const std::function<void(const std::string&)>& add);
+
+/// Adds an option without a value. name: as typed, `--force`; help: the description in the help. Parsing sets
+/// `on`, which must outlive `app`, to true, and rejects a value, as in `--force=false`.
+CLI::Option* add_switch(CLI::App& app, const char* name, bool& on, const char* help);
 
 /// Adds a required positional argument, the name of a file or folder. name: as in the help, `RECORDING`;
 /// help: the description in the help. Parsing sets `file`, which must outlive `app`.

@@ -42,7 +42,7 @@ ExitCode repair(const std::filesystem::path& recording) {
                counted(done.frames, "frame"));
     return k_finished;
   } catch (const std::runtime_error& error) {
-    print_message(fmt::format("{}\n", error.what()));
+    print_line(error.what());
     return k_bad_input;
   }
 }

@@ -101,7 +101,7 @@ void add_replay_options(CLI::App& command, ReplayOptions& options) {
   add_value(command, "-o,--output", "FILE.html",
             "Page to write (default: the name of the recording, ending in .html)",
             [&options](const std::string& text) { options.page = file_name("--output", text); });
-  command.add_flag("--force", options.force, "Replace an existing file")->disable_flag_override();
+  add_switch(command, "--force", options.force, "Replace an existing file");
   add_value(command, "--max-mb", "MB", "Largest size of the page, in megabytes (default: 25)",
             [&options](const std::string& text) {
               const auto mb = finite_number_of(text);
@@ -158,7 +158,7 @@ ExitCode replay(const ReplayOptions& options) {
     fmt::print("{}", write_replay_page(options));
     return k_finished;
   } catch (const OutputError& error) {
-    print_message(fmt::format("{}\n", error.what()));
+    print_line(error.what());
     return k_failed;
   }
 }

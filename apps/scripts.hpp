@@ -1,15 +1,12 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "troupe/script.hpp"
 
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <vector>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
 
 /// The option --controller, which names a Python script with controllers (classes that decide what the robots
 /// do). The program contains no Python interpreter. If the option is given, the program calls

@@ -198,7 +198,7 @@ void add_view_options(CLI::App& view, ViewOptions& options) {
   add_value(view, "--out", "DIR",
             "Folder for the session file, checkpoints and recordings (default: the working folder)",
             [&options](const std::string& text) { options.folder = file_name("--out", text); });
-  view.add_flag("--open", options.open, "Open the page in the default browser")->disable_flag_override();
+  add_switch(view, "--open", options.open, "Open the page in the default browser");
 }
 
 ExitCode view_world(const ViewOptions& options) {
@@ -209,7 +209,7 @@ ExitCode view_world(const ViewOptions& options) {
                     options.folder.string()));
   Simulation simulation = load(options);
   if (options.for_s) check_end(options, simulation, *options.for_s);
-  for (const std::string& warning : simulation.warnings()) print_message(fmt::format("{}\n", warning));
+  print_lines(simulation.warnings());
   stop_on_signals();
   const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())
                                                : std::numeric_limits<std::uint64_t>::max();

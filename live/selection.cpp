@@ -37,7 +37,7 @@ bool Selection::obey(const Request& request, Simulation& simulation) {
       color_.reset();
       return true;
     }
-    ColorValue color{.component = request.name("component"), .field = request.name("field"), .column = {}};
+    ColorValue color{.component = request.name("component"), .field = request.name("field")};
     if (request.has("column"))
       color.column = static_cast<std::uint32_t>(request.whole("column", 0, k_most_columns));
     if (!has_value(world, color))

@@ -264,7 +264,7 @@ bool View::Impl::obey_question(const Request& request, std::uint64_t client) {
 /// Returns false if the request is of another sort.
 bool View::Impl::postpone(const Request& request, std::uint64_t client) {
   using What = Job::What;
-  Job job{.client = client, .id = request.id(), .seed = {}};
+  Job job{.client = client, .id = request.id()};
   if (request.what() == "restart") {
     check_restart();  // before a tick is computed for it
     if (request.has("seed")) job.seed = request.whole("seed", 0, std::numeric_limits<std::uint64_t>::max());

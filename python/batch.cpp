@@ -538,13 +538,7 @@ void bind_episodes(BatchClass& type) {
           "KeyboardInterrupt after the step; a step that waits for a view then stops waiting.");
 }
 
-py::array_t<std::uint8_t> picture_of(const BatchHolder& b, std::size_t copy, int width, int height,
-                                     const std::string& camera, const std::string& layers,
-                                     const Two& center_m, const Two& angle_rad,
-                                     const std::optional<double>& across_m, const std::string& color_by,
-                                     const Two& color_range, const std::string& background) {
-  const PictureOptions options = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
-                                                 color_by, color_range, background);
+py::array_t<std::uint8_t> picture_of(const BatchHolder& b, std::size_t copy, const PictureOptions& options) {
   std::vector<std::uint8_t> bytes;
   b->work([&](BatchEnv& batch) { bytes = batch.simulation(copy).picture(options); });
   return picture_array(bytes, options);
@@ -559,14 +553,15 @@ void bind_one_copy(BatchClass& type) {
           [](const BatchHolder& b, std::size_t copy) { return b->use().simulation(copy).state_hash(); },
           py::arg("copy") = 0,
           "Hash of the state of a copy, an integer of 64 bits, as Simulation.state_hash().")
-      .def("picture", &picture_of, py::arg("copy") = 0, py::arg("width") = 480, py::arg("height") = 480,
-           py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
-           py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
-           py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Returns a picture of a copy: height x width x 3, uint8, RGB, row 0 on top. The other options and "
-           "errors are those of\nSimulation.picture(). Also raises LookupError if there is no such copy.")
       .def("__repr__",
            [](const BatchHolder& b) { return fmt::format("<BatchEnv of {} copies>", b->use().copies()); });
+  with_look([&](const auto&... look) {
+    type.def(
+        "picture", drawing<const BatchHolder&, std::size_t>(&picture_of), py::arg("copy") = 0,
+        py::arg("width") = 480, py::arg("height") = 480, look...,
+        "Returns a picture of a copy: height x width x 3, uint8, RGB, row 0 on top. The other options and "
+        "errors are those of\nSimulation.picture(). Also raises LookupError if there is no such copy.");
+  });
 }
 
 }  // namespace
@@ -587,14 +582,8 @@ void bind_batch(py::module_& module) {
           "view",
           [](const BatchHolder& b, std::size_t copy, std::uint16_t port, double rate,
              const std::filesystem::path& out) {
-            return std::make_unique<HeldBatchView>(b, copy,
-                                                   live::View::Options{.port = port,
-                                                                       .bind = {},
-                                                                       .hosts = {},
-                                                                       .rate = rate,
-                                                                       .folder = out,
-                                                                       .is_over = {},
-                                                                       .report = {}});
+            return std::make_unique<HeldBatchView>(
+                b, copy, live::View::Options{.port = port, .rate = rate, .folder = out});
           },
           py::arg("copy") = 0, py::kw_only(), py::arg("port") = 0, py::arg("rate") = 1.0,
           py::arg("out") = std::filesystem::path(),

@@ -181,6 +181,24 @@ PictureOptions picture_options(int width, int height, const std::string& camera,
                                const Two& center_m, const Two& angle_rad,
                                const std::optional<double>& across_m, const std::string& color_by,
                                const Two& color_range, const std::string& background);
+/// Returns a function for Python with arguments of the types `First`, followed by those of picture_options().
+/// It calls draw() with the first arguments and the options of the picture.
+template <class... First, class Draw>
+auto drawing(Draw draw) {
+  return [draw](First... first, int width, int height, const std::string& camera, const std::string& layers,
+                const Two& center_m, const Two& angle_rad, const std::optional<double>& across_m,
+                const std::string& color_by, const Two& color_range, const std::string& background) {
+    return draw(first..., picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
+                                          color_by, color_range, background));
+  };
+}
+/// Calls define() with what declares the arguments of drawing() after `width` and `height`, for def().
+template <class Define>
+void with_look(Define&& define) {
+  define(py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
+         py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
+         py::arg("color_range") = py::none(), py::arg("background") = "paper");
+}
 /// Returns a picture as an array with the shape (height, width, 3). rgb: three bytes per pixel, row by row.
 py::array_t<std::uint8_t> picture_array(std::span<const std::uint8_t> rgb, const PictureOptions& options);
 

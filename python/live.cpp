@@ -145,14 +145,9 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       "view",
       [](const py::object& self, std::uint16_t port, double rate, const fs::path& out,
          const std::string& bind, const std::vector<std::string>& hosts) {
-        py::object view =
-            py::cast(std::make_unique<HeldView>(self.cast<Holder>(), live::View::Options{.port = port,
-                                                                                         .bind = bind,
-                                                                                         .hosts = hosts,
-                                                                                         .rate = rate,
-                                                                                         .folder = out,
-                                                                                         .is_over = {},
-                                                                                         .report = {}}));
+        py::object view = py::cast(std::make_unique<HeldView>(
+            self.cast<Holder>(),
+            live::View::Options{.port = port, .bind = bind, .hosts = hosts, .rate = rate, .folder = out}));
         view.attr(k_simulation) = self;
         return view;
       },

@@ -35,44 +35,38 @@ void check_output(const Holder& held, const std::filesystem::path& file) {
   apps::check_outputs(inputs, {file});
 }
 
+Film film_of(const Holder& held, const std::filesystem::path& file, double speed, double fps,
+             const PictureOptions& look) {
+  const apps::PictureFiles files{.film = file, .fps = fps, .film_speed = speed, .look = look};
+  Film film{held, std::make_unique<apps::Filming>(files, SimulationSource(held->use()))};
+  check_output(held, file);
+  apps::check_film(files);
+  film.filming->open();
+  return film;
+}
+
 }  // namespace
 
 void bind_program(py::module_& module) {
-  py::class_<Film>(
+  py::class_<Film> film(
       module, "_Film",
       "A film of a simulation, for a `with` block: the file is written only if the block raises no "
-      "exception.")
-      .def(py::init([](const Holder& held, const std::filesystem::path& file, double speed, double fps,
-                       int width, int height, const std::string& camera, const std::string& layers,
-                       const Two& center_m, const Two& angle_rad, const std::optional<double>& across_m,
-                       const std::string& color_by, const Two& color_range, const std::string& background) {
-             const apps::PictureFiles files{
-                 .film = file,
-                 .fps = fps,
-                 .film_speed = speed,
-                 .look = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
-                                         color_by, color_range, background)};
-             Film film{held, std::make_unique<apps::Filming>(files, SimulationSource(held->use()))};
-             check_output(held, file);
-             apps::check_film(files);
-             film.filming->open();
-             return film;
-           }),
-           py::arg("simulation"), py::arg("file"), py::arg("speed"), py::arg("fps"), py::arg("width"),
-           py::arg("height"), py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "",
-           py::arg("center_m") = py::none(), py::arg("angle_rad") = py::none(),
-           py::arg("across_m") = py::none(), py::arg("color_by") = "", py::arg("color_range") = py::none(),
-           py::arg("background") = "paper")
-      .def("__enter__", [](py::object self) { return self; })
+      "exception.");
+  with_look([&](const auto&... look) {
+    film.def(py::init(drawing<const Holder&, const std::filesystem::path&, double, double>(&film_of)),
+             py::arg("simulation"), py::arg("file"), py::arg("speed"), py::arg("fps"), py::arg("width"),
+             py::arg("height"), look...);
+  });
+  film.def("__enter__", [](py::object self) { return self; })
       .def("__exit__",
-           [](Film& film, const py::object& type, const py::args&) {
-             std::unique_ptr<apps::Filming> ended = std::move(film.filming);
+           [](Film& ending, const py::object& type, const py::args&) {
+             std::unique_ptr<apps::Filming> ended = std::move(ending.filming);
              const Unlocked unlocked;
              if (type.is_none()) ended->finish();
              ended.reset();
            })
-      .def("observe", [](Film& film) {
-        film.held->work([&](Simulation& simulation) { film.filming->observe(simulation); });
+      .def("observe", [](Film& own) {
+        own.held->work([&](Simulation& simulation) { own.filming->observe(simulation); });
       });
 
   module.def("_check_output", &check_output, py::arg("simulation"), py::arg("file"),

@@ -480,50 +480,39 @@ void bind_rays(py::module_& module, SimulationClass& simulation) {
 
 // ---- pictures
 
-void snapshot(const Holder& held, const fs::path& file, int width, int height, const std::string& camera,
-              const std::string& layers, const Two& center_m, const Two& angle_rad,
-              const std::optional<double>& across_m, const std::string& color_by, const Two& color_range,
-              const std::string& background) {
-  const PictureOptions options = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
-                                                 color_by, color_range, background);
+void snapshot(const Holder& held, const fs::path& file, const PictureOptions& options) {
   held->work([&](const Simulation& simulation) { simulation.snapshot(file, options); });
 }
 
-py::array_t<std::uint8_t> picture(const Holder& held, int width, int height, const std::string& camera,
-                                  const std::string& layers, const Two& center_m, const Two& angle_rad,
-                                  const std::optional<double>& across_m, const std::string& color_by,
-                                  const Two& color_range, const std::string& background) {
-  const PictureOptions options = picture_options(width, height, camera, layers, center_m, angle_rad, across_m,
-                                                 color_by, color_range, background);
+py::array_t<std::uint8_t> picture(const Holder& held, const PictureOptions& options) {
   std::vector<std::uint8_t> bytes;
   held->work([&](const Simulation& simulation) { bytes = simulation.picture(options); });
   return picture_array(bytes, options);
 }
 
 void bind_pictures(SimulationClass& simulation) {
-  simulation
-      .def("snapshot", &snapshot, py::arg("file"), py::arg("width") = 1280, py::arg("height") = 720,
-           py::kw_only(), py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
-           py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
-           py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into a file, whose name must end in .png, .svg or .pdf; .svg and .pdf show the "
-           "world only from\n"
-           "straight above. width and height are in pixels; docs/pictures.md describes the other options. "
-           "Raises ValueError for a\n"
-           "size below 1 and for other numbers that cannot be drawn, InputError for unknown names, and "
-           "RuntimeError if the file\n"
-           "cannot be written or a library is missing.")
-      .def("picture", &picture, py::arg("width") = 1280, py::arg("height") = 720, py::kw_only(),
-           py::arg("camera") = "top", py::arg("layers") = "", py::arg("center_m") = py::none(),
-           py::arg("angle_rad") = py::none(), py::arg("across_m") = py::none(), py::arg("color_by") = "",
-           py::arg("color_range") = py::none(), py::arg("background") = "paper",
-           "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
-           "are in pixels;\n"
-           "docs/pictures.md describes the other options. Raises ValueError for a size below 1, for other "
-           "numbers that cannot be\n"
-           "drawn and for the background \"transparent\", InputError for unknown names, and RuntimeError if "
-           "the library OSMesa is\n"
-           "missing.");
+  with_look([&](const auto&... look) {
+    simulation
+        .def("snapshot", drawing<const Holder&, const fs::path&>(&snapshot), py::arg("file"),
+             py::arg("width") = 1280, py::arg("height") = 720, look...,
+             "Draws the world into a file, whose name must end in .png, .svg or .pdf; .svg and .pdf show the "
+             "world only from\n"
+             "straight above. width and height are in pixels; docs/pictures.md describes the other options. "
+             "Raises ValueError for a\n"
+             "size below 1 and for other numbers that cannot be drawn, InputError for unknown names, and "
+             "RuntimeError if the file\n"
+             "cannot be written or a library is missing.")
+        .def(
+            "picture", drawing<const Holder&>(&picture), py::arg("width") = 1280, py::arg("height") = 720,
+            look...,
+            "Draws the world into an array: height x width x 3, uint8, RGB, row 0 on top. width and height "
+            "are in pixels;\n"
+            "docs/pictures.md describes the other options. Raises ValueError for a size below 1, for other "
+            "numbers that cannot be\n"
+            "drawn and for the background \"transparent\", InputError for unknown names, and RuntimeError if "
+            "the library OSMesa is\n"
+            "missing.");
+  });
 }
 
 // ---- poses and speeds

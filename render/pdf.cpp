@@ -26,87 +26,71 @@ constexpr int k_metadata_title = 0, k_metadata_subject = 2, k_metadata_creator =
 constexpr int k_square_cap = 2, k_miter_join = 0, k_round_join = 1;
 constexpr int k_normal = 0;  // slant and weight of a font
 
-struct Cairo {
-  CairoSurface* (*pdf_surface_create_for_stream)(CairoWrite, void*, double, double);
-  void (*pdf_surface_set_metadata)(CairoSurface*, int, const char*);
-  void (*surface_finish)(CairoSurface*);
-  int (*surface_status)(CairoSurface*);
-  void (*surface_destroy)(CairoSurface*);
-  CairoContext* (*create)(CairoSurface*);
-  void (*destroy)(CairoContext*);
-  int (*status)(CairoContext*);
-  const char* (*status_to_string)(int);
-  void (*scale)(CairoContext*, double, double);
-  void (*set_source_rgba)(CairoContext*, double, double, double, double);
-  void (*set_line_width)(CairoContext*, double);
-  void (*set_line_cap)(CairoContext*, int);
-  void (*set_line_join)(CairoContext*, int);
-  void (*move_to)(CairoContext*, double, double);
-  void (*line_to)(CairoContext*, double, double);
-  void (*close_path)(CairoContext*);
-  void (*paint)(CairoContext*);
-  void (*fill)(CairoContext*);
-  void (*stroke)(CairoContext*);
-  void (*select_font_face)(CairoContext*, const char*, int, int);
-  void (*set_font_size)(CairoContext*, double);
-  void (*text_extents)(CairoContext*, const char*, CairoExtents*);
-  void (*text_path)(CairoContext*, const char*);
-  void (*show_text)(CairoContext*, const char*);
+/// The functions of a loaded library. The constructor throws std::runtime_error if one of them is missing.
+class Cairo {
+  /// The address of a function, which converts to the type of its pointer.
+  struct Address {
+    void* address;
+    template <class Function>
+    operator Function*() const {  // NOLINT(google-explicit-constructor)
+      return reinterpret_cast<Function*>(address);
+    }
+  };
+  Address find(const std::string& name) const {
+    void* const address = dlsym(library_, ("cairo_" + name).c_str());
+    if (address) return {address};
+    throw std::runtime_error(fmt::format(
+        "cannot draw a PDF: the installed cairo has no function cairo_{}; version 1.16 or later is needed "
+        "(Debian, Ubuntu: apt install libcairo2)",
+        name));
+  }
+
+  void* library_;  // first, because the members below use it
+
+ public:
+  explicit Cairo(void* library) : library_(library) {}
+
+  CairoSurface* (*pdf_surface_create_for_stream)(CairoWrite, void*, double,
+                                                 double) = find("pdf_surface_create_for_stream");
+  void (*pdf_surface_set_metadata)(CairoSurface*, int, const char*) = find("pdf_surface_set_metadata");
+  void (*surface_finish)(CairoSurface*) = find("surface_finish");
+  int (*surface_status)(CairoSurface*) = find("surface_status");
+  void (*surface_destroy)(CairoSurface*) = find("surface_destroy");
+  CairoContext* (*create)(CairoSurface*) = find("create");
+  void (*destroy)(CairoContext*) = find("destroy");
+  int (*status)(CairoContext*) = find("status");
+  const char* (*status_to_string)(int) = find("status_to_string");
+  void (*scale)(CairoContext*, double, double) = find("scale");
+  void (*set_source_rgba)(CairoContext*, double, double, double, double) = find("set_source_rgba");
+  void (*set_line_width)(CairoContext*, double) = find("set_line_width");
+  void (*set_line_cap)(CairoContext*, int) = find("set_line_cap");
+  void (*set_line_join)(CairoContext*, int) = find("set_line_join");
+  void (*move_to)(CairoContext*, double, double) = find("move_to");
+  void (*line_to)(CairoContext*, double, double) = find("line_to");
+  void (*close_path)(CairoContext*) = find("close_path");
+  void (*paint)(CairoContext*) = find("paint");
+  void (*fill)(CairoContext*) = find("fill");
+  void (*stroke)(CairoContext*) = find("stroke");
+  void (*select_font_face)(CairoContext*, const char*, int, int) = find("select_font_face");
+  void (*set_font_size)(CairoContext*, double) = find("set_font_size");
+  void (*text_extents)(CairoContext*, const char*, CairoExtents*) = find("text_extents");
+  void (*text_path)(CairoContext*, const char*) = find("text_path");
+  void (*show_text)(CairoContext*, const char*) = find("show_text");
 };
 
+void* load_cairo() {
+  std::string reasons;
+  for (const char* name : {"libcairo.so.2", "libcairo.so"}) {
+    if (void* const library = dlopen(name, RTLD_NOW | RTLD_LOCAL)) return library;
+    const char* const reason = dlerror();
+    reasons += fmt::format("{}{}", reasons.empty() ? "" : "; ", reason ? reason : name);
+  }
+  throw std::runtime_error(fmt::format(
+      "cannot draw a PDF: cairo is not installed (Debian, Ubuntu: apt install libcairo2): {}", reasons));
+}
+
 const Cairo& cairo() {
-  static const Cairo functions = [] {
-    constexpr std::array k_names = {"libcairo.so.2", "libcairo.so"};
-    void* library = nullptr;
-    std::string reasons;
-    for (const char* name : k_names) {
-      library = dlopen(name, RTLD_NOW | RTLD_LOCAL);
-      if (library) break;
-      const char* const reason = dlerror();
-      reasons += fmt::format("{}{}", reasons.empty() ? "" : "; ", reason ? reason : name);
-    }
-    if (!library)
-      throw std::runtime_error(fmt::format(
-          "cannot draw a PDF: cairo is not installed (Debian, Ubuntu: apt install libcairo2): {}", reasons));
-    Cairo found{};
-    const auto find = [library](auto& function, const char* name) {
-      void* const address = dlsym(library, name);
-      if (!address)
-        throw std::runtime_error(fmt::format(
-            "cannot draw a PDF: the installed cairo has no function {}; version 1.16 or later is needed "
-            "(Debian, Ubuntu: apt install libcairo2)",
-            name));
-      function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(address);
-    };
-#define TROUPE_CAIRO(name) find(found.name, "cairo_" #name)
-    TROUPE_CAIRO(pdf_surface_create_for_stream);
-    TROUPE_CAIRO(pdf_surface_set_metadata);
-    TROUPE_CAIRO(surface_finish);
-    TROUPE_CAIRO(surface_status);
-    TROUPE_CAIRO(surface_destroy);
-    TROUPE_CAIRO(create);
-    TROUPE_CAIRO(destroy);
-    TROUPE_CAIRO(status);
-    TROUPE_CAIRO(status_to_string);
-    TROUPE_CAIRO(scale);
-    TROUPE_CAIRO(set_source_rgba);
-    TROUPE_CAIRO(set_line_width);
-    TROUPE_CAIRO(set_line_cap);
-    TROUPE_CAIRO(set_line_join);
-    TROUPE_CAIRO(move_to);
-    TROUPE_CAIRO(line_to);
-    TROUPE_CAIRO(close_path);
-    TROUPE_CAIRO(paint);
-    TROUPE_CAIRO(fill);
-    TROUPE_CAIRO(stroke);
-    TROUPE_CAIRO(select_font_face);
-    TROUPE_CAIRO(set_font_size);
-    TROUPE_CAIRO(text_extents);
-    TROUPE_CAIRO(text_path);
-    TROUPE_CAIRO(show_text);
-#undef TROUPE_CAIRO
-    return found;
-  }();
+  static const Cairo functions(load_cairo());
   return functions;
 }
 

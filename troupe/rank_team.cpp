@@ -63,8 +63,7 @@ struct RankTeam::Impl {
         replica_options{.cut_seed = options.seed,
                         .verify = options.seed.has_value(),
                         .keeps_references = !options.distribute,  // distributed rows change
-                        .is_distributed = options.distribute,
-                        .requests = {}} {
+                        .is_distributed = options.distribute} {
     require_threads(options.ranks, lead.parallel().threads());
     try {
       for (unsigned rank = 1; rank < options.ranks; ++rank) {

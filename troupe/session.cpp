@@ -10,6 +10,7 @@
 #include "worldio/files.hpp"
 #include "worldio/json/session_json.hpp"
 #include "worldio/json/spec_difference.hpp"
+#include "worldio/results/descriptor.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -108,16 +109,10 @@ struct SessionLog::Impl {
   void write(std::string line) {
     if (!failure.empty()) throw std::runtime_error(failure);
     line += '\n';
-    for (std::string_view left = line; !left.empty();) {
-      const ssize_t written = ::write(descriptor, left.data(), left.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) {
-        failure = fmt::format("{}: error: cannot be written: {}", file.string(),
-                              std::generic_category().message(errno));
-        throw std::runtime_error(failure);
-      }
-      left.remove_prefix(static_cast<std::size_t>(written));
-    }
+    if (worldio::write_all(descriptor, line)) return;
+    failure = fmt::format("{}: error: cannot be written: {}", file.string(),
+                          std::generic_category().message(errno));
+    throw std::runtime_error(failure);
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include "worldio/file_lock.hpp"
 #include "worldio/files.hpp"
+#include "worldio/results/descriptor.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -154,12 +155,7 @@ PartialFile::Taken PartialFile::take(const fs::path& partial) {
 }
 
 void PartialFile::write(std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    check(written);
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
+  if (!write_all(descriptor_, {reinterpret_cast<const char*>(bytes.data()), bytes.size()})) check(-1);
 }
 
 void PartialFile::sync() { check(fsync(descriptor_)); }
@@ -183,10 +179,8 @@ void PartialFile::commit() {
 
 void sync_folder_of(const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  static_cast<void>(fsync(descriptor));
-  close(descriptor);
+  const Descriptor descriptor(folder, O_RDONLY | O_DIRECTORY);
+  if (descriptor.get() >= 0) static_cast<void>(fsync(descriptor.get()));
 }
 
 }  // namespace troupe::worldio

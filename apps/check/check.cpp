@@ -308,7 +308,7 @@ ExitCode check(const CheckOptions& options, const engine::Registry& registry) tr
   require_variants(options);
   std::vector<Variant> variants = load(options, registry);
   Simulation& first = variants.front().simulation;
-  for (const std::string& warning : first.warnings()) print_message(fmt::format("{}\n", warning));
+  print_lines(first.warnings());
   const double end_s = end_of(options, first);
   std::optional<Decisions> decisions;
   if (options.controllers) decisions.emplace(variants.front());
@@ -323,7 +323,7 @@ ExitCode check(const CheckOptions& options, const engine::Registry& registry) tr
   }
   return differences.empty() ? k_finished : k_failed;
 } catch (const InputError& error) {
-  print_message(fmt::format("{}\n", error.what()));
+  print_line(error.what());
   return k_bad_input;
 }
 

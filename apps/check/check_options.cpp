@@ -80,21 +80,14 @@ void add_check_options(CLI::App& check, CheckOptions& options) {
   add_distribute_option(check, options);
   add_rank_limit_option(check, options.rank_limit_s);
   add_rank_seed_option(check, options);
-  check
-      .add_flag(
-          "--amnesia", options.amnesia,
-          "Also compare runs that must not differ: after each tick, one replaces all data computed from\n"
-          "the state by junk and computes them again, one builds the world again from the state, and one\n"
-          "moves the bodies to other places in memory")
-      ->disable_flag_override();
-  check
-      .add_flag("--reach", options.reach,
-                "Also compare a run in which devices can read only the bodies and state that they declare")
-      ->disable_flag_override();
-  check
-      .add_flag("--controllers", options.controllers,
-                "Also repeat each decision of a controller and compare the results")
-      ->disable_flag_override();
+  add_switch(check, "--amnesia", options.amnesia,
+             "Also compare runs that must not differ: after each tick, one replaces all data computed from\n"
+             "the state by junk and computes them again, one builds the world again from the state, and one\n"
+             "moves the bodies to other places in memory");
+  add_switch(check, "--reach", options.reach,
+             "Also compare a run in which devices can read only the bodies and state that they declare");
+  add_switch(check, "--controllers", options.controllers,
+             "Also repeat each decision of a controller and compare the results");
 }
 
 }  // namespace troupe::apps

@@ -98,12 +98,9 @@ void add_diff_options(CLI::App& command, DiffOptions& options) {
   command.footer(k_diff_footer);
   add_argument(command, "A", "A hash log or a recording", options.first);
   add_argument(command, "B", "Another file of the same type as A", options.second);
-  const auto add_switch = [&command](const char* name, bool& on, const char* help) {
-    command.add_flag(name, on, help)->disable_flag_override();
-  };
-  add_switch("--across-domains", options.across_domains,
+  add_switch(command, "--across-domains", options.across_domains,
              "Compare even if version, compiler, flags or instruction set differ");
-  add_switch("--across-runs", options.across_runs, "Compare even if world, seed or options differ");
+  add_switch(command, "--across-runs", options.across_runs, "Compare even if world, seed or options differ");
 }
 
 ExitCode diff(const DiffOptions& options) {

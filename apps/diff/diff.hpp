@@ -1,12 +1,9 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "apps/exit_code.hpp"
 
 #include <filesystem>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}
 
 namespace troupe::apps {
 

@@ -32,7 +32,7 @@ struct Pair {
 };
 
 RunHeader header_of(const RecordingReader& recording) {
-  RunHeader header{.file = recording.file(), .entries = {}};
+  RunHeader header{.file = recording.file()};
   for (const auto& [key, value] : recording.meta()) header.entries[key] = {value};
   return header;
 }

@@ -5,10 +5,6 @@
 
 #include <filesystem>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
-
 namespace troupe::apps {
 
 struct InfoOptions {

@@ -2,6 +2,7 @@
 
 #include "apps/interrupt.hpp"
 #include "apps/outputs.hpp"
+#include "worldio/results/descriptor.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -151,15 +152,9 @@ void Ffmpeg::start(const std::string& program, const std::vector<std::string>& a
 }
 
 void Ffmpeg::write(std::span<const std::uint8_t> rgba) {
-  while (!rgba.empty()) {
-    const ssize_t written = ::write(pipe_, rgba.data(), rgba.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) {
-      close_if_open(pipe_);
-      fail(process_ >= 0 ? wait() : 0);
-    }
-    rgba = rgba.subspan(static_cast<std::size_t>(written));
-  }
+  if (worldio::write_all(pipe_, {reinterpret_cast<const char*>(rgba.data()), rgba.size()})) return;
+  close_if_open(pipe_);
+  fail(process_ >= 0 ? wait() : 0);
 }
 
 int Ffmpeg::wait() {

@@ -1,15 +1,12 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "troupe/pictures.hpp"
 
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
 
 namespace troupe::apps {
 

@@ -7,10 +7,6 @@
 #include <string>
 #include <vector>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
-
 namespace troupe::apps {
 
 /// Options of `troupe render`. The member `world` names a world, a checkpoint (saved state of a run) or a

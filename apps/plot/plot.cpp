@@ -71,8 +71,8 @@ void add_plot_options(CLI::App& command, PlotOptions& options) {
            "deviation)",
            options.bars);
   add_text(command, "--title", "TEXT", "Title above the plot", options.title);
-  command.add_flag("--log-x", options.log_x, "Draw the x axis logarithmically")->disable_flag_override();
-  command.add_flag("--log-y", options.log_y, "Draw the y axis logarithmically")->disable_flag_override();
+  add_switch(command, "--log-x", options.log_x, "Draw the x axis logarithmically");
+  add_switch(command, "--log-y", options.log_y, "Draw the y axis logarithmically");
   add_value(command, "-o,--out", "FILE",
             "Output, a .png, .svg or .pdf (default: DIR/MEASURE.png, or DIR/MEASURE-over-NAME.png)",
             [&options](const std::string& text) { options.out = file_name("--out", text); });

@@ -1,14 +1,11 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "apps/exit_code.hpp"
 
 #include <filesystem>
 #include <optional>
 #include <string>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
 
 namespace troupe::apps {
 

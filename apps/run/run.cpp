@@ -194,7 +194,7 @@ ExitCode run(const RunOptions& options) try {
   };
   // The exit code k_bad_input would say that nothing was written.
   const auto failed = [](const std::runtime_error& error) {
-    print_message(fmt::format("{}\n", error.what()));
+    print_line(error.what());
     return k_failed;
   };
   try {
@@ -212,10 +212,10 @@ ExitCode run(const RunOptions& options) try {
   const bool stopped = std::ranges::any_of(runs, [](const auto& run) { return run->report().stopped; });
   return stopped ? k_stopped : k_finished;
 } catch (const InputError& error) {
-  print_message(fmt::format("{}\n", error.what()));
+  print_line(error.what());
   return k_bad_input;
 } catch (const OutputError& error) {
-  print_message(fmt::format("{}\n", error.what()));
+  print_line(error.what());
   return k_bad_input;
 }
 

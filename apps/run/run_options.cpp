@@ -132,15 +132,13 @@ void add_output_options(CLI::App& app, RunOptions& options) {
       ->group("Advanced");
   add_rank_limit_option(app, options.rank_limit_s);
   options.outputs.add_options(app, options);
-  const auto add_switch = [&app](const char* name, bool& on, const char* help) {
-    app.add_flag(name, on, help)->disable_flag_override();
-  };
-  add_switch("--force", options.force, "Replace an existing checkpoint or recording");
-  add_switch("--json", options.json, "Print only the summary, as one flat JSON object, on standard output");
-  add_switch("--dry-run", options.dry_run,
+  add_switch(app, "--force", options.force, "Replace an existing checkpoint or recording");
+  add_switch(app, "--json", options.json,
+             "Print only the summary, as one flat JSON object, on standard output");
+  add_switch(app, "--dry-run", options.dry_run,
              "Load the world and check the outputs, print what the run would need, and end");
-  add_switch("--quiet", options.quiet, "Print only errors (and the JSON object of --json)");
-  add_switch("--view", options.view, "Show the run in a browser, as troupe view does (docs/live.md)");
+  add_switch(app, "--quiet", options.quiet, "Print only errors (and the JSON object of --json)");
+  add_switch(app, "--view", options.view, "Show the run in a browser, as troupe view does (docs/live.md)");
 }
 
 void add_session_option(CLI::App& app, RunOptions& options) {
@@ -163,9 +161,8 @@ void add_clock_options(CLI::App& app, RunOptions& options) {
                                    engine::k_most_rate));
               options.rate = rate.value_or(0);
             });
-  app.add_flag("--clock", options.clock,
-               "Print the simulated time every 100 ticks, or at the interval that the world file sets")
-      ->disable_flag_override();
+  add_switch(app, "--clock", options.clock,
+             "Print the simulated time every 100 ticks, or at the interval that the world file sets");
 }
 
 }  // namespace

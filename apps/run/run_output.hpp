@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/cli_app.hpp"
 #include "apps/observers/observer.hpp"
 
 #include <cstdint>
@@ -8,10 +9,6 @@
 #include <memory>
 #include <utility>
 #include <vector>
-
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
 
 namespace troupe::apps {
 

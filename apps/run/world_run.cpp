@@ -161,13 +161,11 @@ double rate_of(const RunOptions& options, const Simulation& simulation) {
 
 WorldRun::WorldRun(RunOptions options) : options_(std::move(options)), simulation_(load(options_)) {
   report_.load_s = std::chrono::duration<double>(Clock::now() - start_).count();
-  if (!options_.quiet)
-    for (const std::string& warning : simulation_.warnings()) print_message(fmt::format("{}\n", warning));
+  if (!options_.quiet) print_lines(simulation_.warnings());
   if (!options_.session.empty()) {
     session_ = std::make_unique<SessionReplay>(options_.session, simulation_);
     simulation_.before_tick([this](Simulation& simulation) { session_->act(simulation); });
-    if (!options_.quiet)
-      for (const std::string& warning : session_->warnings()) print_message(fmt::format("{}\n", warning));
+    if (!options_.quiet) print_lines(session_->warnings());
   }
   report_.options = simulation_.effective_options();
   report_.world = report_.options.front().second;
@@ -218,10 +216,7 @@ void WorldRun::open_outputs(std::function<bool()> is_over) {
 
 void WorldRun::open_view(const std::function<bool()>& is_over) {
   view_ = std::make_unique<live::View>(simulation_,
-                                       live::View::Options{.bind = {},
-                                                           .hosts = {},
-                                                           .rate = 0,  // --rate limits the run
-                                                           .folder = {},
+                                       live::View::Options{.rate = 0,  // --rate limits the run
                                                            .is_over = is_over,
                                                            .report = [](const std::string& text) {
                                                              print_message(fmt::format("view: {}\n", text));
@@ -339,10 +334,9 @@ void WorldRun::save_at_least() const {
 void WorldRun::print_summary(bool is_one_of_several) const {
   for (const auto& observer : observers_)
     if (const std::string warning = observer->warning(); !warning.empty() && !options_.quiet)
-      print_message(fmt::format("{}\n", warning));
+      print_line(warning);
   if (!options_.quiet && report_.ticks_here() > 1)  // the first commands take effect in the second tick
-    for (const std::string& warning : standstill_warnings(simulation_, report_.world))
-      print_message(fmt::format("{}\n", warning));
+    print_lines(standstill_warnings(simulation_, report_.world));
   if (session_ && session_->left() > 0 && !options_.quiet)
     print_message(fmt::format(
         "{}: warning: the run ended before all actions of the session were applied: {} remained\n",

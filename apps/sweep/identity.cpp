@@ -92,8 +92,7 @@ SweepIdentity unchecked_identity(const Study& study, const SweepOptions& options
   Simulation simulation = first_world(study, options);
   const Measures measures(simulation, study.measures);
   end_time_s(study, simulation);
-  if (shows_warnings)
-    for (const std::string& warning : simulation.warnings()) print_message(fmt::format("{}\n", warning));
+  if (shows_warnings) print_lines(simulation.warnings());
   const std::string text =
       fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""), contents_of(simulation),
                   hash_of_choices(study, options), version_line());

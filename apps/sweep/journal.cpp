@@ -26,6 +26,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view k_prefix = "runs-";
 constexpr std::string_view k_ending = ".jsonl";
+constexpr unsigned k_journal_mode = 0666;  // permissions of a new one, before the umask
 
 std::string reason() { return std::generic_category().message(errno); }
 
@@ -48,18 +49,6 @@ std::vector<std::string> whole_lines(const fs::path& file) {
   if (!stream.is_open() || stream.bad())
     throw OutputError(fmt::format("{}: error: cannot be read: {}", file.string(), reason()));
   return lines;
-}
-
-/// Appends all bytes of a text to a file. Returns false, with the reason in errno, if writing fails; a part
-/// of the text may then be in the file.
-bool write_all(int descriptor, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = write(descriptor, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return true;
 }
 
 /// Returns a value of a result in JSON, which has no numbers for infinities and NaN: they become texts.
@@ -128,28 +117,21 @@ bool read_line(const std::string& line, const SweepSize& size, SweepResults& res
 
 }  // namespace
 
-SweepJournal::SweepJournal(const fs::path& file, std::string_view study) : file_(file) {
-  constexpr int k_mode = 0666;
-  descriptor_ = open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, k_mode);
-  if (descriptor_ < 0) refuse_output(file, reason());
-  try {
-    if (worldio::lock_file(descriptor_) == worldio::FileLock::held)
-      throw OutputError(fmt::format(
-          "{}: error: another process is running this part of the study: wait until it ends", file.string()));
-    const std::vector<std::string> lines = whole_lines(file);
-    if (!lines.empty() && lines.front() != head_of(study)) refuse_other_study(file);
-    std::size_t whole = 0;
-    for (const std::string& line : lines) whole += line.size() + 1;
-    if (ftruncate(descriptor_, static_cast<off_t>(whole)) != 0) refuse_output(file, reason());
-    if (lines.empty() && !write_all(descriptor_, head_of(study) + "\n")) refuse_output(file, reason());
-    worldio::sync_folder_of(file);
-  } catch (...) {
-    close(descriptor_);
-    throw;
-  }
+SweepJournal::SweepJournal(const fs::path& file, std::string_view study)
+    : file_(file), descriptor_(file, O_RDWR | O_CREAT | O_APPEND, k_journal_mode) {
+  const int descriptor = descriptor_.get();
+  if (descriptor < 0) refuse_output(file, reason());
+  if (worldio::lock_file(descriptor) == worldio::FileLock::held)
+    throw OutputError(fmt::format(
+        "{}: error: another process is running this part of the study: wait until it ends", file.string()));
+  const std::vector<std::string> lines = whole_lines(file);
+  if (!lines.empty() && lines.front() != head_of(study)) refuse_other_study(file);
+  std::size_t whole = 0;
+  for (const std::string& line : lines) whole += line.size() + 1;
+  if (ftruncate(descriptor, static_cast<off_t>(whole)) != 0) refuse_output(file, reason());
+  if (lines.empty() && !worldio::write_all(descriptor, head_of(study) + "\n")) refuse_output(file, reason());
+  worldio::sync_folder_of(file);
 }
-
-SweepJournal::~SweepJournal() { close(descriptor_); }
 
 void SweepJournal::add(const SweepOutcome& outcome) { append(outcome.run, line_of(outcome)); }
 
@@ -160,12 +142,13 @@ void SweepJournal::add_failure(std::size_t run, const std::string& error) {
 
 void SweepJournal::append(std::size_t run, std::string line) {
   line += '\n';
-  const off_t start = lseek(descriptor_, 0, SEEK_END);
-  if (start >= 0 && write_all(descriptor_, line) && fsync(descriptor_) == 0) return;
+  const int descriptor = descriptor_.get();
+  const off_t start = lseek(descriptor, 0, SEEK_END);
+  if (start >= 0 && worldio::write_all(descriptor, line) && fsync(descriptor) == 0) return;
   const std::string why = reason();
   // A part of the line, for example on a full disk, would be joined with the line of a later call. If it
   // cannot be removed here, the constructor of the next sweep removes it.
-  [[maybe_unused]] const bool is_removed = start >= 0 && ftruncate(descriptor_, start) == 0;
+  [[maybe_unused]] const bool is_removed = start >= 0 && ftruncate(descriptor, start) == 0;
   throw std::runtime_error(
       fmt::format("{}: error: the result of run {} cannot be written: {}", file_.string(), run, why));
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "worldio/results/descriptor.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -51,9 +53,6 @@ class SweepJournal {
   /// study: a text that identifies the study, its world and the version of the program; a new journal stores
   /// it
   SweepJournal(const std::filesystem::path& file, std::string_view study);
-  ~SweepJournal();
-  SweepJournal(const SweepJournal&) = delete;
-  SweepJournal& operator=(const SweepJournal&) = delete;
 
   /// Appends the result of a finished run. When add() returns, the result is on the disk. Throws
   /// std::runtime_error if writing fails; the journal then has no part of the result.
@@ -66,7 +65,7 @@ class SweepJournal {
   void append(std::size_t run, std::string line);
 
   std::filesystem::path file_;
-  int descriptor_ = -1;
+  worldio::Descriptor descriptor_;
 };
 
 /// Returns the results in all journals of a folder, which must exist. If a run failed and a later call of

@@ -293,7 +293,7 @@ ExitCode sweep_on_rank(SweepOptions options, RankDeal& deal) {
   try {
     return finish(study, identity, options, list, ended, deal.ranks());
   } catch (const OutputError& error) {  // thrown further, it would say that nothing was written
-    print_message(fmt::format("{}\n", error.what()));
+    print_line(error.what());
     return k_failed;
   }
 }
@@ -310,7 +310,7 @@ ExitCode sweep(const SweepOptions& options) {
       throw;
     } catch (const OutputError& error) {
       if (deal.ranks() > 1 && deal.has_shared()) throw;  // an error of this rank alone
-      print_message(fmt::format("{}\n", error.what()));
+      print_line(error.what());
       return k_bad_input;
     }
   });

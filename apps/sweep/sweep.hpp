@@ -6,10 +6,6 @@
 #include <cstddef>
 #include <filesystem>
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's own
-class App;
-}  // namespace CLI
-
 namespace troupe::apps {
 
 /// Options of `troupe sweep`. The runs of a study can be divided into parts (--part), each of which one

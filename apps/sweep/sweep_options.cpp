@@ -57,9 +57,8 @@ void add_sweep_options(CLI::App& command, SweepOptions& options) {
               options.part = *part;
               options.parts = *parts;
             });
-  command.add_flag("--list", options.list, "Print the list of runs without making them")
-      ->disable_flag_override();
-  command.add_flag("--quiet", options.quiet, "Print only errors")->disable_flag_override();
+  add_switch(command, "--list", options.list, "Print the list of runs without making them");
+  add_switch(command, "--quiet", options.quiet, "Print only errors");
   add_kind_options(command, options.sources);
   add_simd_option(command);
   add_rank_limit_option(command, options.rank_limit_s);

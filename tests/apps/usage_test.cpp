@@ -267,6 +267,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongUsage{{"diff", "a.log"}, in_command("diff", "B is required")},
         WrongUsage{{"diff", "a.log", "b.log", "c.log"},
                    in_command("diff", "one argument too many: \"c.log\"")},
+        WrongUsage{{"describe", "--schema=no"}, in_command("describe", "--schema takes no value")},
         WrongUsage{
             {"describe", "ranger", "position"},
             "troupe describe: error: one argument too many: \"position\"; see troupe describe --help"}));

@@ -121,7 +121,7 @@ std::optional<SettingSpec> SettingExpander::expand(const SettingDocument& docume
     DocumentPath(at, "type", document.where_of("type")).error(text);
     return std::nullopt;
   }
-  SettingSpec setting{.type = found->second, .params = {}};
+  SettingSpec setting{.type = found->second};
   const engine::TypeSpec& type = spec_.types[setting.type.index()];
   if (document.drive) {
     setting.of = SettingSpec::Of::drive;
@@ -191,15 +191,13 @@ InterventionSpec expand_intervention(const InterventionDocument& document, const
     intervention.setting = settings.expand(*document.set, DocumentPath(at, "set", document.set->where));
   } else if (document.add) {
     intervention.action = Action::add;
-    intervention.whom = {.by = GroupSpec::By::population,
-                         .name = document.add->population,
-                         .count = document.add->count,
-                         .share = {}};
+    intervention.whom = {
+        .by = GroupSpec::By::population, .name = document.add->population, .count = document.add->count};
     intervention.pose = document.add->pose;
     intervention.region = document.add->region;
   } else if (document.move) {
     intervention.action = Action::move;
-    intervention.whom = {.by = GroupSpec::By::model, .name = document.move->model, .count = {}, .share = {}};
+    intervention.whom = {.by = GroupSpec::By::model, .name = document.move->model};
     intervention.pose = document.move->pose;
   } else {
     intervention.action = document.disable  ? Action::disable
@@ -313,8 +311,7 @@ void expand_experiment(const ExperimentDocument& document, const DocumentPath& w
     experiment.at.push_back(expand_intervention(entry, DocumentPath(all, i, entry.where), settings));
   }
   for (const FaultDocument& entry : document.faults) {
-    FaultSpec fault{
-        .whom = expand_group(entry), .from_s = entry.from, .impairments = {}, .where = entry.where};
+    FaultSpec fault{.whom = expand_group(entry), .from_s = entry.from, .where = entry.where};
     for (const FaultDocument::Impairment& one : entry.impairments)
       fault.impairments.push_back({one.kind, one.params});
     experiment.faults.push_back(std::move(fault));

@@ -1,5 +1,6 @@
 #include "worldio/json/find_keys.hpp"
 
+#include "base/split.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/world_document.hpp"
@@ -77,7 +78,7 @@ bool have_kinds(const Objects& objects) {
 class Keys {
  public:
   explicit Keys(const engine::Registry& registry) : registry_(registry) {
-    sorts_.push_back({.path = {}, .table = &document_table<WorldDocument>()});
+    sorts_.push_back({.table = &document_table<WorldDocument>()});
     for (std::size_t i = 0; i < sorts_.size(); ++i)
       for (const Key& key : keys_of(Objects(sorts_[i])))
         if (std::optional<Objects> inner = inside(key); inner && !is_listed(*inner))
@@ -204,12 +205,9 @@ struct Path {
 };
 
 Path path_of(std::string_view text) {
-  Path path{.names = {}, .is_pointer = text.starts_with('/')};
+  Path path{.is_pointer = text.starts_with('/')};
   const char separator = path.is_pointer ? '/' : '.';
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find(separator), text.size());
-    std::string_view name = text.substr(0, end);
-    text.remove_prefix(std::min(end + 1, text.size()));
+  for (std::string_view name : split(text, separator)) {
     if (!path.is_pointer) name = name.substr(0, name.find_first_of("[{"));
     if (!name.empty() && (path.is_pointer || !is_index(name))) path.names.push_back(name);
   }

@@ -179,7 +179,6 @@ void read_line(JsonObject& object, std::uint64_t line, Session& session, Diagnos
   const std::size_t before = diagnostics.findings().size();
   LoggedAct logged{.tick = read_count(object, "tick", "the tick at the end of which the action was applied"),
                    .n = read_count(object, "n", "the number of the action, counted from 1"),
-                   .act = {},
                    .where = object.at().where()};
   const std::string what = read_do(object);
   const std::optional<Act> act = what.empty() || what == k_end ? std::nullopt : act_of(object, what);

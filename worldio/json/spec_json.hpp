@@ -38,6 +38,9 @@ struct BodyColumns {
   std::vector<std::uint32_t> alias_word, alias_number, alias_body;
 };
 
+/// Returns the bodies of a spec as arrays.
+BodyColumns body_columns(const engine::WorldSpec& spec);
+
 /// A stored world: a whole spec, in the form in which checkpoints contain it. No other file is needed to
 /// restore the spec: it contains the types of included files, and the solids (extruded outlines) that were
 /// made from images. restore_spec() returns a spec in which spec_difference() finds no difference from the

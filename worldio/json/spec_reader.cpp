@@ -1,4 +1,5 @@
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 #include "worldio/json/experiment_json.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/spec_fields.hpp"
@@ -28,14 +29,8 @@ using engine::SettingSpec;
 using engine::Value;
 
 std::vector<std::string_view> tokens_of(std::string_view pointer) {
-  std::vector<std::string_view> tokens;
-  while (pointer.starts_with('/')) {
-    pointer.remove_prefix(1);
-    const std::size_t end = std::min(pointer.find('/'), pointer.size());
-    tokens.push_back(pointer.substr(0, end));
-    pointer.remove_prefix(end);
-  }
-  return tokens;
+  if (!pointer.starts_with('/')) return {};
+  return split(pointer.substr(1), '/');
 }
 
 /// Whether a pointer is in k_changeable.

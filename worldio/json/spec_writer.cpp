@@ -236,6 +236,24 @@ void SpecWriter::write_experiment(OrderedJson& json) const {
   json.update(OrderedJson::parse(json_text(json_node(std::move(object)))));
 }
 
+}  // namespace
+
+std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec) {
+  std::vector<std::string> numbers;
+  for (std::size_t t = 0; t < spec.types.size(); ++t) numbers.push_back(std::to_string(t));
+  return numbers;
+}
+
+std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
+  const OrderedJson json = SpecWriter(spec, registry).object(engine::world_fields(), &spec);
+  try {
+    return json.dump();
+  } catch (const OrderedJson::type_error&) {
+    throw std::runtime_error(
+        "a text among the parameters of the world is not UTF-8, which JSON requires: write texts in UTF-8");
+  }
+}
+
 BodyColumns body_columns(const engine::WorldSpec& spec) {
   BodyColumns columns;
   const std::size_t count = spec.bodies.size();
@@ -266,24 +284,6 @@ BodyColumns body_columns(const engine::WorldSpec& spec) {
     columns.alias_body.push_back(body.value);
   }
   return columns;
-}
-
-}  // namespace
-
-std::vector<std::string> numbers_of_types(const engine::WorldSpec& spec) {
-  std::vector<std::string> numbers;
-  for (std::size_t t = 0; t < spec.types.size(); ++t) numbers.push_back(std::to_string(t));
-  return numbers;
-}
-
-std::string spec_to_json(const engine::WorldSpec& spec, const engine::Registry& registry) {
-  const OrderedJson json = SpecWriter(spec, registry).object(engine::world_fields(), &spec);
-  try {
-    return json.dump();
-  } catch (const OrderedJson::type_error&) {
-    throw std::runtime_error(
-        "a text among the parameters of the world is not UTF-8, which JSON requires: write texts in UTF-8");
-  }
 }
 
 StoredSpec store_spec(const engine::WorldSpec& spec, const engine::Registry& registry) {

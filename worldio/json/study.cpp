@@ -209,7 +209,7 @@ class StudyReader {
 
 void StudyReader::read_parameter(const JsonCursor& at) {
   JsonObject object(at);
-  Study::Parameter parameter{.name = {}, .pointer = {}, .where = at.node().where};
+  Study::Parameter parameter{.where = at.node().where};
   const std::string_view k_what = "a JSON pointer into the world, as in \"/populations/0/count\"";
   if (const JsonNode* node = object.require("set", k_what)) {
     const JsonCursor cursor(at, "set", *node);

@@ -115,7 +115,6 @@ const DocumentKinds k_devices{.what = k_device_word<k_list>,
 
 const DocumentKinds k_drives{
     .what = "drive",
-    .page = {},
     .all =
         [](const Registry& registry) {
           std::vector<DocumentKind> all;
@@ -356,9 +355,7 @@ std::optional<std::string> condition_text(const void* object, const Registry& re
   const auto same = [](const engine::Value& a, const engine::Value& b) { return same_bits(a, b); };
   if (!std::ranges::equal(measure.params, defaults, same)) return std::nullopt;
   return engine::text_of(
-      engine::StopSpec{{.kind = measure.kind, .name = {}, .of = measure.of, .params = {}, .where = {}},
-                       condition.is->how,
-                       condition.is->with});
+      engine::StopSpec{{.kind = measure.kind, .of = measure.of}, condition.is->how, condition.is->with});
 }
 
 const DocumentShorthand k_condition_text{

@@ -69,11 +69,8 @@ Hdf5Group make_group_for(Hdf5Group& tables, const std::vector<std::string>& plac
 void write_meta(Hdf5File& file, engine::World& world, const FileHeader& header) {
   Hdf5Group meta = file.create_group("meta");
   // If a key is repeated, the last value is stored.
-  const std::map<std::string, std::string> last = [&header] {
-    std::map<std::string, std::string> by_key;
-    for (const auto& [key, value] : header) by_key[key] = value;
-    return by_key;
-  }();
+  std::map<std::string, std::string> last;
+  for (const auto& [key, value] : header) last[key] = value;
   for (const auto& [key, value] : last) meta.set_text(key, value);
   const engine::World::Counters counters = world.counters();
   meta.set_integer("layout", k_checkpoint_layout);
@@ -87,43 +84,46 @@ void write_meta(Hdf5File& file, engine::World& world, const FileHeader& header) 
   meta.set_number("mean_displacement_m", world.mean_displacement());
 }
 
+/// A dataset with a column of BodyColumns.
+struct NamedColumn {
+  const char* name;
+  std::vector<std::uint32_t> BodyColumns::*column;
+};
+constexpr std::array k_body_columns{
+    NamedColumn{"word", &BodyColumns::word}, NamedColumn{"number", &BodyColumns::number},
+    NamedColumn{"type", &BodyColumns::type}, NamedColumn{"file", &BodyColumns::file},
+    NamedColumn{"line", &BodyColumns::line}};
+constexpr std::array k_alias_columns{NamedColumn{"word", &BodyColumns::alias_word},
+                                     NamedColumn{"number", &BodyColumns::alias_number},
+                                     NamedColumn{"body", &BodyColumns::alias_body}};
+
 void write_spec(Hdf5File& file, const StoredSpec& spec) {
   file.write_text("world", spec.json);
-  const auto write = [](Hdf5Group& group, const std::string& name, const std::vector<std::uint32_t>& column) {
-    group.write(name, std::span(column));
-  };
   const BodyColumns& c = spec.bodies;
+  const auto write = [&c](Hdf5Group& group, std::span<const NamedColumn> columns) {
+    for (const auto& [name, column] : columns) group.write(name, std::span(c.*column));
+  };
   Hdf5Group bodies = file.create_group("bodies");
-  write(bodies, "word", c.word);
-  write(bodies, "number", c.number);
-  write(bodies, "type", c.type);
-  write(bodies, "file", c.file);
-  write(bodies, "line", c.line);
+  write(bodies, k_body_columns);
   bodies.create_dataset("pose", Element::f64, {c.type.size(), 4}).write(std::span(c.pose));
   bodies.create_dataset("color", Element::f32, {c.type.size(), 4}).write(std::span(c.color));
   if (!c.fiducial.empty())
     bodies.create_dataset("fiducial", Element::i32, {c.type.size()}).write(std::span(c.fiducial));
   Hdf5Group aliases = file.create_group("aliases");
-  write(aliases, "word", c.alias_word);
-  write(aliases, "number", c.alias_number);
-  write(aliases, "body", c.alias_body);
+  write(aliases, k_alias_columns);
 }
 
 BodyColumns read_columns(const Hdf5File& file) {
   BodyColumns c;
+  const auto read = [&c](const Hdf5Group& group, std::span<const NamedColumn> columns) {
+    for (const auto& [name, column] : columns) c.*column = group.dataset(name).read<std::uint32_t>();
+  };
   const Hdf5Group bodies = file.group("bodies");
-  c.word = bodies.dataset("word").read<std::uint32_t>();
-  c.number = bodies.dataset("number").read<std::uint32_t>();
-  c.type = bodies.dataset("type").read<std::uint32_t>();
-  c.file = bodies.dataset("file").read<std::uint32_t>();
-  c.line = bodies.dataset("line").read<std::uint32_t>();
+  read(bodies, k_body_columns);
   c.pose = bodies.dataset("pose").read<double>();
   c.color = bodies.dataset("color").read<float>();
   if (bodies.has("fiducial")) c.fiducial = bodies.dataset("fiducial").read<std::int32_t>();
-  const Hdf5Group aliases = file.group("aliases");
-  c.alias_word = aliases.dataset("word").read<std::uint32_t>();
-  c.alias_number = aliases.dataset("number").read<std::uint32_t>();
-  c.alias_body = aliases.dataset("body").read<std::uint32_t>();
+  read(file.group("aliases"), k_alias_columns);
   return c;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 namespace troupe::worldio {
@@ -23,5 +24,9 @@ class Descriptor {
  private:
   int fd_ = -1;
 };
+
+/// Writes all bytes to an open file or pipe. Returns false, with the reason in errno, if writing fails; some
+/// of the bytes may then have been written.
+bool write_all(int descriptor, std::string_view bytes);
 
 }  // namespace troupe::worldio

@@ -186,31 +186,22 @@ H5O_info_t info_of(const Hdf5Object& object, hid_t id) {
   return info;
 }
 
-hid_t memory_type(engine::Element element) {
-  switch (element) {
-    case engine::Element::f64: return H5T_NATIVE_DOUBLE;
-    case engine::Element::f32: return H5T_NATIVE_FLOAT;
-    case engine::Element::i64: return H5T_NATIVE_INT64;
-    case engine::Element::i32: return H5T_NATIVE_INT32;
-    case engine::Element::u64: return H5T_NATIVE_UINT64;
-    case engine::Element::u32: return H5T_NATIVE_UINT32;
-    case engine::Element::u8: break;
-  }
-  return H5T_NATIVE_UINT8;
-}
+struct ElementTypes {
+  hid_t in_memory;
+  hid_t in_file;  ///< little-endian, so that files do not depend on the machine
+};
 
-/// The type that an element has in the file: little-endian, so that files do not depend on the machine.
-hid_t file_type(engine::Element element) {
+ElementTypes types_of(engine::Element element) {
   switch (element) {
-    case engine::Element::f64: return H5T_IEEE_F64LE;
-    case engine::Element::f32: return H5T_IEEE_F32LE;
-    case engine::Element::i64: return H5T_STD_I64LE;
-    case engine::Element::i32: return H5T_STD_I32LE;
-    case engine::Element::u64: return H5T_STD_U64LE;
-    case engine::Element::u32: return H5T_STD_U32LE;
+    case engine::Element::f64: return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE};
+    case engine::Element::f32: return {H5T_NATIVE_FLOAT, H5T_IEEE_F32LE};
+    case engine::Element::i64: return {H5T_NATIVE_INT64, H5T_STD_I64LE};
+    case engine::Element::i32: return {H5T_NATIVE_INT32, H5T_STD_I32LE};
+    case engine::Element::u64: return {H5T_NATIVE_UINT64, H5T_STD_U64LE};
+    case engine::Element::u32: return {H5T_NATIVE_UINT32, H5T_STD_U32LE};
     case engine::Element::u8: break;
   }
-  return H5T_STD_U8LE;
+  return {H5T_NATIVE_UINT8, H5T_STD_U8LE};
 }
 
 constexpr std::array k_elements = {engine::Element::f64, engine::Element::f32, engine::Element::i64,
@@ -219,7 +210,7 @@ constexpr std::array k_elements = {engine::Element::f64, engine::Element::f32, e
 
 std::optional<engine::Element> element_of_type(hid_t type) {
   for (const engine::Element element : k_elements)
-    if (H5Tequal(type, file_type(element)) > 0) return element;
+    if (H5Tequal(type, types_of(element).in_file) > 0) return element;
   return std::nullopt;
 }
 
@@ -559,7 +550,7 @@ void Hdf5Dataset::write_rows(std::size_t first, std::size_t rows, const void* fr
                     rows * row_values(), values));
   if (values == 0) return;
   const LibraryCall call;
-  const hid_t type = memory_type(element);
+  const hid_t type = types_of(element).in_memory;
   if (first == 0 && rows == this->rows()) {
     check(H5Dwrite(id_.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, from), "written");
     return;
@@ -610,7 +601,7 @@ void Hdf5Dataset::read_rows(std::size_t first, void* into, std::size_t values,
         "whole rows, at most up to the last row",
         rows(), row, values, first));
   const LibraryCall call;
-  const hid_t type = memory_type(element);
+  const hid_t type = types_of(element).in_memory;
   if (count == rows()) {
     check(H5Dread(id_.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, into), "read");
     return;
@@ -773,7 +764,7 @@ Hdf5Dataset Hdf5Group::create_dataset(const std::string& name, engine::Element e
   const LibraryCall call;
   const Hdf5Id properties = creation_properties(H5P_DATASET_CREATE);
   const Hdf5Id space = space_of(extent);
-  return {make_dataset(name, file_type(element), space, properties), file_, path_of(name)};
+  return {make_dataset(name, types_of(element).in_file, space, properties), file_, path_of(name)};
 }
 
 Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Element element,
@@ -790,19 +781,26 @@ Hdf5Dataset Hdf5Group::create_extendible(const std::string& name, engine::Elemen
   const std::vector<hsize_t> chunk(chunks.extent.begin(), chunks.extent.end());
   H5Pset_chunk(properties.get(), static_cast<int>(chunk.size()), chunk.data());
   set_fill(properties.get(), element, chunks.fill);
-  return {make_dataset(name, file_type(element), space, properties), file_, path_of(name)};
+  return {make_dataset(name, types_of(element).in_file, space, properties), file_, path_of(name)};
 }
 
-Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
-  const LibraryCall call;
+void Hdf5Group::fail_about(const std::string& name, std::string_view message) const {
+  fail_with(file_, fmt::format("{} {}", path_of(name), message));
+}
+
+Hdf5Id Hdf5Group::open_dataset(const std::string& name) const {
   if (!has(name) || has_group(name))
     fail_with(file_, fmt::format("there is no dataset {}: the file is damaged, or Troupe did not write it",
                                  path_of(name)));
   Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
-  if (!found.valid()) fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));
-  if (const Result<> own = check_own(found.get()); !own)
-    fail_with(file_, fmt::format("{} {}", path_of(name), own.error().text));
-  return {std::move(found), file_, path_of(name)};
+  if (!found.valid()) fail_about(name, fmt::format("cannot be read: {}", reason()));
+  if (const Result<> own = check_own(found.get()); !own) fail_about(name, own.error().text);
+  return found;
+}
+
+Hdf5Dataset Hdf5Group::dataset(const std::string& name) const {
+  const LibraryCall call;
+  return {open_dataset(name), file_, path_of(name)};
 }
 
 void Hdf5Group::write_text(const std::string& name, std::string_view text) {
@@ -830,26 +828,18 @@ void Hdf5Group::write_padded(const std::string& name, const std::string& padded,
 
 std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
   const LibraryCall call;
-  if (!has(name) || has_group(name))
-    fail_with(file_, fmt::format("there is no dataset {}: the file is damaged, or Troupe did not write it",
-                                 path_of(name)));
-  const Hdf5Id found(H5Dopen2(id_.get(), name.c_str(), datasets()), H5Dclose);
+  const Hdf5Id found = open_dataset(name);
   const Hdf5Id type(H5Dget_type(found.get()), H5Tclose);
   const Hdf5Id space(H5Dget_space(found.get()), H5Sclose);
-  if (!found.valid() || H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
-    fail_with(file_,
-              fmt::format("{} is not a string of fixed length: the file is damaged, or Troupe did not write "
-                          "the file",
-                          path_of(name)));
-  if (const Result<> own = check_own(found.get()); !own)
-    fail_with(file_, fmt::format("{} {}", path_of(name), own.error().text));
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0)
+    fail_about(name,
+               "is not a string of fixed length: the file is damaged, or Troupe did not write the file");
   const std::size_t length = H5Tget_size(type.get());
   const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.get()), "read"));
-  if (!fits(found.get(), count, length))
-    fail_with(file_, fmt::format("{} {}", path_of(name), does_not_fit(count)));
+  if (!fits(found.get(), count, length)) fail_about(name, does_not_fit(count));
   std::string padded(length * count, '\0');
   if (count > 0 && H5Dread(found.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()) < 0)
-    fail_with(file_, fmt::format("{} cannot be read: {}", path_of(name), reason()));
+    fail_about(name, fmt::format("cannot be read: {}", reason()));
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < count; ++i) texts.push_back(unpadded(padded.substr(i * length, length)));
   return texts;
@@ -858,8 +848,8 @@ std::vector<std::string> Hdf5Group::read_texts(const std::string& name) const {
 std::string Hdf5Group::read_text(const std::string& name) const {
   std::vector<std::string> texts = read_texts(name);
   if (texts.size() != 1)
-    fail_with(file_, fmt::format("{} must contain one string, but contains {}: the file is damaged",
-                                 path_of(name), texts.size()));
+    fail_about(name,
+               fmt::format("must contain one string, but contains {}: the file is damaged", texts.size()));
   return std::move(texts.front());
 }
 

@@ -235,7 +235,10 @@ class Hdf5Group : public Hdf5Object {
 
  private:
   std::string path_of(const std::string& name) const;
+  /// Throws Hdf5Error. The message continues a sentence about the object `name` of this group.
+  [[noreturn]] void fail_about(const std::string& name, std::string_view message) const;
   [[noreturn]] void fail_to_create(const std::string& name) const;
+  Hdf5Id open_dataset(const std::string& name) const;
   Hdf5Id make_dataset(const std::string& name, std::int64_t type, const Hdf5Id& space,
                       const Hdf5Id& properties);
   void write_padded(const std::string& name, const std::string& padded, const Hdf5Id& type,

@@ -165,7 +165,7 @@ RecordedScene::Type type_of(const Json& json) {
   return type;
 }
 
-RecordedScene scene_of(const Json& json, const RecordingReader::Scene& columns) {
+RecordedScene scene_of(const Json& json, const BodyColumns& columns) {
   RecordedScene scene;
   scene.title = text_of(json.at("title"));
   if (const auto bounds = json.find("bounds_m");
@@ -220,26 +220,13 @@ void find_shown_colors(const RecordingReader& recording, RecordedScene& scene) {
 
 }  // namespace
 
-RecordingReader::Scene scene_columns(const engine::WorldSpec& spec) {
-  RecordingReader::Scene columns;
-  for (const engine::BodySpec& body : spec.bodies) {
-    columns.word.push_back(body.name.word);
-    columns.number.push_back(body.name.number);
-    columns.type.push_back(body.type.value);
-    const Pose& pose = body.pose_world_body;
-    columns.pose.insert(columns.pose.end(), {pose.x, pose.y, pose.z, pose.heading});
-    columns.color.insert(columns.color.end(), {body.color.r, body.color.g, body.color.b, body.color.a});
-  }
-  return columns;
-}
-
 Color shown_color(std::span<const double> parts, const Color& of_the_world) {
   if (!std::ranges::all_of(parts, [](double part) { return std::isfinite(part); })) return of_the_world;
   return {static_cast<float>(parts[0]), static_cast<float>(parts[1]), static_cast<float>(parts[2]), 1};
 }
 
 RecordedScene recorded_scene(const RecordingReader& recording) {
-  const std::optional<RecordingReader::Scene> columns = recording.scene();
+  const std::optional<BodyColumns> columns = recording.scene();
   if (!columns)
     fail(recording,
          "has no group /scene (walls and colours): an older version of Troupe wrote the file; record the "
@@ -256,7 +243,8 @@ RecordedScene recorded_scene(const RecordingReader& recording) {
 }
 
 RecordedScene recorded_scene(const engine::WorldSpec& spec, const engine::Registry& registry) {
-  return scene_of(Json::parse(spec_to_json(spec, registry)), scene_columns(spec));
+  const StoredSpec stored = store_spec(spec, registry);
+  return scene_of(Json::parse(stored.json), stored.bodies);
 }
 
 std::optional<engine::Record> recorded_window(const RecordingReader& recording) {

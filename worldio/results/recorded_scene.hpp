@@ -81,10 +81,6 @@ struct RecordedScene {
   std::vector<Body> bodies;   ///< indexed by BodyId, the number of a body in the world
 };
 
-/// Returns the data of the group /scene of a recording: the name, type, start pose and colour of each body of
-/// a world, walls included. `spec` is the description from which the engine builds the world.
-RecordingReader::Scene scene_columns(const engine::WorldSpec& spec);
-
 /// Returns the colour in which to draw a body at a recorded time: the opaque colour in `parts` if its numbers
 /// are finite, else `of_the_world`.
 /// parts         red, green and blue, each from 0 to 1: the recorded value of the field `shown_color` of the

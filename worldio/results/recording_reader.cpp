@@ -168,14 +168,14 @@ void RecordingReader::read_frames() {
                       times_s_[f], ticks_[f], last_s));
 }
 
-std::optional<RecordingReader::Scene> RecordingReader::scene() const {
+std::optional<BodyColumns> RecordingReader::scene() const {
   if (!hdf5_.has_group("scene")) return std::nullopt;
   const Hdf5Group group = hdf5_.group("scene");
-  Scene scene{.word = group.dataset("word").read<std::uint32_t>(),
-              .number = group.dataset("number").read<std::uint32_t>(),
-              .type = group.dataset("type").read<std::uint32_t>(),
-              .pose = group.dataset("pose").read<double>(),
-              .color = group.dataset("color").read<float>()};
+  BodyColumns scene{.word = group.dataset("word").read<std::uint32_t>(),
+                    .number = group.dataset("number").read<std::uint32_t>(),
+                    .type = group.dataset("type").read<std::uint32_t>(),
+                    .pose = group.dataset("pose").read<double>(),
+                    .color = group.dataset("color").read<float>()};
   const std::size_t bodies = scene.type.size();
   if (scene.word.size() != bodies || scene.number.size() != bodies || scene.pose.size() != 4 * bodies ||
       scene.color.size() != 4 * bodies || (!ids_.empty() && std::ranges::max(ids_) >= bodies))

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/fields/state_table.hpp"
+#include "worldio/json/spec_json.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <cstddef>
@@ -53,18 +54,10 @@ class RecordingReader {
   std::span<const std::string> types() const { return types_; }
   std::span<const std::string> names() const { return names_; }
 
-  /// All bodies of the world as it was loaded, walls included, in the order of their BodyIds.
-  struct Scene {
-    /// The name of the body: `word` is an index into the list `words` of /world, and `number` follows the
-    /// word. For example, the name "r17" is the word "r" and the number 17. A name without a number has
-    /// engine::Name::k_no_number.
-    std::vector<std::uint32_t> word, number;
-    std::vector<std::uint32_t> type;  ///< index into the types of /world
-    std::vector<double> pose;         ///< 4 numbers per body: x, y, z (m), heading (rad); world frame
-    std::vector<float> color;         ///< 4 numbers per body: red, green, blue, opacity; each from 0 to 1
-  };
-  /// Returns the group /scene. Returns std::nullopt if the recording is so old that it has no such group.
-  std::optional<Scene> scene() const;
+  /// Returns the group /scene: all bodies of the world as it was loaded, walls included. Of the columns, only
+  /// `word`, `number`, `type`, `pose` and `color` are filled. Returns std::nullopt if the recording is so old
+  /// that it has no such group.
+  std::optional<BodyColumns> scene() const;
 
   /// The number of complete frames, and for each of them the tick, the simulated time and the state hash.
   /// Ticks increase from frame to frame. Times are finite and do not decrease.

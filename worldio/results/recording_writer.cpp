@@ -1,7 +1,7 @@
 #include "worldio/results/recording_writer.hpp"
 
+#include "worldio/json/spec_json.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
-#include "worldio/results/recorded_scene.hpp"
 #include "worldio/results/recording_repair.hpp"
 
 #include <fmt/format.h>
@@ -76,7 +76,7 @@ void describe(Hdf5Dataset& dataset, std::string_view unit, std::string_view fram
 }
 
 void write_scene(Hdf5File& file, const engine::WorldSpec& spec) {
-  const RecordingReader::Scene columns = scene_columns(spec);
+  const BodyColumns columns = body_columns(spec);
   Hdf5Group scene = file.create_group("scene");
   scene.write("word", std::span<const std::uint32_t>(columns.word));
   scene.write("number", std::span<const std::uint32_t>(columns.number));

@@ -142,7 +142,7 @@ struct Try {
 Try make(const RecordingReader& recording, const ReplayPlan& plan, std::span<const std::size_t> frames,
          std::size_t most_bytes) {
   BlockWriter writer(recording, plan);
-  ReplayBlocks blocks{.frames = block_frames(plan), .bytes = {}};
+  ReplayBlocks blocks{.frames = block_frames(plan)};
   // The size of the constant data is checked first, because with thousands of types it is most of a page.
   const std::size_t fixed_bytes = packed(recording, plan, frames, blocks, "").size();
   const auto excess_of = [&](std::size_t stream_bytes, std::size_t done) {
@@ -161,10 +161,10 @@ Try make(const RecordingReader& recording, const ReplayPlan& plan, std::span<con
     add(writer.poses(block));
     for (const ReplayField& field : plan.fields) add(writer.field(field, block));
     if (fixed_bytes + streams.size() > most_bytes)
-      return {.bytes = {}, .excess = excess_of(streams.size(), first + block.size())};
+      return {.excess = excess_of(streams.size(), first + block.size())};
   }
   std::string bytes = packed(recording, plan, frames, blocks, streams);
-  if (bytes.size() > most_bytes) return {.bytes = {}, .excess = excess_of(streams.size(), frames.size())};
+  if (bytes.size() > most_bytes) return {.excess = excess_of(streams.size(), frames.size())};
   return {.bytes = std::move(bytes)};
 }
 
@@ -179,7 +179,7 @@ std::size_t next_stride(std::size_t stride, double excess, std::size_t recorded)
 
 ReplayData replay_data(const RecordingReader& recording, const ReplayOptions& options) {
   const ReplayPlan plan = plan_replay(recording, options.fields);
-  ReplayData data{.bytes = {}, .recorded = recording.frames(), .at_rest = plan.at_rest};
+  ReplayData data{.recorded = recording.frames(), .at_rest = plan.at_rest};
   for (const std::uint32_t id : recording.ids())
     ++(plan.scene.types[plan.scene.bodies[id].type].look.mobile ? data.robots : data.others);
   for (;;) {  // the stride grows, so this loop ends

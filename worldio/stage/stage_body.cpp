@@ -24,8 +24,7 @@ Solid box(double x_min, double x_max, double y_min, double y_max, double z_min, 
 }  // namespace
 
 bool StageBodies::flag(const StageModel& model, std::string_view key) {
-  const StageProperty* property = model.find(document_, key);
-  return property && values_.flag(*property).value_or(false);
+  return values_.flag(model.find(document_, key), false);
 }
 
 StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& kind, Eigen::Vector3d& size,

@@ -127,11 +127,10 @@ std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
     if (const auto one = transducer(sensor)) params.transducers.push_back(*one);
   if (params.transducers.size() < sensors.size() + is_sensor) return {};
 
-  if (const StageProperty* property = model.find(document_, "intensity"))
-    params.intensity = values_.flag(*property).value_or(false);
+  params.intensity = values_.flag(model.find(document_, "intensity"), false);
   engine::DeviceSpec spec{.kind = "ranger", .params = engine::to_record(params), .where = model.where};
   spec.period_s = period_s(model);
-  spec.active = is_always_on(model);
+  spec.active = values_.flag(model.find(document_, "alwayson"), false);
   return spec;
 }
 
@@ -176,11 +175,6 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
   return spec;
 }
 
-bool StageKinds::is_always_on(const StageModel& model) {
-  const StageProperty* property = model.find(document_, "alwayson");
-  return property != nullptr && values_.flag(*property).value_or(false);
-}
-
 std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
                                                      const engine::DeviceKind& kind) {
   engine::DeviceSpec spec{
@@ -205,7 +199,7 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
   if (kind.name == "radio") is_right = add_radio_law(model, kind, spec) && is_right;
   if (!is_right) return {};
   spec.period_s = period_s(model);
-  spec.active = is_always_on(model);
+  spec.active = values_.flag(model.find(document_, "alwayson"), false);
   return spec;
 }
 
@@ -395,8 +389,7 @@ bool StageKinds::localize(const StageModel& model, const FieldTable& table, Reco
   set(table, params, "localization", kind);
   set(table, params, "odom_heading", choose("odom_heading", "new", {"old", "new"}));
 
-  const StageProperty* honours = model.find(document_, "gps_origin");
-  const bool gps_has_origin = honours && values_.flag(*honours).value_or(false);
+  const bool gps_has_origin = values_.flag(model.find(document_, "gps_origin"), false);
   if (const StageProperty* property = model.find(document_, "localization_origin")) {
     const auto origin = values_.pose(*property);
     is_right = is_right && origin;

@@ -65,7 +65,6 @@ class StageKinds {
   /// Reads the properties that say how the robot estimates its pose (GPS or odometry), and stores them in
   /// `params`, which has one value per field of `table`. Returns false if a property is wrong.
   bool localize(const StageModel& model, const engine::FieldTable& table, engine::Record& params);
-  bool is_always_on(const StageModel& model);
   std::optional<engine::Value> value(const StageProperty& property, const engine::Field& field, double to_si,
                                      int column);
   // The next three functions are defined in worldio/stage/stage_sensors.cpp. If a property is wrong, they

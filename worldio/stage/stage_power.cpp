@@ -64,9 +64,7 @@ Record effective_params(const TypeSpec& type, const DeviceSpec& device, const Fi
 }
 
 bool StagePower::is_on(const StageModel& model) {
-  const StageProperty* always = model.find(document_, "alwayson");
-  return model.find(document_, "ctrl") != nullptr ||
-         (always != nullptr && values_.flag(*always).value_or(false));
+  return model.find(document_, "ctrl") != nullptr || values_.flag(model.find(document_, "alwayson"), false);
 }
 
 double StagePower::watts(const StageModel& model, std::string_view key) {

@@ -90,6 +90,10 @@ std::optional<bool> StageValues::flag(const StageProperty& property) {
   return *value != 0;
 }
 
+bool StageValues::flag(const StageProperty* property, bool otherwise) {
+  return property ? flag(*property).value_or(otherwise) : otherwise;
+}
+
 std::optional<std::vector<double>> StageValues::tuple(const StageProperty& property, std::size_t least,
                                                       std::size_t most, std::string_view layout) {
   if (!property.tuple) {

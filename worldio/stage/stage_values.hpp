@@ -63,6 +63,8 @@ class StageValues {
   std::optional<std::int64_t> integer(const StageProperty& property);
   /// Returns a switch, which the file writes as a whole number: false for 0, true for all other numbers.
   std::optional<bool> flag(const StageProperty& property);
+  /// Like the other flag(), but returns `otherwise` if `property` is null or has another value than a switch.
+  bool flag(const StageProperty* property, bool otherwise);
   /// Returns the numbers of a tuple. Fewer than `least` numbers are an error. Numbers after the first `most`
   /// are dropped with a warning. `layout` describes the tuple in messages: "[x y z]".
   std::optional<std::vector<double>> tuple(const StageProperty& property, std::size_t least, std::size_t most,

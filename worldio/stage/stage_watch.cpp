@@ -93,8 +93,7 @@ Value read_value(const StageProperty& property, const Field& field, double to_si
 
 engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& values) {
   engine::WatchSpec watch;
-  if (const StageProperty* property = document.world_property("show_clock"))
-    watch.clock = values.flag(*property).value_or(false);
+  watch.clock = values.flag(document.world_property("show_clock"), false);
   if (const StageProperty* property = document.world_property("show_clock_interval")) {
     const auto ticks = values.integer(*property);
     if (ticks && *ticks >= 1 && *ticks <= engine::k_most_clock_ticks)
@@ -107,8 +106,7 @@ engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& v
   // Stage reads 0 and below as "as fast as possible".
   if (const StageProperty* property = document.world_property("speedup"))
     watch.rate = std::clamp(values.number(*property).value_or(1), 0.0, engine::k_most_rate);
-  if (const StageProperty* property = document.world_property("paused"))
-    watch.paused = values.flag(*property).value_or(false);
+  watch.paused = values.flag(document.world_property("paused"), false);
   return watch;
 }
 

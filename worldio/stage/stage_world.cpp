@@ -151,7 +151,6 @@ class StageWorld {
                           const std::vector<StageModel>& sensors, const Place& place,
                           const Pose& pose_body_frame, Draft& draft);
   std::int32_t add_wheels(const StageModel& model, const Place& place, Draft& draft);
-  bool is_without_body(const StageModel& model);
   void check_extent(const StageModel& model, const engine::PartSpec& part);
   engine::Returns returns(const StageModel& model);
   std::optional<std::int64_t> mark(const StageProperty& property);
@@ -266,8 +265,7 @@ void StageWorld::read_world() {
   const double angle = read_unit("unit_angle", {{"degrees", radians(1)}, {"radians", 1}});
   values_.set_units(length, angle);
   const auto property = [this](std::string_view key) { return document_.world_property(key); };
-  if (const StageProperty* wraps = property("wrap_headings"))
-    values_.set_wraps_headings(values_.flag(*wraps).value_or(true));
+  values_.set_wraps_headings(values_.flag(property("wrap_headings"), true));
   if (const StageProperty* tick = property("interval_sim")) read_tick(*tick);
   if (const StageProperty* resolution = property("resolution")) read_resolution(*resolution);
   if (const StageProperty* quit_time = property("quit_time")) read_quit_time(*quit_time);
@@ -574,7 +572,7 @@ std::int32_t StageWorld::add_device(const StageModel& model, const engine::Model
   std::int32_t joint = place.joint;
   if (model.type == "actuator")  // an actuator moves its own part and the parts on it
     draft.type.parts[index].joint = joint = draft.type.devices[d].moves;
-  if (draft.type.parts[index].solids.empty() && !is_without_body(model))
+  if (draft.type.parts[index].solids.empty() && !values_.flag(model.find(document_, "noblocks"), false))
     engine::add_device_body(draft.type, d, *kind);
   return joint;
 }
@@ -618,12 +616,6 @@ void StageWorld::check_extent(const StageModel& model, const engine::PartSpec& p
         model.where, fmt::format("as in Stage, a bumper without \"size\" has a body of {:g} m x {:g} m x "
                                  "{:g} m; give it a \"size\" (or \"noblocks 1\", if it should have no body)",
                                  part.size.x(), part.size.y(), part.size.z()));
-}
-
-/// Whether the model has `noblocks 1`: no body, not even the default of its kind.
-bool StageWorld::is_without_body(const StageModel& model) {
-  const StageProperty* property = model.find(document_, "noblocks");
-  return property && values_.flag(*property).value_or(false);
 }
 
 /// Reads the `..._return` properties and `fiducial_key`, which say how other bodies collide with the model
@@ -715,8 +707,7 @@ void StageWorld::bring_devices(const engine::ControllerKind& kind, const engine:
 void StageWorld::add_children(const StageModel& model, const Place& place, double height,
                               const std::vector<std::pair<StageModel, const StageEntity*>>& children,
                               Draft& draft) {
-  const StageProperty* stack = model.find(document_, "stack_children");
-  const bool is_stacked = !stack || values_.flag(*stack).value_or(true);
+  const bool is_stacked = values_.flag(model.find(document_, "stack_children"), true);
   std::map<std::string_view, std::size_t> generated_names;
   const auto below = [&place](std::string_view last) {
     return place.name.empty() ? std::string(last) : fmt::format("{}.{}", place.name, last);
