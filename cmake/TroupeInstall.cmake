@@ -23,18 +23,18 @@ install(FILES ${PROJECT_BINARY_DIR}/generated/troupe/version.hpp DESTINATION ${h
 install(EXPORT troupe NAMESPACE troupe:: FILE troupeTargets.cmake DESTINATION ${package_dir})
 
 set(troupe_is_build_tree OFF)
-configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/troupeConfig.cmake.in
-                              ${PROJECT_BINARY_DIR}/installed/troupeConfig.cmake
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/troupe-config.cmake.in
+                              ${PROJECT_BINARY_DIR}/installed/troupe-config.cmake
                               INSTALL_DESTINATION ${package_dir} NO_SET_AND_CHECK_MACRO)
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/installed/troupeConfig.cmake ${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/troupe-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/installed/troupe-config.cmake ${PROJECT_BINARY_DIR}/troupe-config-version.cmake
               ${PROJECT_SOURCE_DIR}/cmake/FindHdf5C.cmake ${PROJECT_SOURCE_DIR}/cmake/TroupePlugin.cmake
         DESTINATION ${package_dir})
 
 # The build tree is also a package: -Dtroupe_DIR=build/release. Its targets contain the compile options of the libraries.
 if(PROJECT_IS_TOP_LEVEL)
   set(troupe_is_build_tree ON)
-  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/troupeConfig.cmake.in ${PROJECT_BINARY_DIR}/troupeConfig.cmake
+  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/troupe-config.cmake.in ${PROJECT_BINARY_DIR}/troupe-config.cmake
                                 INSTALL_DESTINATION ${PROJECT_BINARY_DIR} INSTALL_PREFIX ${PROJECT_BINARY_DIR}
                                 NO_SET_AND_CHECK_MACRO)
   foreach(file FindHdf5C TroupePlugin)
@@ -47,9 +47,13 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)
 install(FILES ${PROJECT_SOURCE_DIR}/docs/world.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/troupe PATTERN "*.py" EXCLUDE
         PATTERN "scenes.json" EXCLUDE)  # only for tests and benchmarks
-# Pages are installed in the layout of the source tree, so that their links work. Pictures are left out.
+# Pages and examples are installed in the layout of the source tree, so that the links of the pages work. Pictures are left
+# out.
 install(FILES README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md LICENSE SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs FILES_MATCHING PATTERN "*.md" PATTERN "images" EXCLUDE)
+foreach(folder apps python)
+  install(DIRECTORY ${folder}/examples DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} PATTERN "__pycache__" EXCLUDE)
+endforeach()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME troupe)
@@ -86,7 +90,7 @@ set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "troupe (= ${PROJECT_VERSION}), libc6, ${mp
 set(CPACK_DEBIAN_MPI_PACKAGE_SUGGESTS "openmpi-bin, mpich")  # their mpirun
 set(CPACK_DEBIAN_MPI_DESCRIPTION "${PROJECT_DESCRIPTION}: modules for one world on several processes")
 
-# The dependencies in troupeConfig.cmake.
+# The dependencies in troupe-config.cmake.
 set(needed libeigen3-dev libfmt-dev libhwy-dev libpng-dev zlib1g-dev libyaml-cpp-dev)
 if(TROUPE_HDF5)
   list(APPEND needed libhdf5-dev)

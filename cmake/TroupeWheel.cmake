@@ -22,8 +22,8 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/models/devices DESTINATION ${header_dir}
         FILES_MATCHING PATTERN "*.hpp" PATTERN "lowest.hpp" EXCLUDE)
 install(FILES ${PROJECT_SOURCE_DIR}/models/controllers/beams.hpp DESTINATION ${header_dir}/models/controllers)
 install(EXPORT troupe NAMESPACE troupe:: FILE troupeTargets.cmake DESTINATION ${package_dir})
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_SOURCE_DIR}/cmake/wheel/troupeConfig.cmake ${PROJECT_BINARY_DIR}/troupeConfigVersion.cmake
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/troupe-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/wheel/troupe-config.cmake ${PROJECT_BINARY_DIR}/troupe-config-version.cmake
               ${PROJECT_SOURCE_DIR}/cmake/TroupePlugin.cmake
         DESTINATION ${package_dir})
 

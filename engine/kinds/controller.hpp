@@ -99,6 +99,17 @@ C make(const Record& record) {
   }
 }
 
+/// Returns the error of a controller that finds no device of this kind among those of its robot. more: it has
+/// already found other devices.
+inline Error no_device_of(std::string_view kind, bool more, std::span<const DeviceInfo> devices) {
+  std::string text(more ? "needs one more device of kind \"" : "needs a device of kind \"");
+  text.append(kind).append("\"");
+  for (const DeviceInfo& device : devices)
+    text.append(&device == devices.data() ? "; the devices of the robot are of the kinds " : ", ")
+        .append(device.kind);
+  return {std::move(text)};
+}
+
 template <class C>
 Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInfo> devices,
                                         std::vector<bool>& claimed) {
@@ -113,9 +124,7 @@ Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInf
       for (const std::string_view kind : C::k_uses) {
         std::size_t d = 0;
         while (d < devices.size() && (devices[d].kind != kind || std::ranges::count(chosen, d) > 0)) ++d;
-        if (d == devices.size())
-          return Error{(chosen.empty() ? "needs a device of kind \"" : "needs one more device of kind \"") +
-                       std::string(kind) + "\""};
+        if (d == devices.size()) return no_device_of(kind, !chosen.empty(), devices);
         chosen.push_back(d);
       }
     } else {

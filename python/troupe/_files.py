@@ -27,7 +27,7 @@ def cmake_dir() -> pathlib.Path:
     CMake package of a wheel contains what plug-ins need; that of a build tree or an installation from source contains
     the whole library. Raises FileNotFoundError if the installation has no CMake package, as after `pip install .`."""
     roots = _roots()
-    return _first("CMake package", "troupeConfig.cmake", [*(root / "lib" / "cmake" / "troupe" for root in roots), *roots[1:]])
+    return _first("CMake package", "troupe-config.cmake", [*(root / "lib" / "cmake" / "troupe" for root in roots), *roots[1:]])
 
 
 def worlds_dir() -> pathlib.Path:

@@ -78,7 +78,7 @@ function(build_example name)
     set(arg_INTO build)
     set(arg_AGAINST -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix)
   endif()
-  file(COPY ${SOURCE}/apps/examples/${name} DESTINATION ${SCRATCH})
+  file(COPY ${SCRATCH}/prefix/share/doc/troupe/apps/examples/${name} DESTINATION ${SCRATCH})
   run(IN ${SCRATCH} ${CMAKE_COMMAND} -S ${SCRATCH}/${name} -B ${SCRATCH}/${name}/${arg_INTO} -G ${GENERATOR} ${arg_AGAINST}
       -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
   run(IN ${SCRATCH} ${CMAKE_COMMAND} --build ${SCRATCH}/${name}/${arg_INTO})

@@ -63,8 +63,9 @@ foreach(library ${libraries})
 endforeach()
 foreach(file share/man/man1/troupe.1 share/bash-completion/completions/troupe share/zsh/site-functions/_troupe
              share/fish/vendor_completions.d/troupe.fish share/troupe/world.schema.json include/troupe/troupe/troupe.hpp
-             lib/cmake/troupe/troupeConfig.cmake share/doc/troupe/README.md share/doc/troupe/LICENSE
-             share/doc/troupe/CITATION.cff share/doc/troupe/docs/tutorial.md)
+             lib/cmake/troupe/troupe-config.cmake share/doc/troupe/README.md share/doc/troupe/LICENSE
+             share/doc/troupe/CITATION.cff share/doc/troupe/docs/tutorial.md
+             share/doc/troupe/apps/examples/plugin/CMakeLists.txt share/doc/troupe/python/examples/disperse.py)
   if(NOT EXISTS ${SCRATCH}/root/usr/${file})
     message(FATAL_ERROR "no package holds ${file}")
   endif()

@@ -294,6 +294,12 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
   EXPECT_THAT(error_of("swarm:leadr", "plugins"), EndsWith("(did you mean \"swarm:leader\"?)"));
   EXPECT_THAT(error_of("swarm:needy", "plugins"),
               EndsWith("controller \"swarm:needy\" needs a device of kind \"ranger\""));
+  SimulationOptions with_devices = options({folder_of("plugins")});
+  with_devices.set = {{"/types/bot/sensors", R"([{"name": "c", "kind": "compass"}])"},
+                      {"/types/bot/devices", R"([{"name": "lamp", "kind": "led"}])"}};
+  EXPECT_THAT(
+      error_of(json_world(R"({"kind": "swarm:needy"})"), with_devices),
+      EndsWith("needs a device of kind \"ranger\"; the devices of the robot are of the kinds compass, led"));
 }
 
 TEST_F(PluginsTest, WhoseControllersThrowAreNamedWithTickAndRobot) {

@@ -81,7 +81,7 @@ class TheWheel(InAFolder):
     def test_contents(self):
         files = [str(file) for file in importlib.metadata.files("troupe-sim")]
         for file in ("troupe/py.typed", "troupe/_core.pyi", "troupe/envs/__init__.py", "troupe/include/troupe/troupe/plugin.hpp",
-                     "troupe/lib/cmake/troupe/troupeConfig.cmake", "troupe/share/troupe/worlds/hospital.json"):
+                     "troupe/lib/cmake/troupe/troupe-config.cmake", "troupe/share/troupe/worlds/hospital.json"):
             self.assertIn(file, files)
         licenses = [file.rsplit("/", 1)[1] for file in files if ".dist-info/licenses/third-party/" in file]
         # A licence for each library beside the module, whose names auditwheel has made: libfmt-0a1b2c3d.so.9.1.0.

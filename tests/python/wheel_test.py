@@ -78,14 +78,14 @@ class Folders(InAFolder):
                               stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
 
     def test_of_a_wheel(self):
-        self.installed("lib/cmake/troupe/troupeConfig.cmake", "share/troupe/worlds/hospital.json")
+        self.installed("lib/cmake/troupe/troupe-config.cmake", "share/troupe/worlds/hospital.json")
         self.assertEqual(self.call("cmake_dir"), f"{self.folder}/troupe/lib/cmake/troupe")
         self.assertEqual(self.call("worlds_dir"), f"{self.folder}/troupe/share/troupe/worlds")
 
     def test_of_neither(self):
         self.installed()
         self.assertRegex(self.call("cmake_dir"),
-                         f"^this installation of troupe has no CMake package: there is no troupeConfig.cmake in "
+                         f"^this installation of troupe has no CMake package: there is no troupe-config.cmake in "
                          f"{self.folder}/troupe/lib/cmake/troupe; wheels, and the prefix of cmake --install, contain it$")
         self.assertRegex(self.call("worlds_dir"), "^this installation of troupe has no worlds: ")
 
