@@ -26,9 +26,9 @@ Writes one self-contained HTML file that plays a recording (troupe run --record)
 page has a time bar and playback speeds, can pan, zoom and orbit, and can show trails and colour robots by any recorded
 field. A click on a robot shows its id, state and sensors. Press ? in the page for the keys.
 
-Positions are rounded to 1 mm, headings to 0.18 degrees, other numbers to 1/4000 of their range. If the page would be
-larger than --max-mb, it contains only every second frame, or every third, ...; the page and this command report which
-frames it contains.
+Positions are rounded to 1 mm, headings to 0.18 degrees, other numbers that are not whole to steps of at most 1/1600 of
+their range, or 0.001 m or rad. If the page would be larger than --max-mb, it contains only every second frame, or every
+third, ...; the page and this command report which frames it contains.
 
 The page shows poses and all other recorded fields (troupe run --record-fields pose,stall,ranges). --fields selects
 some of the other fields: by component (stall), by field (ranges) or by both (stall.stalled).

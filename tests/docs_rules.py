@@ -118,7 +118,7 @@ SHOWN_ONLY = [
     ("docs/measures.md", "troupe: error: tick 3", "a measure that throws: tests/plugins/program_test.cpp"),
     ("docs/determinism.md", "S(k+1)", "a formula"),
     ("docs/determinism.md", "key = seed", "a formula"),
-    ("docs/determinism.md", "component name", "what is hashed, told"),
+    ("docs/determinism.md", "id (32 bits", "what is hashed, told"),
     ("docs/determinism.md", "tick state", "the columns of a hash log"),
     ("docs/determinism.md", "variant ", "a difference, which there must not be: tests/apps/check_test.cpp"),
     ("docs/determinism.md", 'controller "patrol/0"', "a controller that breaks the rules: tests/plugins/program_test.cpp"),

@@ -314,8 +314,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"actuator", "axis", fixed, "[x y z] in the frame of the model; [0 0 0] means the x axis"},
     {"actuator", "min_position", fixed, "m or rad, whatever the file's units"},
     {"actuator", "max_position", fixed,
-     "m or rad, whatever the file's units; at least `min_position`, and at most 1000 m for a linear "
-     "actuator"},
+     "m or rad, whatever the file's units; at least `min_position`. A linear actuator moves at most 1000 m "
+     "horizontally"},
     {"actuator", "max_speed", fixed, "m/s or rad/s, whatever the file's units"},
     {"actuator", "start_position", fixed,
      "position at the start relative to the pose of the model, m or rad; in Stage, it overwrites the pose. A "
