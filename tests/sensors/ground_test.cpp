@@ -134,6 +134,42 @@ TEST(Ground, APointOnABorderLiesInOneTile) {
   for (const BodyId robot : robots) EXPECT_NE(read<std::uint32_t>(world, robot, k_ground_body)[0], 0u);
 }
 
+/// A comb with uneven teeth and holes, as the outlines of a floor image have: each point has the colour that
+/// the even-odd rule gives it.
+TEST(Ground, AZoneWithManyEdgesHoldsThePointsInsideIt) {
+  Random random(3, 7, 0, 0);
+  Solid comb{{{{-5, -5}}}, {0, 0.01}};
+  for (int i = 0; i < 100; ++i) {
+    comb.contours[0].emplace_back(-5 + 0.1 * i, random.uniform(-4.9, 5));
+    comb.contours[0].emplace_back(-5 + 0.1 * i + 0.05, random.uniform(-4.9, 5));
+  }
+  comb.contours[0].emplace_back(5, -5);
+  for (int i = 0; i < 40; ++i) {
+    const Vec2 at(random.uniform(-4, 4), random.uniform(-4, 4));
+    comb.contours.push_back({at, at + Vec2(0.7, 0.1), at + Vec2(0.2, 0.9)});
+  }
+  std::vector<Vec2> points;
+  std::vector<double> numbers;
+  for (int i = 0; i < 1000; ++i) {
+    points.emplace_back(random.uniform(-5.5, 5.5), random.uniform(-5.5, 5.5));
+    numbers.insert(numbers.end(), {points.back().x(), points.back().y()});
+  }
+  GroundScene scene;
+  const BodyId zone =
+      scene.body("zone", scene.type("zone", {comb}, {.obstacle = false, .ranger = -1}), {0, 0, 0, 0});
+  const BodyId robot = scene.robot_with({device("ground", {{"points", numbers}})}, {0, 0, 0, 0});
+  World world = scene.world();
+  world.step();
+  const std::vector<std::uint32_t> bodies = read<std::uint32_t>(world, robot, k_ground_body);
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(bodies[i], contains(comb, points[i]) ? zone.value : 0u) << i;
+    inside += bodies[i] != 0;
+  }
+  EXPECT_GT(inside, 200u);
+  EXPECT_LT(inside, 800u);
+}
+
 TEST(Ground, APointOnASlantedBorderLiesInOneOfTwoZones) {
   for (int i = 1; i <= 9; ++i)
     for (int j = 1; j <= 9; ++j) {
