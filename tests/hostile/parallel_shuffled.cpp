@@ -37,7 +37,6 @@ Parallel::Parallel(unsigned threads) : threads_(checked(threads)), workers_(std:
 
 Parallel::~Parallel() = default;
 Parallel::Parallel(Parallel&&) noexcept = default;
-Parallel& Parallel::operator=(Parallel&&) noexcept = default;
 
 void Parallel::run_tasks(std::size_t count, Call call, void* task) {
   std::vector<std::size_t> order(count);
