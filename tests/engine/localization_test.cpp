@@ -190,9 +190,9 @@ TEST(Localization, TheErrorsAndTheOriginAreLimited) {
 }
 
 TEST(Localization, AnEstimateThatBecomesInfiniteIsAnError) {
-  Robot robot("diff", {{"localization", "odom"},
-                       {"odom_error", std::vector<double>{0, 0, 1000}},
-                       {"turn_max", 1e308}});
+  Robot robot(
+      "diff",
+      {{"localization", "odom"}, {"odom_error", std::vector<double>{0, 0, 1000}}, {"turn_max", 1e308}});
   World world = robot.scene.world();
   world.set_command(world.row(robot.body), {0, 0, 1e306});  // 1e305 rad in a tick, times 1001
   world.step();
