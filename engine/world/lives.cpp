@@ -328,9 +328,10 @@ void World::remove(Row row) {
   restore_fp_environment();  // a library may have changed it: see World::step()
   if (!state_.life_table)
     throw std::logic_error(
-        "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set the "
-        "option mortal (worlds with a \"reserve\", a device that removes bodies, or an intervention "
-        "\"remove\" need neither)");
+        "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set this "
+        "key when you load the world (in C++: SimulationOptions::mortal; in Python: "
+        "set={\"/mortal\": True}); worlds with a \"reserve\", a device that removes bodies, or an "
+        "intervention \"remove\" need neither");
   if (!is_there(row)) return;
   touch();
   die(row);

@@ -9,6 +9,7 @@
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/world/world.hpp"
 #include "tests/support/devices.hpp"
+#include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -1059,6 +1060,11 @@ TEST(Experiment, AWorldWithoutOneHasNoSuchComponent) {
                                [](const StateTable& table) { return table.component() == "condition"; });
   };
   EXPECT_FALSE(has_conditions(*plain));
+  EXPECT_EQ(
+      test::message_of<std::logic_error>([&] { plain->set_disabled(Row(0), true); }),
+      "programs cannot disable \"r0\": add \"mortal\": true to the world file, or set this key when you "
+      "load the world (in C++: SimulationOptions::mortal; in Python: set={\"/mortal\": True}); worlds "
+      "with faults, or with an intervention \"disable\" or \"enable\", need neither");
   step(*plain, 3);
   row.scene.spec.experiment.faults = {fault(population("r"), 9, "drop_out", {{"rate", 1.0}})};
   const auto world = row.world();

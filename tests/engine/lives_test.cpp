@@ -81,7 +81,11 @@ TEST(Lives, AWorldWithoutThemHasNoSuchComponentAndNoDeaths) {
   const BodyId robot = scene.body("r", scene.robot("bot", {box(0.4, 0.4)}));
   World world = scene.world();
   EXPECT_FALSE(world.has_lives());
-  EXPECT_THROW(world.remove(world.row(robot)), std::logic_error);
+  EXPECT_EQ(
+      test::message_of<std::logic_error>([&] { world.remove(world.row(robot)); }),
+      "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set this key "
+      "when you load the world (in C++: SimulationOptions::mortal; in Python: set={\"/mortal\": True}); "
+      "worlds with a \"reserve\", a device that removes bodies, or an intervention \"remove\" need neither");
   const std::uint64_t hash = world.hashes().state;
 
   scene.spec.mortal = true;
