@@ -819,6 +819,49 @@ TEST(Experiment, WhatCannotBeDoneIsToldWithItsPlace) {
               HasSubstr("error: /faults/0: unknown population \"q\"; known: r"));
 }
 
+TEST(Experiment, AFaultThatABodyCannotHaveIsAnError) {
+  const auto failing = [](auto&& change, const FaultSpec& spec) {
+    Squad row(1);
+    change(row.scene[row.type]);
+    row.scene.spec.experiment.faults = {spec};
+    return row.errors();
+  };
+  const FaultSpec dead = fault(population("r"), 0, "dead_sensors", {});
+  EXPECT_THAT(failing([](TypeSpec& type) { type.devices.clear(); }, dead),
+              HasSubstr("fault \"dead_sensors\": this fault needs a sensor, but bodies of type \"bot\" have "
+                        "none"));
+  const auto add_many = [](TypeSpec& type) {
+    while (type.devices.size() < 33)
+      type.devices.push_back(test::ranger(fmt::format("eye{}", type.devices.size()), {{.range_max = 5}}));
+  };
+  EXPECT_THAT(
+      failing(add_many, dead),
+      HasSubstr("fault \"dead_sensors\": \"eye32\" is device 33 of type \"bot\" (counted from 1), but "
+                "faults can only concern the first 32: move it up in the list of sensors"));
+  EXPECT_THAT(
+      failing([](TypeSpec& type) { type.drive.reset(); },
+              fault(population("r"), 0, "slow_wheels", {{"factor", 0.5}})),
+      HasSubstr("fault \"slow_wheels\": this fault needs a drive, but bodies of type \"bot\" have none"));
+}
+
+TEST(Experiment, AProgramSetsNothingThatALaterSettingContradicts) {
+  Squad row(1);
+  const FieldTable& drive = test::registry().drive("diff")->params;
+  row.scene.spec.experiment.at = {
+      setting(0.5, row.type, SettingSpec::Of::drive, drive, "velocity_max_x", 0.25)};
+  const auto world = row.world();
+  const auto set_least = [&](double speed) {
+    const InterventionSpec least =
+        setting(0, row.type, SettingSpec::Of::drive, drive, "velocity_min_x", speed);
+    const Result<> done = world->set(*least.setting, test::registry());
+    return done ? "done" : done.error().text;
+  };
+  EXPECT_EQ(set_least(0.5),
+            "with these values, the world's intervention \"set\" at 0.5 s would fail: drive \"diff\": "
+            "velocity_min_x, velocity_max_x: lower bound 0.5 exceeds upper bound 0.25");
+  EXPECT_EQ(set_least(0.125), "done");
+}
+
 // If each of these interventions searched all names, this would take minutes.
 TEST(Experiment, AnUnknownGroupOfManyInterventionsIsSoughtOnce) {
   Squad row(test::k_slow_build ? 2'000 : 200'000);

@@ -145,6 +145,19 @@ TEST(Lives, NoEstimateIsSetOfWhoIsNotThere) {
   EXPECT_THROW(world.set_estimate(world.row(robot), {1, 2, 0, 3}), std::logic_error);
 }
 
+TEST(Lives, WhoIsNotThereIsNotPlaced) {
+  Plain plain;
+  World world = plain.scene.world();
+  const World::Placed unborn{world.row(world.find("more0")), {3, 0, 0, 0}};
+  EXPECT_EQ(test::message_of<std::invalid_argument>([&] {
+              world.set_poses({&unborn, 1});
+            }),
+            "\"more0\" cannot be placed: it was removed from the world, or has not been added to it yet");
+  world.remove(world.row(plain.robot));
+  const World::Placed dead{world.row(plain.robot), {3, 0, 0, 0}};
+  EXPECT_THROW(world.set_poses({&dead, 1}), std::invalid_argument);
+}
+
 TEST(Lives, ABirthNeedsAFreePlaceInTheWorldAndAnUnbornBody) {
   Plain plain;
   plain.scene.wall(3, -1, 4, 1);
