@@ -28,11 +28,7 @@ class Parallel {
   /// of all of them together, oneTBB may end the program.
   explicit Parallel(unsigned threads);
   ~Parallel();
-  /// A moved-from object can only be destroyed or assigned to.
-  ///@{
-  Parallel(Parallel&&) noexcept;
-  Parallel& operator=(Parallel&&) noexcept;
-  ///@}
+  Parallel(Parallel&&) noexcept;  ///< the moved-from object can only be destroyed
 
   unsigned threads() const { return threads_; }  ///< number of threads, at least 1
 

@@ -116,7 +116,6 @@ Parallel::Parallel(unsigned threads) : threads_(checked(threads)) {
 
 Parallel::~Parallel() = default;
 Parallel::Parallel(Parallel&&) noexcept = default;
-Parallel& Parallel::operator=(Parallel&&) noexcept = default;
 
 void Parallel::run_tasks(std::size_t count, Call call, void* task) {
   if (!workers_ || count < 2) {
