@@ -59,7 +59,6 @@ class WallCorners {
 bool is_closed(const Ring& line) { return line.size() > 2 && line.front() == line.back(); }
 
 Result<> check_wall_line(const Ring& line, double thickness) {
-  if (line.size() < 2) return Error{fmt::format("expected at least 2 points, found {}", line.size())};
   for (std::size_t i = 1; i < line.size(); ++i)
     if (line[i] == line[i - 1])
       return Error{

@@ -12,8 +12,7 @@ namespace troupe::worldio {
 bool is_closed(const Ring& line);
 
 /// Checks that walls can be built along a line. `line` has the points, m, of the line along the middle of the
-/// walls, and `thickness` is the thickness of the walls, m. Returns an error in these cases:
-/// - The line has fewer than two points.
+/// walls, at least two, and `thickness` is the thickness of the walls, m. Returns an error in these cases:
 /// - A point is equal to the point before it.
 /// - The line turns by more than 165 degrees at a point.
 /// - A segment is too short for the thickness: the mitred corners at its two ends overlap.
