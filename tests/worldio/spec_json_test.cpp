@@ -409,6 +409,22 @@ TEST(SpecJson, RefusesTextsThatAreNoStoredWorld) {
   }
 }
 
+TEST(SpecJson, RefusesWordsThatNoNamesHave) {
+  const StoredSpec good = store_spec(full_spec(), make_registry());
+  const auto error_of = [&](auto damage) {
+    auto document = nlohmann::ordered_json::parse(good.json);
+    damage(document["words"]);
+    StoredSpec bad = good;
+    bad.json = document.dump();
+    return errors_of(bad);
+  };
+  EXPECT_THAT(error_of([](auto& words) { words.clear(); }),
+              HasSubstr("/words: Names(): the list of words is empty: the first word must be \"\""));
+  EXPECT_THAT(error_of([](auto& words) { words[0] = "x"; }),
+              HasSubstr("/words: Names(): the first word is \"x\": the first word must be \"\""));
+  EXPECT_THAT(error_of([](auto& words) { words[1] = words[2]; }), HasSubstr("occurs twice: words must be unique"));
+}
+
 TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
   const StoredSpec good = store_spec(full_spec(), make_registry());
   const auto expect = [&](auto damage, const std::string& message) {
