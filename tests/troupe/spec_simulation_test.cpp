@@ -145,6 +145,15 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
          "error: types[2].parts: empty; a type needs at least one part");
   expect([](Spec& s) { s.types[2].parts[0].parent = 1; },
          "error: types[2].parts[0].parent: must be 0 for the first part, found index 1 (counted from 0)");
+  expect(
+      [](Spec& s) {
+        s.types[2].parts.push_back(s.types[2].parts[0]);
+        s.types[2].parts[1].parent = 1;
+      },
+      "error: types[2].parts[1].parent: must be the index of an earlier part, found index 1 (counted from 0)");
+  expect([](Spec& s) { s.types[2].joints.emplace_back().parent = 0; },
+         "error: types[2].joints[0].parent: must be -1 (no parent) or the index of an earlier joint, found "
+         "index 0 (counted from 0)");
   expect([](Spec& s) { s.types[2].devices[0].joint = 0; },
          "error: types[2].sensors[0].joint: must be -1 (no joint) or the index of a joint; the type has 0 "
          "joints, found "
@@ -205,6 +214,12 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
         s.reserves = {{"r", BodyId(0), 1}};
       },
       "error: reserves[0]: reserve \"r\" begins at body 0, but must begin at body 1 or later");
+  expect(
+      [](Spec& s) {
+        s.reserves = {{"r", BodyId(1), 2}};
+      },
+      "error: reserves[0]: reserve \"r\" has bodies of the types \"wall\" and \"bot\"; all bodies of a reserve "
+      "must have the same type");
   expect([](Spec& s) { s.bounds.emplace(); },
          "error: bounds_m.min: must be from -1000000 to 1000000, found inf");
   expect(
