@@ -538,6 +538,34 @@ TEST(Controllers, ADeviceOfAnotherControllerIsNamedWhereItIsMissed) {
   EXPECT_THAT(robot.scene.error(), testing::EndsWith("controller \"sink\" needs a device of kind \"flags\""));
 }
 
+TEST(Controllers, WhatARobotOrItsWorldLacksIsNamed) {
+  const auto error_of = [](const std::vector<std::string>& devices, engine::ControllerSpec controller) {
+    BeforeAWall robot("gradient", 1, 0.4, 0.1);
+    engine::TypeSpec& type = robot.scene.spec.types.back();
+    for (const std::string& kind : devices) test::add_device(type, kind, kind, {});
+    type.controllers = {std::move(controller)};
+    return robot.scene.error();
+  };
+  using testing::EndsWith;
+  EXPECT_THAT(error_of({}, test::controller("collector")),
+              EndsWith("controller \"collector\" needs a fiducial finder (a device of kind \"fiducial\")"));
+  EXPECT_THAT(error_of({"fiducial"}, test::controller("collector")),
+              EndsWith("controller \"collector\" needs a gripper (a device of kind \"gripper\")"));
+  EXPECT_THAT(error_of({"fiducial", "gripper"}, test::controller("collector")),
+              EndsWith("controller \"collector\" needs a model in the world named \"sink\", or several named "
+                       "\"sink0\", \"sink1\" and so on"));
+  EXPECT_THAT(
+      error_of({}, test::controller("pioneer_flocking")),
+      EndsWith("controller \"pioneer_flocking\" needs a fiducial finder (a device of kind \"fiducial\")"));
+  EXPECT_THAT(error_of({}, test::controller("fasr2")),
+              EndsWith("controller \"fasr2\" has no task: give `task`; with the value \"red\", the robot "
+                       "carries flags from the model red_source to the model red_sink"));
+  EXPECT_THAT(error_of({"flags"}, test::controller("fasr2", {{"task", "red"}})),
+              EndsWith("controller \"fasr2\" needs a model in the world named \"red_source\""));
+  EXPECT_THAT(error_of({}, test::controller("operate")),
+              EndsWith("controller \"operate\" has no orders: give `orders` (in a .world file: `plan`)"));
+}
+
 TEST(Wander, TakesOverARobotThatWasSentSomewhere) {
   Decision decide(Decision::scanner(31), "wander", test::registry().controller("wander")->params.defaults());
   decide.command = {3, 4, 0.5, engine::ControlMode::position};

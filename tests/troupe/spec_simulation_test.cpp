@@ -150,7 +150,8 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
         s.types[2].parts.push_back(s.types[2].parts[0]);
         s.types[2].parts[1].parent = 1;
       },
-      "error: types[2].parts[1].parent: must be the index of an earlier part, found index 1 (counted from 0)");
+      "error: types[2].parts[1].parent: must be the index of an earlier part, found index 1 (counted from "
+      "0)");
   expect([](Spec& s) { s.types[2].joints.emplace_back().parent = 0; },
          "error: types[2].joints[0].parent: must be -1 (no parent) or the index of an earlier joint, found "
          "index 0 (counted from 0)");
@@ -218,7 +219,8 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
       [](Spec& s) {
         s.reserves = {{"r", BodyId(1), 2}};
       },
-      "error: reserves[0]: reserve \"r\" has bodies of the types \"wall\" and \"bot\"; all bodies of a reserve "
+      "error: reserves[0]: reserve \"r\" has bodies of the types \"wall\" and \"bot\"; all bodies of a "
+      "reserve "
       "must have the same type");
   expect([](Spec& s) { s.bounds.emplace(); },
          "error: bounds_m.min: must be from -1000000 to 1000000, found inf");

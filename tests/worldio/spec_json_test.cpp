@@ -422,7 +422,8 @@ TEST(SpecJson, RefusesWordsThatNoNamesHave) {
               HasSubstr("/words: Names(): the list of words is empty: the first word must be \"\""));
   EXPECT_THAT(error_of([](auto& words) { words[0] = "x"; }),
               HasSubstr("/words: Names(): the first word is \"x\": the first word must be \"\""));
-  EXPECT_THAT(error_of([](auto& words) { words[1] = words[2]; }), HasSubstr("occurs twice: words must be unique"));
+  EXPECT_THAT(error_of([](auto& words) { words[1] = words[2]; }),
+              HasSubstr("occurs twice: words must be unique"));
 }
 
 TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
