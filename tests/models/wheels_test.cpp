@@ -115,6 +115,17 @@ TEST(Wheels, ACommandThatIsNotFiniteIsAnError) {
   }
 }
 
+TEST(Wheels, BoundsThatContradictOneAnotherAreAnError) {
+  SceneBuilder scene;
+  const TypeId type = scene.type("cart", {box(0.2, 0.2)});
+  test::add_device(scene[type], "feet", "wheels", {}, {{"velocity_min_x", 1.0}, {"velocity_max_x", -1.0}});
+  scene.body("c", type);
+  EXPECT_EQ(
+      scene.error(),
+      "error: device \"feet\" has contradictory drive parameters: velocity_min_x, velocity_max_x: lower "
+      "bound 1 exceeds upper bound -1");
+}
+
 TEST(Wheels, SensorsOnTheirPartSeeNoFartherThanTheyDeclare) {
   Turret turret("switcher");
   turret.scene.body("r", turret.scene.robot("bot", {box(0.4, 0.4)}), {3, 0, 0, 0});
