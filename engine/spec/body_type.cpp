@@ -143,7 +143,6 @@ class TypeCompiler {
     type_.name = spec_.name;
     add_geometry(spec_, type_, diagnostics_);
     add_joints();
-    check_joints();
     if (spec_.drive) {
       check_thickness();
       add_drive(*spec_.drive);
@@ -162,24 +161,6 @@ class TypeCompiler {
       const Mount at_rest(joint.pose_body_joint);
       type_.joints.push_back({joint.name, joint.parent, at_rest, inverse(at_rest)});
     }
-  }
-
-  void check_joints() {
-    for (std::size_t j = 0; j < spec_.joints.size(); ++j)
-      if (spec_.joints[j].parent >= static_cast<std::int32_t>(j))
-        diagnostics_.error(
-            where(),
-            fmt::format("type \"{}\": joint \"{}\" is joint {} of the list (counted from 0), but its "
-                        "parent is joint {}: put the parent first",
-                        spec_.name, spec_.joints[j].name, j, spec_.joints[j].parent));
-    for (const PartSpec& part : spec_.parts)
-      if (part.joint < k_rigid || part.joint >= static_cast<std::int32_t>(spec_.joints.size()))
-        diagnostics_.error(
-            part.where,
-            fmt::format("type \"{}\": part \"{}\" refers to joint {}, counted from 0, but the type has "
-                        "{} joint{}",
-                        spec_.name, part.name, part.joint, spec_.joints.size(),
-                        spec_.joints.size() == 1 ? "" : "s"));
   }
 
   void check_thickness() {
@@ -270,11 +251,10 @@ class TypeCompiler {
     return !kind.joints.empty() && device.moves != k_rigid;
   }
 
-  /// Whether the type has the joint that a device is mounted on and the joints that the device moves.
+  /// Whether the type has all joints that a device moves.
   bool has_joints_of(const DeviceSpec& device, const DeviceKind& kind) const {
     const auto known = static_cast<std::int64_t>(spec_.joints.size());
     const auto moved = static_cast<std::int64_t>(kind.joints.size());
-    if (device.joint < k_rigid || device.joint >= known || device.moves < k_rigid) return false;
     return moves_joints(device, kind) ? device.moves + moved <= known : moved == 0;
   }
 

@@ -210,10 +210,11 @@ Result<ControllerKind::Prepared> prepare_controller(const ControllerKind& kind,
                                                     const TypeSpec& spec, const BodyType& type,
                                                     std::vector<bool>& claimed);
 
-/// Compiles a body type of a world. `registry` is the list of all kinds, and must outlive the result. Reports
-/// all errors to `diagnostics`, with file positions from the spec. Examples of errors are an unknown kind,
-/// and a controller without the sensors that it needs. If there was an error, the result must not be used.
-/// Therefore, call Diagnostics::throw_if_errors() before using the result.
+/// Compiles a body type of a world, in which check_rules() must have found no error. `registry` is the list
+/// of all kinds, and must outlive the result. Reports all errors to `diagnostics`, with file positions from
+/// the spec. Examples of errors are an unknown kind, and a controller without the sensors that it needs. If
+/// there was an error, the result must not be used. Therefore, call Diagnostics::throw_if_errors() before
+/// using the result.
 BodyType make_body_type(const TypeSpec& spec, const WorldSpec& world, const Registry& registry,
                         Diagnostics& diagnostics);
 
