@@ -415,9 +415,8 @@ bool World::set_disabled(Row row, bool disabled) {
   if (!state_.condition_table)
     throw std::logic_error(fmt::format(
         "programs cannot disable \"{}\": add \"mortal\": true to the world file, or set this key when you "
-        "load "
-        "the world (in C++: SimulationOptions::mortal; in Python: set={{\"/mortal\": True}}); worlds with "
-        "faults, or with an intervention \"disable\" or \"enable\", need neither",
+        "load the world (in C++: SimulationOptions::mortal; in Python: set={{\"/mortal\": True}}); worlds "
+        "with faults, or with an intervention \"disable\" or \"enable\", need neither",
         state_.spec.name(body(row))));
   if (!is_there(row) || ((state_.condition(row).out & Condition::k_disabled) != 0) == disabled) return false;
   touch();

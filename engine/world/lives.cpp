@@ -329,10 +329,9 @@ void World::remove(Row row) {
   if (!state_.life_table)
     throw std::logic_error(
         "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set this "
-        "key "
-        "when you load the world (in C++: SimulationOptions::mortal; in Python: set={\"/mortal\": True}); "
-        "worlds with a \"reserve\", a device that removes bodies, or an intervention \"remove\" need "
-        "neither");
+        "key when you load the world (in C++: SimulationOptions::mortal; in Python: "
+        "set={\"/mortal\": True}); worlds with a \"reserve\", a device that removes bodies, or an "
+        "intervention \"remove\" need neither");
   if (!is_there(row)) return;
   touch();
   die(row);

@@ -739,6 +739,15 @@ TEST(BatchEnv, SaysWhatIsWrong) {
   is_wrong(
       k_argument, [](auto&, auto& t) { t.arrays[0].parts[1].count = 0; },
       "the part \"nearest\" has the count 0");
+  is_wrong(
+      k_argument, [](auto&, auto& t) { t.arrays[0].parts[1].range_m = 0; },
+      "array \"see\" of team \"bots\": range_m is 0: give a distance above 0");
+  is_wrong(
+      k_argument, [](auto&, auto& t) { t.arrays[0].parts[0].scale = HUGE_VAL; },
+      "array \"see\" of team \"bots\": scale is inf: give a finite number");
+  is_wrong(
+      k_argument, [](auto&, auto& t) { t.arrays[0].parts.clear(); },
+      "array \"see\" of team \"bots\" has no parts: give one or more");
 
   is_wrong(
       k_name, [](auto& s, auto&) { s.starts = {"none"}; },
@@ -752,7 +761,18 @@ TEST(BatchEnv, SaysWhatIsWrong) {
 
   BatchEnv batch(world, spec_of(2));
   EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<std::logic_error>(HasSubstr("call reset() before")));
+  const std::vector<std::uint8_t> second{0, 1};
+  EXPECT_THAT([&] { batch.reset(second); },
+              ThrowsMessage<std::logic_error>(
+                  HasSubstr("copy 0 (counted from 0) has not begun an episode: reset all copies first")));
   batch.reset();
+  const std::vector<std::optional<std::uint64_t>> three_seeds(3, 7);
+  EXPECT_THAT(
+      [&] { batch.reset({}, three_seeds); },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("`seeds` has 3 elements: give 2, one per copy")));
+  EXPECT_THAT(
+      [&] { batch.step(std::vector<std::uint8_t>(3)); },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("`begins` has 3 elements: give 2, one per copy")));
   const std::uint64_t before = batch.simulation(0).state_hash();
   batch.actions(0)[4 * 4 + 5] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT([&] { batch.step(); }, ThrowsMessage<std::invalid_argument>(HasSubstr(

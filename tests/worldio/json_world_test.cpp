@@ -952,6 +952,12 @@ TEST(JsonWorld, SetAndSeed) {
           "\"many\"",
           "--set /populations/0/pitch_m: error: /populations/0: unknown key \"pitch_m\"; known: color, "
           "count, name, place, reserve, type"));
+
+  options.set = {{"/include", R"(["more.json"])"}};
+  EXPECT_THAT(
+      Loaded(k_world, options).found,
+      ElementsAre("--set /include: error: /include: this key cannot be set from outside the world file: "
+                  "write it in the file"));
 }
 
 TEST(JsonWorld, TextsWithANulCharacterAreRefused) {

@@ -131,9 +131,9 @@ bool ObjectReader::applies(const DocumentKey& key) const {
 
 void ObjectReader::read_key(const DocumentKey& key) {
   if (key.is_resolved) {  // find() marks the key as known
-    if (keys_.find(key.field.name))
-      at_.error(fmt::format("\"{}\" cannot be set from outside the world file: write this key in the file",
-                            key.field.name));
+    if (const JsonNode* node = keys_.find(key.field.name))
+      JsonCursor(at_, key.field.name, *node)
+          .error("this key cannot be set from outside the world file: write it in the file");
     return;
   }
   switch (key.form) {
