@@ -178,8 +178,8 @@ class RadioPort {
 ///           line. For this rule, the line is directed from the radio on the body with the lower id to the
 ///           other radio. The result is therefore the same in both directions.
 /// drops     Each message that arrives is dropped with the probability `drop_rate` of the listener. The
-///           random number depends only on the seed, the name of the listener's radio, the tick, and the ids
-///           of the two bodies.
+///           random number depends only on the seed, the name of the listener's radio, the tick, the ids of
+///           the two bodies, and which of the radios of the sender's body on the channel sends.
 /// limits    A message that arrives and is not dropped is lost if it is longer than the listener's `payload`.
 ///           If more than `most_heard` messages remain, the listener hears those of the nearest senders, and
 ///           the others are lost. At equal distances, senders on bodies with lower ids are heard first.

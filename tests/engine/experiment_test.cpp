@@ -298,6 +298,41 @@ TEST(Experiment, DropOutsThatPassComeAgain) {
               4 * std::sqrt(k_squad * share * (1 - share)));
 }
 
+TEST(Experiment, AFailureLastsAsLongAsItSaysRoundedUpToTicks) {
+  for (const auto& [lasts_s, ticks] : {std::pair(0.4, 4), std::pair(0.25, 3), std::pair(0.01, 1)}) {
+    Registry registry = test::registry();
+    static double lasts;
+    lasts = lasts_s;
+    registry.faults.push_back({"once", "", {}, [](const Record&, const BodyType&) {
+                                 return Result<Impairment>({.drops_out = true, .lasts_s = lasts});
+                               }});
+    Squad row(1);
+    row.scene.spec.experiment.faults = {{model("r0"), 0.3, {{"once", {}}}, {}}};
+    Diagnostics diagnostics;
+    World world(row.scene.spec, registry, {.threads = 1}, diagnostics);
+    Squad::drive(world);
+    std::vector<int> stood;  // the ticks in which it did not move
+    for (int tick = 1; tick <= 12; ++tick) {
+      const double x = x_of(world, "r0");
+      world.step();
+      if (x_of(world, "r0") == x) stood.push_back(tick);
+    }
+    std::vector<int> expected;
+    for (int tick = 4; tick < 4 + ticks; ++tick) expected.push_back(tick);  // 0.3 s is the end of tick 3
+    EXPECT_EQ(stood, expected) << lasts_s;
+  }
+}
+
+TEST(Experiment, BodiesOfAReserveAreNotAmongThoseThatFail) {
+  Squad row(10);
+  row.scene.spec.reserves.push_back({"more", BodyId(row.scene.spec.bodies.size()), 10});
+  for (int i = 0; i < 10; ++i) row.scene.body(fmt::format("more{}", i), row.type);
+  row.scene.spec.experiment.faults = {fault({By::type, "bot", {}, 0.5}, 0, "slow_wheels", {{"factor", 0.5}})};
+  const auto world = row.world();
+  step(*world, 1);
+  EXPECT_EQ(test::count_impaired(*world), 5u) << "half of those that are there";
+}
+
 TEST(Experiment, AShareOfThemFailsWithAllThatTheEntryNames) {
   Squad row(20);
   FaultSpec both = fault(population("r", {}, 0.3), 0, "slow_wheels", {{"factor", 0.5}});
@@ -403,6 +438,30 @@ TEST(Experiment, WhoFindsNoPlaceIsNotAdded) {
   step(*world, 1);
   EXPECT_EQ(world->robots(), 2u);
   EXPECT_EQ(world->unborn(0), 8u);
+}
+
+TEST(Experiment, WhoIsAddedIsSeenAtOnceAndLooksAnywhere) {
+  Squad row(1);
+  row.scene.spec.reserves.push_back({"more", BodyId(row.scene.spec.bodies.size()), 40});
+  for (int i = 0; i < 40; ++i) row.scene.body(fmt::format("more{}", i), row.type);
+  InterventionSpec ahead = at(0, Action::add, population("more", 3));
+  ahead.pose = Pose{2, 0, 0, 0};  // there is room for one
+  InterventionSpec rest = at(0.1, Action::add, population("more"));
+  rest.region = Box::around(Vec2(0, 30), 20);
+  row.scene.spec.experiment.at = {ahead, rest};
+  const auto world = row.world();
+  step(*world, 1);
+  EXPECT_FLOAT_EQ(world->percepts(world->type(Row(0)).devices[0]).cell<float>(world->slot(Row(0)), 0)[0],
+                  1.8f);
+  step(*world, 1);
+  ASSERT_EQ(world->unborn(0), 0u);
+  std::vector<int> quarters(4);
+  for (int i = 1; i < 40; ++i) {
+    const double heading = world->pose(world->find(fmt::format("more{}", i))).heading;
+    ++quarters[static_cast<std::size_t>(std::min(3.0, (heading + k_pi) / (k_pi / 2)))];
+  }
+  // Binomial, 39 draws with p = 1/4: 9.75 with a standard deviation of 2.7. More than three of them.
+  for (const int count : quarters) EXPECT_NEAR(count, 9.75, 8.75);
 }
 
 TEST(Experiment, ABodyIsPutElsewhereAndSeenThere) {

@@ -120,6 +120,35 @@ TEST(Lives, BornBodiesAreSeenMetAndMoved) {
   EXPECT_LE(world.pose(plain.robot).x, 1.6 + 1e-9);
 }
 
+TEST(Lives, ANewbornBodyHasItsPlaceAndAHeadingWithinHalfATurn) {
+  Plain plain;
+  World world = plain.scene.world();
+  const BodyId born = world.spawn(0, {2, -1.5, 0.25, 4}).body;
+  EXPECT_EQ(world.pose(born), (Pose{2, -1.5, 0.25, wrap_angle(4)}));
+  EXPECT_EQ(world.origin(world.row(born)), Vec2(2, -1.5));
+  world.step();
+  EXPECT_EQ(world.pose(born), (Pose{2, -1.5, 0.25, wrap_angle(4)}));
+}
+
+TEST(Lives, OnlyBodiesWithADriveCountAsRobots) {
+  Plain plain;
+  plain.scene.spec.mortal = true;
+  const BodyId puck =
+      plain.scene.body("puck", plain.scene.type("puck", {box(0.1, 0.1)}, {.gripper = true}), {2, 2, 0, 0});
+  World world = plain.scene.world();
+  EXPECT_EQ(world.robots(), 1u);
+  world.set_command(world.row(plain.robot), {1, 0, 0});
+  for (int tick = 0; tick < 5; ++tick) world.step();
+  world.remove(world.row(puck));
+  EXPECT_EQ(world.robots(), 1u);
+  ASSERT_EQ(world.spawn(0, {3, 3, 0, 0}).status, BirthStatus::born);
+  EXPECT_EQ(world.robots(), 2u);
+  EXPECT_NEAR(world.mean_displacement(), 0.25, 1e-12) << "0.5 m, and 0 m of the newborn robot";
+  world.remove(world.row(plain.robot));
+  EXPECT_EQ(world.robots(), 1u);
+  EXPECT_EQ(world.mean_displacement(), 0) << "the dead count no more";
+}
+
 TEST(Lives, ACommandBeforeTheBirthHasNoEffectAfterIt) {
   Plain plain;
   World world = plain.scene.world();

@@ -78,6 +78,21 @@ TEST(World, ARestartThatTheGridRefusesChangesNothing) {
   EXPECT_NEAR(range_after_a_step(), 2.9, 0.03);
 }
 
+TEST(World, ARestartMayTurnAWallWhereItStands) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  scene[type].devices = {test::ranger("eye", {{.range_max = 5}})};
+  const BodyId robot = scene.body("r", type);
+  const BodyId wall = scene.body("w", scene.type("wall", {box(0.5, 2)}), {3, 0, 0, 0});
+  World world = scene.world();
+  std::vector<BodySpec> bodies = world.spec().bodies;
+  bodies[wall.index()].pose_world_body.heading = k_pi / 2;
+  world.restart(7, bodies, test::registry());
+  world.step();
+  const Row row = world.row(robot);
+  EXPECT_FLOAT_EQ(world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0], 2);
+}
+
 TEST(World, AfterARestartThatThrewTheGridHasTheNewScene) {
   Registry registry = test::registry();
   registry.devices.push_back(Moody::kind());

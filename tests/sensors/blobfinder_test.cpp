@@ -132,5 +132,63 @@ TEST(Blobfinder, CountsWhatItHasNoEntryFor) {
   EXPECT_THAT(table.cell<std::uint8_t>(world.slot(row), k_blob_color), ElementsAre(0, 0, 255, 255));
 }
 
+TEST(Blobfinder, ColoursThatDifferInOneChannelAreTwoBlobs) {
+  const std::vector<Color> others{{0.75f, 0.5f, 0.5f, 1}, {0.5f, 0.75f, 0.5f, 1}, {0.5f, 0.5f, 0.75f, 1}};
+  for (const Color& other : others) {
+    BlobScene scene({{"fov", radians(40)}, {"image_width", 40}});
+    scene.crate({0.5f, 0.5f, 0.5f, 1}, 3, 1, 2);  // the two crates fill the image, each one half of it
+    scene.crate(other, 3, -1, 2);
+    const std::vector<Blob> seen = blobs(scene);
+    ASSERT_EQ(seen.size(), 2u);
+    EXPECT_EQ(seen[0].left, 20);
+    EXPECT_EQ(seen[1].right, 19);
+  }
+  BlobScene same({{"fov", radians(40)}, {"image_width", 40}});
+  same.crate({0.5f, 0.5f, 0.5f, 1}, 3, 1, 2);
+  same.crate({0.5f, 0.5f, 0.5f, 0.25f}, 3, -1, 2);
+  EXPECT_EQ(blobs(same).size(), 1u) << "opacity does not count";
+}
+
+TEST(Blobfinder, APartShowsItsOwnColour) {
+  BlobScene scene({{"image_width", 1}});
+  const TypeId type = scene.type("post", {box(0.1, 0.1)});
+  scene[type].parts.push_back({.name = "coat", .kind = "model", .solids = {box(0.4, 0.4)}});
+  scene[type].parts.back().color = k_green;
+  scene.spec.bodies[scene.body("post", type, {2, 0, 0, 0}).index()].color = k_red;
+  const std::vector<Blob> seen = blobs(scene);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].color, 0x00ff00);
+}
+
+TEST(Blobfinder, AnOddColumnLooksAlongTheAxisAndRowsEndWithTheImage) {
+  BlobScene scene({{"image_width", 1}, {"image_height", 10}, {"fov", radians(60)}});
+  scene.crate(k_red, 0.6, 0, 1);  // its face is 0.1 m ahead: 0.3 m are 71.6 degrees, 11.9 rows of 6 degrees
+  const std::vector<Blob> seen = blobs(scene);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_FLOAT_EQ(seen[0].range, 0.1f);
+  EXPECT_EQ(seen[0].top, 0);
+  EXPECT_EQ(seen[0].bottom, 10);
+}
+
+TEST(Blobfinder, EntriesAfterTheLastBlobAreZero) {
+  BlobScene scene({{"most_blobs", 2}, {"fov", radians(90)}});
+  scene.crate(k_red, 2, 0.8);
+  const BodyId crate = scene.body("crate", scene.robot("crate", {box(0.2, 0.2)}), {2, -0.8, 0, 0});
+  scene.spec.bodies[crate.index()].color = k_blue;
+  World world = scene.world();
+  world.step();
+  const Row row = world.row(BodyId(1));
+  const std::size_t slot = world.slot(row);
+  const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
+  ASSERT_EQ(table.cell<std::uint32_t>(slot, k_blob_count)[0], 2u);
+  world.set_poses(std::vector<World::Placed>{{world.row(crate), {-2, 0, 0, 0}}});
+  world.step();
+  ASSERT_EQ(table.cell<std::uint32_t>(slot, k_blob_count)[0], 1u);
+  for (const std::size_t field : {k_blob_left, k_blob_right, k_blob_top, k_blob_bottom})
+    EXPECT_EQ(table.cell<std::int32_t>(slot, field)[1], 0) << field;
+  EXPECT_EQ(table.cell<float>(slot, k_blob_range)[1], 0);
+  EXPECT_THAT(table.cell<std::uint8_t>(slot, k_blob_color), ElementsAre(255, 0, 0, 255, 0, 0, 0, 0));
+}
+
 }  // namespace
 }  // namespace troupe::sensors

@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace troupe::sensors {
 namespace {
 
@@ -76,6 +78,48 @@ TEST(Bumper, EndsWhereItsLengthEnds) {
   scene.wall(0.205, 0.169, 0.3, 0.5);
   World within = scene.world();
   EXPECT_THAT(felt(within).hits, ElementsAre(1, 0));
+}
+
+TEST(Bumper, FeelsUpToItsThicknessAndNamesTheLowerOfTwoAtOneDistance) {
+  SceneBuilder scene;
+  const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
+  const engine::BumperParams params{.bumpers = {{{0.25, 0, 0, 0}, 0.5}}, .thickness = 0.0625};
+  scene[type].devices = {{.name = "bumper", .kind = "bumper", .params = engine::to_record(params)}};
+  scene.body("r", type);
+  SceneBuilder beyond = scene;
+  beyond.wall(0.31251, -1, 1, 1);
+  World apart = beyond.world();
+  EXPECT_THAT(felt(apart).hits, ElementsAre(0));
+  const TypeId crate = scene.robot("crate", {box(0.125, 0.125)});
+  for (const bool wall_first : {true, false}) {
+    SceneBuilder two = scene;
+    if (wall_first) two.wall(0.3125, 0, 1, 1);
+    two.body("crate", crate, {0.375, -0.125, 0, 0});
+    if (!wall_first) two.wall(0.3125, 0, 1, 1);
+    World world = two.world();
+    const Felt now = felt(world);
+    EXPECT_THAT(now.hits, ElementsAre(1));
+    EXPECT_THAT(now.bodies, ElementsAre(2u)) << wall_first;
+  }
+}
+
+TEST(Bumper, FeelsAnEdgeThatCrossesItsStrip) {
+  // No end of an edge is near the strip, and no end of the strip is near an edge.
+  BumperScene scene;
+  const BodyId beam = scene.wall(-1, -0.05, 2, 0.05, {.obstacle = false});
+  World world = scene.world();
+  EXPECT_THAT(felt(world).bodies, ElementsAre(beam.value, beam.value));
+}
+
+TEST(Bumper, FeelsNoBodyOnceItIsGone) {
+  BumperScene scene;
+  const BodyId o = scene.body("o", scene.robot("other", {box(0.2, 0.2)}), {0.315, 0, 0, 0});
+  World world = scene.world();
+  EXPECT_THAT(felt(world).bodies, ElementsAre(o.value, 0u));
+  world.set_poses(std::vector<World::Placed>{{world.row(o), {0.4, 0, 0, 0}}});
+  const Felt now = felt(world);
+  EXPECT_THAT(now.hits, ElementsAre(0, 0));
+  EXPECT_THAT(now.bodies, ElementsAre(0u, 0u));
 }
 
 }  // namespace

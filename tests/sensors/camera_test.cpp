@@ -71,6 +71,18 @@ constexpr int k_floor = 0xcccccc;
 const Params k_square{
     {"width", 4}, {"height", 4}, {"fov_horizontal", radians(90)}, {"fov_vertical", radians(90)}};
 
+TEST(Camera, AWallExactlyAtItsFarRangeIsDrawnWithItsOpacity) {
+  CameraScene scene(camera({{"width", 1}, {"height", 1}, {"range_far", 2.0}}));
+  scene.block({0, 1, 0, 0.6f}, {2.5, 0, 0, 0}, box(1, 1));
+  World world = scene.world();
+  world.step();
+  const Row row = world.row(BodyId(1));
+  const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
+  EXPECT_THAT(table.cell<std::uint8_t>(world.slot(row), k_camera_color),
+              ::testing::ElementsAre(0, 255, 0, 153));
+  EXPECT_EQ(table.cell<float>(world.slot(row), k_camera_depth)[0], 2);
+}
+
 TEST(Camera, AWallItsTopAndTheFloorBeforeIt) {
   CameraScene scene(camera(k_square));
   scene.block({1, 0, 0, 1}, {3, 0, 0, 0}, {{test::box_ring(2, 20)}, {0, 0.4}});  // from 2 m to 4 m, lower

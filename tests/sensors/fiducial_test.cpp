@@ -113,6 +113,9 @@ TEST(Conformance11, ALowTargetIsSeenWithIgnoreZlocOnly) {
   FinderScene behind = low(true);  // hides it in Stage
   behind.wall(3, -1, 3.1, 1);
   EXPECT_THAT(ids(behind), ElementsAre(7));
+  FinderScene beside = low(true);  // at the distance of its origin, which is not nearer
+  beside.wall(2, -1, 2.1, 1);
+  EXPECT_THAT(ids(beside), ElementsAre(7));
 }
 
 TEST(Fiducial, BodiesOfOneTypeMayHaveNumbersOfTheirOwn) {
@@ -177,6 +180,86 @@ TEST(Fiducial, ReadsAreThoseOfItsOwnPose) {
   EXPECT_FLOAT_EQ(seen.field<float>(k_fiducial_range)[0], 3);
   EXPECT_NEAR(seen.field<float>(k_fiducial_bearing)[0], 0, 1e-7);
   EXPECT_FLOAT_EQ(seen.field<float>(k_fiducial_heading)[0], static_cast<float>(-k_pi / 2));
+}
+
+TEST(Fiducial, LimitsAreClosedOrOpenAsDocumented) {
+  FinderScene scene({{"range_min", 1.0},
+                     {"apply_range_min", true},
+                     {"range_max", 4.0},
+                     {"range_max_id", 2.0},
+                     {"fov", k_pi}});
+  scene.target(1, {4, 0, 0, 0});                        // at range_max: not found
+  const BodyId beside = scene.target(2, {0, 1, 0, 0});  // at range_min, and at a bearing of fov/2: found
+  const BodyId far = scene.target(3, {0, -2, 0, 0});    // at range_max_id: its number is not read
+  const Seen seen(scene);
+  EXPECT_EQ(seen.count(), 2u);
+  EXPECT_THAT(seen.ids(), ElementsAre(2, 0));
+  EXPECT_EQ(seen.field<std::uint32_t>(k_fiducial_body)[0], beside.value);
+  EXPECT_EQ(seen.field<std::uint32_t>(k_fiducial_body)[1], far.value);
+}
+
+TEST(Fiducial, AnglesAreWithinHalfATurn) {
+  // The finder looks to 3 rad, and the target is in the direction of -3 rad, which is its heading too.
+  FinderScene scene({}, {0, 0, 0, 3});
+  scene.target(6, {2 * std::cos(3), -2 * std::sin(3), 0, -3});
+  const Seen seen(scene);
+  ASSERT_EQ(seen.count(), 1u);
+  EXPECT_NEAR(seen.field<float>(k_fiducial_bearing)[0], 2 * k_pi - 6, 1e-6);
+  EXPECT_NEAR(seen.field<float>(k_fiducial_heading)[0], 2 * k_pi - 6, 1e-6);
+}
+
+TEST(Fiducial, ReadsSizeAndPoseOfTheModelThatIsMarked) {
+  FinderScene scene;
+  const TypeId type = scene.robot("truck", {box(0.2, 0.2, 0.1)});
+  engine::PartSpec plate{.name = "plate", .kind = "model", .pose_body_part = {0.5, 0, 0.25, 1}};
+  plate.size = {0.125, 0.25, 0.5};
+  plate.solids = {placed(box(0.2, 0.2), {0.5, 0, 0, 0})};
+  plate.returns.fiducial = 8;
+  scene[type].parts.push_back(plate);
+  scene.body("truck", type, {2, 0, 0.125, -0.25});
+  const Seen seen(scene);
+  ASSERT_THAT(seen.ids(), ElementsAre(8));
+  const auto size = seen.field<float>(k_fiducial_size);
+  EXPECT_THAT(std::vector(size.begin(), size.begin() + 3), ElementsAre(0.125f, 0.25f, 0.5f));
+  const auto pose = seen.field<double>(k_fiducial_pose);
+  EXPECT_NEAR(pose[0], 2 + 0.5 * std::cos(0.25), 1e-12);
+  EXPECT_NEAR(pose[1], -0.5 * std::sin(0.25), 1e-12);
+  EXPECT_DOUBLE_EQ(pose[2], 0.375);
+  EXPECT_DOUBLE_EQ(pose[3], 0.75);
+}
+
+// The ray towards a model does not end at its origin, because its surface may be farther away.
+TEST(Fiducial, AModelMayBeFarBehindItsOrigin) {
+  FinderScene scene;
+  const TypeId type = scene.robot("hook", {box(0.2, 0.2, 0.1)});
+  scene[type].parts.push_back({.name = "plate", .kind = "model", .pose_body_part = {-1.5, 0, 0, 0}});
+  scene[type].parts.back().solids = {placed(box(0.2, 0.2), {2, 0, 0, 0})};
+  scene[type].parts.back().returns.fiducial = 8;
+  scene.body("hook", type, {3, 0, 0, 0});
+  const Seen seen(scene);
+  ASSERT_THAT(seen.ids(), ElementsAre(8));
+  EXPECT_FLOAT_EQ(seen.field<float>(k_fiducial_range)[0], 1.5f) << "that of the origin";
+}
+
+TEST(Fiducial, EntriesAfterTheLastTargetAreZero) {
+  FinderScene scene;
+  const TypeId type = scene.robot("other", {box(0.3, 0.3)});
+  scene[type].parts[0].returns.fiducial = 9;
+  scene.body("a", type, {1, 0.5, 0, 1});
+  const BodyId second = scene.body("b", type, {2, -1, 0.25, 1});
+  const engine::FieldTable& table = test::registry().device("fiducial")->params;
+  scene[scene.spec.bodies[1].type].devices[0].params = test::record(table, {{"most_targets", 2}});
+  Seen seen(scene);
+  ASSERT_THAT(seen.ids(), ElementsAre(9, 9));
+  seen.world.set_poses(std::vector<World::Placed>{{seen.world.row(second), {0, 9, 0, 0}}});
+  seen.world.step();
+  ASSERT_THAT(seen.ids(), ElementsAre(9));
+  EXPECT_EQ(seen.field<std::int32_t>(k_fiducial_id)[1], 0);
+  EXPECT_EQ(seen.field<std::uint32_t>(k_fiducial_body)[1], 0u);
+  for (const std::size_t field : {k_fiducial_range, k_fiducial_bearing, k_fiducial_heading})
+    EXPECT_EQ(seen.field<float>(field)[1], 0) << field;
+  EXPECT_THAT(seen.field<float>(k_fiducial_size).subspan(3), ::testing::Each(0.0f));
+  EXPECT_THAT(seen.field<double>(k_fiducial_pose).subspan(4), ::testing::Each(0.0));
 }
 
 /// In a crowd of finders that carry marks: a robot that sees another across nothing but air is seen by it.

@@ -121,6 +121,41 @@ TEST(Ground, OfEqualZonesTheLowerBodysCounts) {
   EXPECT_THAT(read<float>(world, robot, k_ground_color), ElementsAre(0, 1, 1)) << "that of its led";
 }
 
+TEST(Ground, HeightsOfBodiesCountAndTheLimitIsGround) {
+  for (const bool fixed : {true, false}) {
+    // Plates of 0.125 m: one that is raised above the limit, and one on the floor, which is as high as the
+    // limit.
+    GroundScene scene;
+    const auto plate = [&](const std::string& name, const Pose& pose) {
+      const std::vector<Solid> solids{box(1, 1, 0.125)};
+      return scene.body(name, fixed ? scene.type(name, solids) : scene.robot(name, solids), pose);
+    };
+    plate("high", {0, 0, 0.0625, 0});
+    const BodyId low = plate("low", {0, 0, 0, 0});
+    const TypeId type = scene.robot("reader", {box(0.1, 0.1)});
+    scene[type].devices = {device("ground", {{"height", 0.125}})};
+    const BodyId reader = scene.body("reader", type);
+    World world = scene.world();
+    world.step();
+    EXPECT_EQ(read<std::uint32_t>(world, reader, k_ground_body)[0], low.value) << fixed;
+  }
+}
+
+TEST(Ground, APartHasAColourOfItsOwn) {
+  for (const bool fixed : {true, false}) {
+    GroundScene scene;
+    const TypeId type = fixed ? scene.type("plate", {}) : scene.robot("plate", {});
+    scene[type].parts.push_back({.name = "tile", .kind = "model", .solids = {box(1, 1, 0.01)}});
+    scene[type].parts.back().color = Color{0, 0.25f, 0.5f, 1};
+    const BodyId plate = scene.body("plate", type);
+    scene.spec.bodies[plate.index()].color = {1, 0, 0, 1};
+    const BodyId robot = scene.robot_with({device("ground")}, {0.1, 0.1, 0, 0});
+    World world = scene.world();
+    world.step();
+    EXPECT_THAT(read<float>(world, robot, k_ground_color), ElementsAre(0, 0.25f, 0.5f)) << fixed;
+  }
+}
+
 TEST(Ground, APointOnABorderLiesInOneTile) {
   GroundScene scene;
   for (int i = 0; i < 4; ++i)

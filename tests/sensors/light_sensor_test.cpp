@@ -127,5 +127,18 @@ TEST(LightSensor, DarkAndFarLightsAreNotSeen) {
   EXPECT_EQ(counts, (std::vector<std::uint32_t>{0, 1, 0, 0, 1, 1, 0, 0, 1}));
 }
 
+TEST(LightSensor, SeesUpToItsRangeAndStraightUpWithoutBrightness) {
+  LightScene above;
+  const BodyId below = above.robot_with();
+  above.lamp(0, 0, 9, 2);  // in sight, but in no direction
+  EXPECT_EQ(after(above, below, 2).sources, 1u);
+  EXPECT_EQ(after(above, below, 2).brightness, std::vector<float>(8, 0));
+  LightScene scene;
+  const BodyId robot = scene.robot_with({{"range_max", 3.0}});
+  scene.lamp(0, 3, 9);
+  EXPECT_EQ(after(scene, robot, 2).sources, 1u);
+  EXPECT_FLOAT_EQ(after(scene, robot, 2).brightness[0], 1);
+}
+
 }  // namespace
 }  // namespace troupe::sensors

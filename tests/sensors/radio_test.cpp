@@ -479,6 +479,92 @@ TEST(Radio, LawsOfTheStrength) {
   EXPECT_EQ(over_10_m({{"law", "friis"}, {"sensitivity_dBm", -40.04}}).size(), 0u);
 }
 
+TEST(Radio, StrengthAndQualityAreThoseOfTheTwoRadiosOfALink) {
+  // The power and the range are the sender's; the sensitivity is the listener's.
+  RadioScene scene;
+  const BodyId listener =
+      scene.post({0, 0, 0, 0}, {{"hears", 8.0}, {"power_dBm", 5.0}, {"sensitivity_dBm", -40.0}});
+  scene.beacon({1, 0, 0, 0}, {{"range", 4.0}, {"power_dBm", 10.0}});
+  World world = scene.world();
+  world.step();
+  ASSERT_EQ(heard(world, listener).size(), 1u);
+  EXPECT_EQ(heard(world, listener)[0].strength, 10);
+  EXPECT_EQ(heard(world, listener)[0].quality, 0.75f) << "1 m of the 4 m at which this sender is heard";
+
+  const Params weaken{{"walls", "weaken"},
+                      {"wall_loss_dB", 10.0},
+                      {"law", "log_distance"},
+                      {"frequency_GHz", 0.001},
+                      {"sensitivity_dBm", -40.0}};  // negative over the first metre
+  RadioScene walled;
+  const BodyId behind = walled.post({0, 0, 0, 0}, weaken);
+  walled.beacon({1, 0, 0, 0}, {{"power_dBm", 10.0}});
+  World free = walled.world();
+  free.step();
+  ASSERT_EQ(heard(free, behind).size(), 1u);
+  EXPECT_EQ(heard(free, behind)[0].strength, 10) << "no message gains strength on its way";
+  EXPECT_EQ(heard(free, behind)[0].quality, 1);
+  walled.wall(0.4, -1, 0.6, 1);
+  World loss = walled.world();
+  loss.step();
+  ASSERT_EQ(heard(loss, behind).size(), 1u);
+  EXPECT_EQ(heard(loss, behind)[0].strength, 0);
+  EXPECT_FLOAT_EQ(heard(loss, behind)[0].quality, 1 - 10.0f / (10 + 40));
+}
+
+TEST(Radio, WhatArrivesAtExactlyTheSensitivityIsHeard) {
+  RadioScene scene;
+  const BodyId listener = scene.post({0, 0, 0, 0}, {{"sensitivity_dBm", -50.0}});
+  scene.beacon({1, 0, 0, 0}, {{"power_dBm", -50.0}, {"sensitivity_dBm", -60.0}});
+  const Params weaken{{"walls", "weaken"}, {"wall_loss_dB", 70.0}, {"sensitivity_dBm", -50.0}};
+  const BodyId behind = scene.post({0, 3, 0, 0}, weaken);
+  const BodyId beyond = scene.beacon({0, 5, 0, 0});  // 20 dBm, less a wall of 70 dB
+  scene.wall(-1, 3.9, 1, 4.1);
+  World world = scene.world();
+  world.step();
+  ASSERT_EQ(heard(world, listener).size(), 1u);
+  EXPECT_EQ(heard(world, listener)[0].strength, -50);
+  EXPECT_EQ(heard(world, listener)[0].quality, 0);
+  const std::vector<std::uint32_t> ids = senders(world, behind);
+  EXPECT_EQ(std::ranges::count(ids, beyond.value), 1);
+}
+
+TEST(Radio, AMessageOfExactlyThePayloadIsHeardAndLeavesNothingBehind) {
+  RadioScene scene;
+  const BodyId listener = scene.post({0, 0, 0, 0}, {{"payload", 4}, {"most_heard", 2}, {"law", "friis"}});
+  const BodyId talker = scene.post({1, 0.5, 0, 0}, {{"payload", 4}}, "counting");
+  World world = scene.world();
+  world.step();
+  world.step();
+  ASSERT_THAT(senders(world, listener), ElementsAre(talker.value));
+  EXPECT_EQ(heard(world, listener)[0].payload.size(), 4u);
+  for (int tick = 2; tick < 25; ++tick) world.step();  // it falls silent after tick 20
+  ASSERT_THAT(senders(world, listener), IsEmpty());
+  const engine::Readings now = readings(world, listener);
+  EXPECT_THAT(now.field<std::uint32_t>(k_radio_sender), ::testing::Each(0u));
+  for (const RadioField field : {k_radio_range, k_radio_bearing, k_radio_strength, k_radio_quality})
+    EXPECT_THAT(now.field<float>(field), ::testing::Each(0.0f)) << field;
+  EXPECT_THAT(now.field<std::uint8_t>(k_radio_length), ::testing::Each(0));
+  EXPECT_THAT(now.field<std::uint8_t>(k_radio_payload), ::testing::Each(0));
+}
+
+TEST(Radio, HeightsOfTheRadiosThemselvesCount) {
+  // A wall of 1 m between two posts: the line passes over it between radios at 1.5 m, and not from 0.2 m.
+  for (const double talker_z : {0.2, 1.5})
+    for (const double listener_z : {0.2, 1.5}) {
+      RadioScene scene;
+      const BodyId talker = scene.beacon({0, 0, 0, 0});
+      const BodyId listener = scene.post({2, 0, 0, 0});
+      scene[scene.spec.bodies[talker.index()].type].devices[0].pose_body_device.z = talker_z;
+      scene[scene.spec.bodies[listener.index()].type].devices[0].pose_body_device.z = listener_z;
+      scene.wall(0.95, -1, 1.05, 1);
+      World world = scene.world();
+      world.step();
+      EXPECT_EQ(senders(world, listener).size(), talker_z + listener_z > 2 ? 1u : 0u)
+          << talker_z << " to " << listener_z;
+    }
+}
+
 TEST(Radio, WallsWeakenByTheirNumber) {
   RadioScene scene;
   scene.wall(2, -1, 2.1, 1);

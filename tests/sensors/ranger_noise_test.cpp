@@ -75,6 +75,16 @@ TEST(Conformance10, NormalNoiseHasItsStandardDeviation) {
   EXPECT_NEAR(s.deviation, 0.1, 0.005);
 }
 
+TEST(RangerNoise, RelativeNoiseGrowsWithTheReading) {
+  for (const double distance : {1.0, 4.0}) {
+    NoiseScene scene({{"noise_relative", 0.05}}, 40);
+    scene.wall(distance, -2, 4.2, 2);
+    const Spread s = spread(readings(scene, k_ticks));
+    EXPECT_NEAR(s.mean, distance, 0.003 * distance);
+    EXPECT_NEAR(s.deviation, 0.05 * distance, 0.0025 * distance);
+  }
+}
+
 TEST(Conformance10, ProportionalNoiseIsUniform) {
   NoiseScene scene({{"noise_proportional", 0.1}}, 40);
   scene.wall(3.94, -2, 4.2, 2);

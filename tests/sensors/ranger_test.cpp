@@ -515,6 +515,21 @@ TEST(Ranger, HeightsOfRobotAndBodyCount) {
   EXPECT_THAT(s.ranges(), ElementsAre(1.5f));
 }
 
+TEST(Ranger, EachTransducerLooksAtItsHeightAndEachBodyIsAtIts) {
+  // A wide foot up to 0.25 m, and a narrow head above it. Of the same type: one on the floor ahead, one that
+  // stands 0.25 m higher to the left.
+  RobotScene s({{.pose = {0, 0, 0.125, 0}},
+                {.pose = {0, 0, 0.125, k_quarter}},
+                {.pose = {0, 0, 0.375, 0}},
+                {.pose = {0, 0, 0.375, k_quarter}}});
+  const TypeId post =
+      s.robot("post", {{{test::box_ring(1, 1)}, {0, 0.25}}, {{test::box_ring(0.5, 0.5)}, {0.25, 0.5}}});
+  s.body("ahead", post, {2, 0, 0, 0});
+  s.body("left", post, {0, 3, 0.25, 0});
+  EXPECT_THAT(s.ranges(),
+              ElementsAre(FloatNear(1.5f, 1e-6f), 5.0f, FloatNear(1.75f, 1e-6f), FloatNear(2.5f, 1e-6f)));
+}
+
 TEST(Ranger, TheRobotsOwnBodyIsNotSeen) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
   auto& parts = s[s.robot_type].parts;
