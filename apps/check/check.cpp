@@ -8,16 +8,21 @@
 #include "base/hash.hpp"
 #include "engine/kinds/step_error.hpp"
 #include "engine/observing/controller_check.hpp"
+#include "engine/observing/measures.hpp"
 #include "engine/observing/remade_world.hpp"
 #include "engine/observing/state_difference.hpp"
 #include "engine/spec/ticks.hpp"
 #include "partition/job_thread.hpp"
+#include "troupe/measures.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <future>
 #include <memory>
 #include <optional>
@@ -51,6 +56,7 @@ struct Variant {
   engine::WorldOptions options;
   Memory memory = Memory::kept;
   std::unique_ptr<engine::World> remade = nullptr;  // if not null, replaces the simulation's world
+  std::optional<Measures> measures = {};            // of the world; they refer to `simulation`
   bool differs = false;                             // from the first variant
   std::optional<std::string> error = {};            // text of the StepError that ended it
 
@@ -68,6 +74,7 @@ struct Variant {
     }
     if (memory == Memory::forgotten) world().forget();
     if (memory == Memory::shuffled) world().shuffle_rows(1);
+    if (measures) measures->see();
   }
 };
 
@@ -129,6 +136,36 @@ std::vector<Variant> load(const CheckOptions& options, const engine::Registry& r
   return variants;
 }
 
+/// Lets the variants compute the measures that the world lists. Measures in Python are left out
+/// (print_foreign_measures()). So are two sorts of variants: those of several ranks, on which computing
+/// measures would move the data of all robots to rank 0 in each tick, and those that change data of the world
+/// between two ticks. The variants must not be moved in memory after the call.
+void add_measures(std::vector<Variant>& variants) {
+  const Simulation& first = variants.front().simulation;
+  std::vector<std::string> names;
+  for (const engine::MeasureSpec& measure : variants.front().world().spec().measures)
+    if (const auto kind = first.registry().find_measure(measure.kind); kind && !(*kind)->is_foreign)
+      names.push_back(engine::measure_name(measure));
+  if (names.empty()) return;
+  for (Variant& variant : variants)
+    if (variant.memory == Memory::kept && variant.simulation.ranks() == 1)
+      variant.measures.emplace(variant.simulation, names);
+}
+
+/// Returns the differences between the measures of two variants as lines of text.
+std::vector<std::string> measure_differences(Variant& expected, Variant& variant) {
+  std::vector<std::string> lines;
+  if (!expected.measures || !variant.measures) return lines;
+  const std::vector<double> right = expected.measures->values();
+  const std::vector<double> found = variant.measures->values();
+  const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+  for (std::size_t m = 0; m < right.size(); ++m)
+    if (bits(found[m]) != bits(right[m]) && !(std::isnan(found[m]) && std::isnan(right[m])))
+      lines.push_back(fmt::format("measure {} is 0x{} ({}), not 0x{} ({})", expected.measures->columns()[m],
+                                  hex(bits(found[m])), found[m], hex(bits(right[m])), right[m]));
+  return lines;
+}
+
 /// Repeats every decision of the controllers of a variant and compares the results (--controllers).
 class Decisions {
  public:
@@ -174,18 +211,20 @@ class Decisions {
   bool differ_ = false;
 };
 
-/// Compares the states of all variants with that of the first variant. Returns the differences as lines of
-/// text, and marks the variants that differ.
+/// Compares the states and the measures of all variants with those of the first variant. Returns the
+/// differences as lines of text, and marks the variants that differ.
 std::vector<std::string> compare(std::vector<Variant>& variants) {
   std::vector<std::string> lines;
   engine::World& expected = variants.front().world();
   for (auto variant = variants.begin() + 1; variant != variants.end(); ++variant) {
-    const auto differences = engine::state_differences(expected, variant->world());
+    std::vector<std::string> differences;
+    for (const auto& difference : engine::state_differences(expected, variant->world()))
+      differences.push_back(engine::difference_text(expected, difference));
+    if (differences.empty()) differences = measure_differences(variants.front(), *variant);
     if (differences.empty()) continue;
     variant->differs = true;
     lines.push_back(fmt::format("  {}, compared with {}:", variant->name, variants.front().name));
-    for (const auto& difference : differences)
-      lines.push_back("    " + engine::difference_text(expected, difference));
+    for (const std::string& difference : differences) lines.push_back("    " + difference);
   }
   return lines;
 }
@@ -307,6 +346,7 @@ void print_ranks(const CheckOptions& options, const std::vector<Variant>& varian
 ExitCode check(const CheckOptions& options, const engine::Registry& registry) try {
   require_variants(options);
   std::vector<Variant> variants = load(options, registry);
+  add_measures(variants);
   Simulation& first = variants.front().simulation;
   print_lines(first.warnings());
   const double end_s = end_of(options, first);

@@ -31,8 +31,8 @@ Also compares two recordings (troupe run --record), in the ticks and fields that
 frame that differs, with the component, the robot, the field, and the values in B and A, in hexadecimal and decimal.
 
 Two files of different versions, compilers, flags or instruction sets are compared only with --across-domains, and two
-files of different worlds, seeds or options only with --across-runs. Numbers of threads and tile sizes may differ,
-because they change no result.
+files of different worlds, seeds, options or plug-ins only with --across-runs: the latter also finds the first tick at
+which two versions of a controller differ. Numbers of threads and tile sizes may differ, because they change no result.
 
 Exit codes: 0 same bits; 1 different; 2 bad input or usage.
 
@@ -100,7 +100,8 @@ void add_diff_options(CLI::App& command, DiffOptions& options) {
   add_argument(command, "B", "Another file of the same type as A", options.second);
   add_switch(command, "--across-domains", options.across_domains,
              "Compare even if version, compiler, flags or instruction set differ");
-  add_switch(command, "--across-runs", options.across_runs, "Compare even if world, seed or options differ");
+  add_switch(command, "--across-runs", options.across_runs,
+             "Compare even if world, seed, options or plug-ins differ");
 }
 
 ExitCode diff(const DiffOptions& options) {

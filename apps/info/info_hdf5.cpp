@@ -65,9 +65,13 @@ Summary summary_of(const worldio::RecordingReader& recording) {
 /// The summary of a table that write_hdf5() of a sweep wrote.
 Summary summary_of_table(const worldio::Hdf5File& file) {
   const std::vector<std::string> columns = file.read_texts("columns");
-  const std::vector<std::string> errors = file.group("table").read_texts("error");
-  Summary summary{{"kind", "table of the results of a sweep, in HDF5"},
-                  {"columns", fmt::format("{}", fmt::join(columns, ", "))}};
+  const worldio::Hdf5Group table = file.group("table");
+  const std::vector<std::string> errors = table.read_texts("error");
+  Summary summary{{"kind", "table of the results of a sweep, in HDF5"}};
+  std::map<std::string, std::string> header;
+  for (const std::string& name : table.attributes()) header[name] = table.text(name);
+  add_header(header, {}, summary);
+  summary.emplace_back("columns", fmt::format("{}", fmt::join(columns, ", ")));
   add_runs(errors.size(), errors.size() - static_cast<std::size_t>(std::ranges::count(errors, "")), summary);
   summary.emplace_back("complete", "yes");
   return summary;

@@ -234,6 +234,12 @@ Summary summary_of_journal(const fs::path& file) {
   Lines lines(file);
   std::string line;
   lines.next(line);
+  Summary summary{
+      {"kind", "journal of a sweep: the results of its runs, which troupe sweep writes into tables"}};
+  const auto head = nlohmann::json::parse(line, nullptr, false);
+  for (const auto& [name, value] : head.items())
+    if (value.is_string() && name != "study")
+      summary.emplace_back(name == "version" ? "written by" : name, value.get<std::string>());
   std::set<std::size_t> finished, failed;
   while (lines.next(line)) {
     const auto json = nlohmann::json::parse(line, nullptr, false);
@@ -243,10 +249,10 @@ Summary summary_of_journal(const fs::path& file) {
     (json.contains("error") ? failed : finished).insert(json["run"].get<std::size_t>());
   }
   for (const std::size_t run : finished) failed.erase(run);  // a later sweep finished it
-  return {{"kind", "journal of a sweep: the results of its runs, which troupe sweep writes into tables"},
-          {"finished runs", fmt::format("{}", finished.size())},
-          {"failed runs", fmt::format("{}", failed.size())},
-          {"complete", lines.whole_text()}};
+  summary.emplace_back("finished runs", fmt::format("{}", finished.size()));
+  summary.emplace_back("failed runs", fmt::format("{}", failed.size()));
+  summary.emplace_back("complete", lines.whole_text());
+  return summary;
 }
 
 Summary summary_of_session(const fs::path& file) {

@@ -18,6 +18,7 @@
 #include <filesystem>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 namespace troupe::apps {
 namespace {
@@ -38,14 +39,24 @@ Simulation first_world(const Study& study, const SweepOptions& options) {
   std::rethrow_exception(first);
 }
 
-/// The contents of a loaded world, with its images, plug-ins and scripts, as text. It does not depend on the
-/// folders of the files.
-std::string contents_of(const Simulation& simulation) {
+/// The contents of a loaded world, with its images, as text. It does not depend on the folders of the files.
+std::string world_of(const Simulation& simulation) {
   auto spec = nlohmann::json::parse(worldio::spec_to_json(simulation.world().spec(), simulation.registry()));
   spec.erase("files");
-  std::string text = fmt::format("{}\n{:016x}\n", spec.dump(), simulation.state_hash());
+  return fmt::format("{}\n{:016x}\n", spec.dump(), simulation.state_hash());
+}
+
+/// The plug-ins and scripts of a loaded world, each with a hash of its file.
+StudyFacts plugins_of(const Simulation& simulation) {
+  StudyFacts plugins;
   for (const auto& [option, value] : simulation.effective_options())
-    if (option.starts_with("plugin ")) text += fmt::format("{} {}\n", option, value);
+    if (option.starts_with("plugin ")) plugins.emplace_back(option, value);
+  return plugins;
+}
+
+std::string contents_of(const Simulation& simulation) {
+  std::string text = world_of(simulation);
+  for (const auto& [plugin, hash] : plugins_of(simulation)) text += fmt::format("{} {}\n", plugin, hash);
   return text;
 }
 
@@ -93,10 +104,16 @@ SweepIdentity unchecked_identity(const Study& study, const SweepOptions& options
   const Measures measures(simulation, study.measures);
   end_time_s(study, simulation);
   if (shows_warnings) print_lines(simulation.warnings());
+  const std::string study_text = worldio::read_file(options.study).value_or("");
+  const std::string choices = hash_of_choices(study, options);
   const std::string text =
-      fmt::format("{}\n{}{}{}", worldio::read_file(options.study).value_or(""), contents_of(simulation),
-                  hash_of_choices(study, options), version_line());
+      fmt::format("{}\n{}{}{}", study_text, contents_of(simulation), choices, version_line());
+  StudyFacts facts{{"version", version_line()},
+                   {"study_file", hex(hash_text(study_text))},
+                   {"world", hex(hash_text(world_of(simulation) + choices))}};
+  for (const auto& plugin : plugins_of(simulation)) facts.push_back(plugin);
   return {hex(hash_text(text)),
+          std::move(facts),
           {measures.columns().begin(), measures.columns().end()},
           simulation.world().spec().seed};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/sweep/journal.hpp"
 #include "apps/sweep/sweep.hpp"
 #include "base/diagnostics.hpp"
 #include "worldio/json/study.hpp"
@@ -15,6 +16,7 @@ struct SweepIdentity {
   /// Identifies the study in journals: a hash of the study file, the worlds with their images, plug-ins and
   /// scripts (--controller), and the version of the program. It does not depend on the folders of the files.
   std::string text;
+  StudyFacts facts;                   ///< `text` in parts, each with its name, for users
   std::vector<std::string> measures;  ///< names of the columns of its measures
   std::uint64_t world_seed = 0;       ///< the seed of the loaded world
 };

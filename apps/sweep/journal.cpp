@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
@@ -30,13 +31,28 @@ constexpr unsigned k_journal_mode = 0666;  // permissions of a new one, before t
 
 std::string reason() { return std::generic_category().message(errno); }
 
-std::string head_of(std::string_view study) { return Json{{"troupe_sweep", 1}, {"study", study}}.dump(); }
+std::string head_of(std::string_view study, const StudyFacts& facts) {
+  Json head{{"troupe_sweep", 1}, {"study", study}};
+  for (const auto& [name, value] : facts) head[name] = value;
+  return head.dump();
+}
 
-[[noreturn]] void refuse_other_study(const fs::path& file) {
-  throw OutputError(
-      fmt::format("{}: error: the folder contains runs of another study, of an earlier version of the world "
-                  "file or of a plug-in, or of another version of the program: choose another folder with -o",
-                  file.string()));
+/// Throws OutputError if the first line of a journal is not that of this study.
+void check_head(const std::string& line, std::string_view study, const StudyFacts& facts,
+                const fs::path& file) {
+  const Json head = Json::parse(line, nullptr, false);
+  const auto has = [&head](const std::string& name, const Json& value) {
+    return head.contains(name) && head[name] == value;
+  };
+  if (has("troupe_sweep", 1) && has("study", study)) return;
+  std::vector<std::string> differing;
+  for (const auto& [name, value] : facts)  // journals of earlier versions have none
+    if (head.contains(name) && !has(name, value)) differing.push_back(name);
+  throw OutputError(fmt::format(
+      "{}: error: the folder contains runs of another study, of an earlier version of the world "
+      "file or of a plug-in, or of another version of the program{}: choose another folder with "
+      "-o",
+      file.string(), differing.empty() ? "" : fmt::format(" (different: {})", fmt::join(differing, ", "))));
 }
 
 /// Returns the lines of a file, except a last line without a line break, which is incomplete. Throws
@@ -117,7 +133,7 @@ bool read_line(const std::string& line, const SweepSize& size, SweepResults& res
 
 }  // namespace
 
-SweepJournal::SweepJournal(const fs::path& file, std::string_view study)
+SweepJournal::SweepJournal(const fs::path& file, std::string_view study, const StudyFacts& facts)
     : file_(file), descriptor_(file, O_RDWR | O_CREAT | O_APPEND, k_journal_mode) {
   const int descriptor = descriptor_.get();
   if (descriptor < 0) refuse_output(file, reason());
@@ -125,11 +141,12 @@ SweepJournal::SweepJournal(const fs::path& file, std::string_view study)
     throw OutputError(fmt::format(
         "{}: error: another process is running this part of the study: wait until it ends", file.string()));
   const std::vector<std::string> lines = whole_lines(file);
-  if (!lines.empty() && lines.front() != head_of(study)) refuse_other_study(file);
+  if (!lines.empty()) check_head(lines.front(), study, facts, file);
   std::size_t whole = 0;
   for (const std::string& line : lines) whole += line.size() + 1;
   if (ftruncate(descriptor, static_cast<off_t>(whole)) != 0) refuse_output(file, reason());
-  if (lines.empty() && !worldio::write_all(descriptor, head_of(study) + "\n")) refuse_output(file, reason());
+  if (lines.empty() && !worldio::write_all(descriptor, head_of(study, facts) + "\n"))
+    refuse_output(file, reason());
   worldio::sync_folder_of(file);
 }
 
@@ -153,7 +170,8 @@ void SweepJournal::append(std::size_t run, std::string line) {
       fmt::format("{}: error: the result of run {} cannot be written: {}", file_.string(), run, why));
 }
 
-SweepResults read_journals(const fs::path& folder, std::string_view study, const SweepSize& size) {
+SweepResults read_journals(const fs::path& folder, std::string_view study, const SweepSize& size,
+                           const StudyFacts& facts) {
   SweepResults results;
   std::error_code error;
   const fs::directory_iterator entries(folder, error);
@@ -164,7 +182,7 @@ SweepResults read_journals(const fs::path& folder, std::string_view study, const
     if (!name.starts_with(k_prefix) || !name.ends_with(k_ending)) continue;
     const std::vector<std::string> lines = whole_lines(entry.path());
     if (lines.empty()) continue;  // the process was killed before it wrote the first line
-    if (lines.front() != head_of(study)) refuse_other_study(entry.path());
+    check_head(lines.front(), study, facts, entry.path());
     for (std::size_t i = 1; i < lines.size(); ++i)
       if (!read_line(lines[i], size, results))
         throw OutputError(

@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace troupe::apps {
@@ -38,6 +39,10 @@ struct SweepSize {
   std::size_t values = 0;  ///< number of SweepOutcome::values of each run
 };
 
+/// What results of a study depend on, as names and values: the version of the program, and hashes of the
+/// study file, of the world and of each plug-in. With them a user can tell from which files the results come.
+using StudyFacts = std::vector<std::pair<std::string, std::string>>;
+
 /// The bytes with which every journal of a sweep begins.
 inline constexpr std::string_view k_journal_mark = R"({"troupe_sweep":)";
 
@@ -50,9 +55,11 @@ class SweepJournal {
   /// journal belongs to another `study`, if the file cannot be read or written, or if another process writes
   /// the journal. On a file system without locks, another process that writes the journal is not detected.
   ///
-  /// study: a text that identifies the study, its world and the version of the program; a new journal stores
-  /// it
-  SweepJournal(const std::filesystem::path& file, std::string_view study);
+  /// study: a text that identifies the study, its world and the version of the program
+  /// facts: what has been combined to this text. The error for another study names those that differ
+  ///
+  /// A new journal stores both.
+  SweepJournal(const std::filesystem::path& file, std::string_view study, const StudyFacts& facts = {});
 
   /// Appends the result of a finished run. When add() returns, the result is on the disk. Throws
   /// std::runtime_error if writing fails; the journal then has no part of the result.
@@ -73,9 +80,9 @@ class SweepJournal {
 /// OutputError if a journal cannot be read, belongs to another `study`, has a damaged line, or has a line
 /// that does not fit `size`.
 ///
-/// study: the text that identifies the study, as for SweepJournal
-SweepResults read_journals(const std::filesystem::path& folder, std::string_view study,
-                           const SweepSize& size);
+/// study, facts: as for SweepJournal
+SweepResults read_journals(const std::filesystem::path& folder, std::string_view study, const SweepSize& size,
+                           const StudyFacts& facts = {});
 
 /// Returns the path of the journal of one process. The runs of a study can be divided into parts (--part),
 /// each of which one process makes: `part` is the number of the part, from 1 to `parts`.

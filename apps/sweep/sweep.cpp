@@ -54,7 +54,7 @@ void print_runs(const Study& study) {
 /// Returns the results in the journals of a folder. Throws OutputError as read_journals() does.
 SweepResults saved_results(const Study& study, const SweepIdentity& identity, const fs::path& folder) {
   const std::size_t values = worldio::measure_columns(identity.measures, study.statistics).size();
-  return read_journals(folder, identity.text, {.runs = study.run_count(), .values = values});
+  return read_journals(folder, identity.text, {.runs = study.run_count(), .values = values}, identity.facts);
 }
 
 /// Returns the indices of the runs of this part (--part) that are not finished yet, or whose rows for
@@ -224,7 +224,8 @@ ExitCode finish(const Study& study, const SweepIdentity& identity, const SweepOp
   SweepTable table{.study = study,
                    .measures = worldio::measure_columns(identity.measures, study.statistics),
                    .world_seed = identity.world_seed,
-                   .results = saved_results(study, identity, options.folder)};
+                   .results = saved_results(study, identity, options.folder),
+                   .facts = identity.facts};
   forget_old_errors(table.results, list, ended.failed);
   const bool is_complete = missing_runs(table, 0, 1) == 0;
   if (is_complete) write_tables(table, identity.measures, options.folder);
@@ -285,7 +286,8 @@ ExitCode sweep_on_rank(SweepOptions options, RankDeal& deal) {
     options.parts = deal.ranks();
     options.quiet = options.quiet || deal.rank() > 0;
   }
-  SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity.text);
+  SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity.text,
+                       identity.facts);
   Ended here{.failed = make_runs(study, dealt(list, deal), identity.measures, options, journal, deal)};
   here.was_stopped = stop_requested();
   const Ended ended = gathered(here, deal);

@@ -221,6 +221,7 @@ void write_hdf5(const SweepTable& table, const fs::path& file) {
   worldio::Hdf5File hdf5 = worldio::Hdf5File::create_in_memory(file);
   {
     worldio::Hdf5Group group = hdf5.create_group("table");
+    for (const auto& [name, value] : table.facts) group.set_text(name, value);
     Texts names;
     for (Column& column : columns_of(table)) {
       if (column.name == k_error_column)

@@ -25,6 +25,7 @@ struct SweepTable {
   std::vector<std::string> measures;  ///< names of the columns of SweepOutcome::values
   std::uint64_t world_seed = 0;       ///< the seed of the world
   SweepResults results = {};
+  StudyFacts facts = {};  ///< what the results depend on
 };
 
 /// Returns the value of a parameter, JSON text, as it appears in the tables: a JSON string has no quotes
@@ -73,7 +74,8 @@ void add_series_row(std::string& rows, std::size_t run, double time_s, const std
 /// with whole numbers that have no equal double have unsigned 64-bit integers. If such a parameter also has
 /// negative numbers or fractions, the column has texts. The dataset /columns has the names of the columns, in
 /// their order. Replaces the file only when the new file is complete. HDF5 stores all texts of a column with
-/// the length of the longest; therefore an error of more than 200 bytes is cut there, and ends in "...".
+/// the length of the longest; therefore an error of more than 200 bytes is cut there, and ends in "...". Each
+/// of SweepTable::facts is an attribute of /table.
 /// Throws OutputError if writing fails.
 void write_hdf5(const SweepTable& table, const std::filesystem::path& file);
 /// Whether an HDF5 file is a table of write_hdf5().

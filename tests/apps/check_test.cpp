@@ -269,6 +269,15 @@ struct Thrower {
   }
 };
 
+/// A measure whose value depends on how often measures of all runs were computed before.
+struct FickleMeasure : engine::Measure {
+  explicit FickleMeasure(const engine::World&, std::vector<BodyId>) {}
+  double value(engine::World&) override {
+    static int count = 0;
+    return ++count;
+  }
+};
+
 /// With kinds of our own, which the program does not have.
 class Check : public test::ScratchTest {
  protected:
@@ -296,6 +305,8 @@ class Check : public test::ScratchTest {
       all.devices.push_back(engine::make_device_kind<Thrower>("thrower", "throws"));
       all.devices.push_back(engine::make_device_kind<JointPeeker>("joint_peeker", "reads joints of others"));
       all.devices.push_back(engine::make_device_kind<GhostPeeker>("ghost_peeker", "reads unborn bodies"));
+      all.measures.push_back(
+          engine::make_measure_kind<FickleMeasure>("fickle", engine::Unit::meters, "", ""));
       return all;
     }();
     return kinds;
@@ -350,6 +361,22 @@ TEST_F(Check, StopsAtTheFirstTickThatDiffersAndNamesTheVariants) {
   EXPECT_THAT(lines[5],
               MatchesRegex("    keeps_a_static/0: calls of \"r0\" .id 1. is 0x[0-9a-f]{8} .[0-9]+., not "
                            "0x[0-9a-f]{8} .[0-9]+.; 40 bodies differ"));
+}
+
+TEST_F(Check, ComparesTheMeasuresOfTheWorld) {
+  CheckOptions fickle = options("honest");
+  fickle.simulation.set = {{"/measures", R"(["stalls", "fickle"])"}};
+  const Outcome outcome = check(fickle);
+  EXPECT_EQ(outcome.code, 1);
+  const std::vector<std::string> lines = lines_of(outcome.out);
+  ASSERT_THAT(lines, SizeIs(6)) << outcome.out;
+  EXPECT_THAT(lines[2], MatchesRegex("2 threads, automatic tiles +0  DIFFERS    [0-9a-f]{16}"));
+  EXPECT_THAT(lines[5], MatchesRegex("    measure fickle_m is 0x4[0-9a-f]{15} .[0-9]+., not "
+                                     "0x[34][0-9a-f]{15} .[0-9]+."));
+  fickle.simulation.set = {{"/measures", R"(["stalls", "path_length", {"kind": "order"}])"}};
+  fickle.amnesia = fickle.reach = true;
+  fickle.ranks = {1, 2};
+  EXPECT_EQ(check(fickle).code, 0);
 }
 
 TEST_F(Check, AnHonestControllerPasses) {

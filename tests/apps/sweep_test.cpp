@@ -244,7 +244,21 @@ TEST_F(Sweep, DoesNotMixStudies) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err,
               HasSubstr("out/runs-1-of-1.jsonl: error: the folder contains runs of another study"));
+  EXPECT_THAT(outcome.err, HasSubstr(" (different: world): choose another folder with -o"));
   EXPECT_EQ(table("out"), before);
+  write("w.json", k_world);
+  write("study.json", std::string(k_study) + "\n");
+  EXPECT_THAT(troupe({"sweep", "study.json", "-o", "out"}).err, HasSubstr(" (different: study_file): "));
+}
+
+TEST_F(Sweep, ResultsTellWhatTheyDependOn) {
+  ASSERT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
+  const std::string header =
+      "written by         troupe [0-9].*\n.*study_file         [0-9a-f]{16}\n.*world              "
+      "[0-9a-f]{16}";
+  EXPECT_THAT(troupe({"info", "out/runs-1-of-1.jsonl"}).out, testing::ContainsRegex(header));
+  if (!worldio::has_hdf5()) GTEST_SKIP() << "no HDF5";
+  EXPECT_THAT(troupe({"info", "out/table.h5"}).out, testing::ContainsRegex(header));
 }
 
 TEST_F(Sweep, ReplacesOnlyItsOwnTables) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <ostream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::apps {
@@ -181,6 +182,8 @@ TEST_F(PluginProgram, ASweepDoesNotMixTheResultsOfTwoBuilds) {
     const Outcome other = sweep(study);
     EXPECT_EQ(other.code, 2) << study;
     EXPECT_THAT(other.err, HasSubstr("the folder contains runs of another study"));
+    EXPECT_THAT(other.err, HasSubstr(study == std::string_view("uses.json") ? " (different: plugin walker): "
+                                                                            : " (different: world): "));
   }
 }
 
