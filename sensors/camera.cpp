@@ -45,19 +45,17 @@ struct Lens {
       d.member<&Params::height>("height", within(1, k_most_pixels), "height of the image, pixels");
       d.member<&Params::range_near>("range_near", meters, above(0), at_most(k_farthest),
                                     "surfaces nearer than this are not drawn");
-      d.member<&Params::range_far>("range_far", meters, above(0), at_most(k_farthest),
-                                   "surfaces farther than this are drawn as "
-                                   "sky; must be greater than range_near");
+      d.member<&Params::range_far>(
+          "range_far", meters, above(0), at_most(k_farthest),
+          "surfaces farther than this are drawn as sky; must be greater than range_near");
       d.member<&Params::fov_horizontal>("fov_horizontal", radians, above(0), at_most(k_widest),
                                         "angle from the left to the right edge of the picture");
       d.member<&Params::fov_vertical>("fov_vertical", radians, above(0), at_most(k_widest),
                                       "angle from the lower to the upper edge of the picture");
       d.member<&Params::pan>("pan", radians, within(-2 * k_pi, 2 * k_pi),
-                             "angle from the camera's heading to the axis of "
-                             "view; positive: to the right");
+                             "angle from the camera's heading to the axis of view; positive: to the right");
       d.member<&Params::tilt>("tilt", radians, within(-k_pi / 2, k_pi / 2),
-                              "angle of the axis of view above the horizontal; "
-                              "negative: downwards");
+                              "angle of the axis of view above the horizontal; negative: downwards");
     }
   };
 
@@ -73,25 +71,23 @@ struct Lens {
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
   std::uint64_t sense(const SenseBatch& batch) const;
 
-  /// Distance, m, of the middle of a column of pixels from the middle of the
-  /// picture, positive to the right, in the image plane at a depth of 1 m.
+  /// Distance, m, of the middle of a column of pixels from the middle of the picture, positive to the right,
+  /// in the image plane at a depth of 1 m.
   double right(double column) const { return half_width * ((column + 0.5) / params.width * 2 - 1); }
-  /// Distance, m, of the middle of a row of pixels from the middle of the
-  /// picture, positive upwards, in the image plane at a depth of 1 m.
+  /// Distance, m, of the middle of a row of pixels from the middle of the picture, positive upwards, in the
+  /// image plane at a depth of 1 m.
   double up(double row) const { return half_height * (1 - (row + 0.5) / params.height * 2); }
   bool is_level() const { return tilt.sin == 0; }
 };
 
-/// A ray through a pixel. Its point at depth t (m along the axis of view) is
-/// the camera's position + t * across in the plane, and t * rise above the
-/// camera.
+/// A ray through a pixel. Its point at depth t (m along the axis of view) is the camera's position + t *
+/// across in the plane, and t * rise above the camera.
 struct PixelRay {
   Vec2 across;  ///< world frame
   double rise = 0;
 };
 
-/// One solid: the region inside its contours (even-odd rule), extruded over an
-/// interval of heights.
+/// One solid: the region inside its contours (even-odd rule), extruded over an interval of heights.
 struct Region {
   BodyId body;
   std::uint32_t solid = 0;
@@ -113,21 +109,19 @@ struct Edge {
 struct Crossing {
   std::uint32_t region = 0;
   double depth = 0;
-  /// Whether the ray passes to the other side of the edge here, and so enters
-  /// or leaves the region. If it does so through a corner, this is true for
-  /// only one of the two edges.
+  /// Whether the ray passes to the other side of the edge here, and so enters or leaves the region. If it
+  /// does so through a corner, this is true for only one of the two edges.
   bool is_change = false;
   friend auto operator<=>(const Crossing&, const Crossing&) = default;
 };
 
-/// Renders the images of cameras. Each thread keeps one object of this class,
-/// which keeps its buffers, so that only the first images allocate memory.
+/// Renders the images of cameras. Each thread keeps one object of this class, which keeps its buffers, so
+/// that only the first images allocate memory.
 class Painter {
  public:
-  /// Renders the image of a camera into its readings. own: the row, in the
-  /// state tables, of the body that has the camera. mount: the frame in which
-  /// the lens's pose is given. state, slot: the table of the readings, and the
-  /// entry of this body.
+  /// Renders the image of a camera into its readings. own: the row, in the state tables, of the body that has
+  /// the camera. mount: the frame in which the lens's pose is given. state, slot: the table of the readings,
+  /// and the entry of this body.
   void paint(const CommittedView& view, const Lens& lens, Row own, const engine::Mount& mount,
              engine::StateTable& state, std::size_t slot) {
     lens_ = &lens;
@@ -161,8 +155,7 @@ class Painter {
             lens_->tilt.sin + up * lens_->tilt.cos};
   }
 
-  /// Collects the outlines that may be in the field of view, and the regions
-  /// that they bound.
+  /// Collects the outlines that may be in the field of view, and the regions that they bound.
   void gather(Row own) {
     Box box;
     box.extend(origin_);
@@ -196,12 +189,10 @@ class Painter {
       if (regions_[r].around) around_.push_back(r);
   }
 
-  /// Computes leftmost_ and rightmost_. The margin of one pixel on each side is
-  /// far above rounding errors.
+  /// Computes leftmost_ and rightmost_. The margin of one pixel on each side is far above rounding errors.
   void bound_columns() {
-    // A pixel of row `row` is right(column) to the right of the axis of view,
-    // seen from above, and `ahead` along it. Over the rows, `ahead` is between
-    // its values at the upper and the lower edge of the picture.
+    // A pixel of row `row` is right(column) to the right of the axis of view, seen from above, and `ahead`
+    // along it. Over the rows, `ahead` is between its values at the upper and the lower edge of the picture.
     const auto ahead = [&](double row) { return lens_->tilt.cos - lens_->up(row) * lens_->tilt.sin; };
     const double top = ahead(-0.5);
     const double bottom = ahead(static_cast<double>(lens_->params.height) - 0.5);
@@ -219,8 +210,7 @@ class Painter {
     }
   }
 
-  /// Collects the edges of all chains that may be visible, sorted by their
-  /// first columns.
+  /// Collects the edges of all chains that may be visible, sorted by their first columns.
   void collect_edges() {
     edges_.clear();
     const std::size_t width = lens_->params.width;
@@ -233,8 +223,8 @@ class Painter {
     std::ranges::sort(edges_, {}, &Edge::first);
   }
 
-  /// Sets the columns in which an edge may be visible. Returns false if there
-  /// are none. leftmost_ must not be empty: all rays point forward.
+  /// Sets the columns in which an edge may be visible. Returns false if there are none. leftmost_ must not be
+  /// empty: all rays point forward.
   bool find_columns(Edge& edge) const {
     const double ahead_from = edge.from.dot(forward_);
     const double ahead_to = edge.to.dot(forward_);
@@ -252,9 +242,8 @@ class Painter {
     return edge.first < edge.last--;
   }
 
-  /// Adds a chain without vertices for each static solid that is straight above
-  /// or below the camera. The other chains are not enough: if the outline of
-  /// the solid is far away, none of them belongs to the solid.
+  /// Adds a chain without vertices for each static solid that is straight above or below the camera. The
+  /// other chains are not enough: if the outline of the solid is far away, none of them belongs to the solid.
   void add_fixed_around() {
     const partition::StaticScene& scene = view_->scene();
     scene.for_each_box_at(origin_, [&](std::uint32_t index) {
@@ -271,9 +260,8 @@ class Painter {
     });
   }
 
-  /// Updates region.around for one of the chains (connected edges of the
-  /// outline) of the region. For a body, the crossings of all its chains are
-  /// counted, one chain per call. For static geometry, of which only some
+  /// Updates region.around for one of the chains (connected edges of the outline) of the region. For a body,
+  /// the crossings of all its chains are counted, one chain per call. For static geometry, of which only some
   /// chains have been collected, only the chain from add_fixed_around() counts.
   void find_around(const OutlineChain& chain, Region& region) {
     if (!chain.closed) {
@@ -287,13 +275,13 @@ class Painter {
     });
   }
 
-  /// Whether the ends of an edge, relative to the camera, are on different
-  /// sides of the line of a ray. across: the direction of the ray in the plane.
+  /// Whether the ends of an edge, relative to the camera, are on different sides of the line of a ray.
+  /// across: the direction of the ray in the plane.
   static bool changes(const Vec2& a, const Vec2& b, const Vec2& across) {
     return (cross(a, across) < 0) != (cross(b, across) < 0);
   }
-  /// The depth at which a ray crosses an edge, as a multiple of `across`. The
-  /// ends of the edge must be on different sides of the ray, or on the ray.
+  /// The depth at which a ray crosses an edge, as a multiple of `across`. The ends of the edge must be on
+  /// different sides of the ray, or on the ray.
   static double depth_of(const Vec2& a, const Vec2& b, const Vec2& across) {
     const double side_a = cross(a, across);
     const double side_b = cross(b, across);
@@ -313,8 +301,7 @@ class Painter {
     crossings_.push_back({region, depth, (side_a < 0) != (side_b < 0)});
   }
 
-  /// Finds the crossings of a ray with the edges that may be visible in the
-  /// present column.
+  /// Finds the crossings of a ray with the edges that may be visible in the present column.
   void cross_all(const PixelRay& ray) {
     crossings_.clear();
     for (const std::uint32_t e : in_column_) meet(edges_[e].region, edges_[e].from, edges_[e].to, ray.across);
@@ -346,8 +333,7 @@ class Painter {
       seen = region;
       is_floor = region == nullptr;
     };
-    // The ray meets only regions whose outlines it crosses, and regions above
-    // or below the camera.
+    // The ray meets only regions whose outlines it crosses, and regions above or below the camera.
     const Crossing* crossing = crossings_.data();
     const Crossing* end = crossing + crossings_.size();
     auto around = around_.begin();
@@ -387,14 +373,12 @@ class Painter {
   std::vector<std::uint32_t> region_of_;  // per chain
   std::vector<Region> regions_;           // sorted by body and solid
   std::vector<std::uint32_t> around_;     // regions straight above or below the camera
-  // Per column of pixels: bounds of the tangents of the bearings of its rays,
-  // to the right of the axis of view, with a margin. Empty if rays may point
-  // sideways or backwards.
+  // Per column of pixels: bounds of the tangents of the bearings of its rays, to the right of the axis of
+  // view, with a margin. Empty if rays may point sideways or backwards.
   std::vector<double> leftmost_;
   std::vector<double> rightmost_;
   std::vector<Edge> edges_;               // that may be visible, sorted by Edge::first
-  std::vector<std::uint32_t> in_column_;  // indices of the edges that may be
-                                          // visible in the present column
+  std::vector<std::uint32_t> in_column_;  // indices of the edges that may be visible in the present column
   std::vector<Crossing> crossings_;       // of one ray, sorted by region and depth
 };
 
@@ -406,8 +390,7 @@ DeviceKind::Prepared Lens::prepare(const Params& params, const Pose& pose_body_s
                   .half_width = across.sin / across.cos,
                   .half_height = upright.sin / upright.cos,
                   .tilt = sincos(params.tilt)};
-  // The distance to the corners of the image at range_far. For a tilted camera
-  // this is an upper bound.
+  // The distance to the corners of the image at range_far. For a tilted camera this is an upper bound.
   const double farthest =
       params.range_far * sqrt(1 + lens.half_width * lens.half_width + lens.half_height * lens.half_height);
   const std::uint32_t pixels = params.width * params.height;
