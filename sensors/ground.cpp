@@ -49,68 +49,6 @@ bool holds(const std::vector<Ring>& contours, const Vec2& point) {
   return inside;
 }
 
-/// The contours of a region, for many calls of contains(), which gives the results of holds(). The edges are
-/// sorted into horizontal strips, because the contours of a floor image can have a million edges.
-class StrippedRegion {
- public:
-  explicit StrippedRegion(const std::vector<Ring>& contours) {
-    double edges = 0;
-    double climb = 0;  // sum of the heights of the edges, m
-    for_each_edge(contours, [&](const Vec2& a, const Vec2& b) {
-      box_.extend(a);
-      ++edges;
-      climb += std::abs(b.y() - a.y());
-    });
-    if (edges == 0) return;
-    // With this many strips, the long edges have about as many entries in total as there are edges.
-    const double height = box_.size().y();
-    const double strips = climb > 0 ? std::clamp(edges * height / climb, 1.0, edges) : 1.0;
-    begins_.assign(static_cast<std::size_t>(strips) + 1, 0);
-    per_m_ = height > 0 ? std::floor(strips) / height : 0;
-    const auto for_each_entry = [&](auto&& visit) {
-      for_each_edge(contours, [&](const Vec2& a, const Vec2& b) {
-        if (a.y() == b.y()) return;  // no ray towards +x crosses it
-        const std::size_t last = strip(std::max(a.y(), b.y()));
-        for (std::size_t i = strip(std::min(a.y(), b.y())); i <= last; ++i) visit(i, Edge{a, b});
-      });
-    };
-    for_each_entry([&](std::size_t i, const Edge&) { ++begins_[i + 1]; });
-    for (std::size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
-    edges_.resize(begins_.back());
-    std::vector<std::size_t> next = begins_;
-    for_each_entry([&](std::size_t i, const Edge& edge) { edges_[next[i]++] = edge; });
-  }
-
-  const Box& box() const { return box_; }
-  bool contains(const Vec2& point) const {
-    if (!(box_.min.y() <= point.y() && point.y() <= box_.max.y())) return false;
-    const std::size_t i = strip(point.y());
-    bool inside = false;
-    for (std::size_t e = begins_[i]; e < begins_[i + 1]; ++e)
-      if (crosses(edges_[e].a, edges_[e].b, point)) inside = !inside;
-    return inside;
-  }
-
- private:
-  struct Edge {
-    Vec2 a, b;
-  };
-  template <class Visit>
-  static void for_each_edge(const std::vector<Ring>& contours, Visit&& visit) {
-    for (const Ring& ring : contours)
-      for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) visit(ring[j], ring[i]);
-  }
-  std::size_t strip(double y) const {
-    return static_cast<std::size_t>(
-        std::clamp((y - box_.min.y()) * per_m_, 0.0, static_cast<double>(begins_.size() - 2)));
-  }
-
-  Box box_;
-  double per_m_ = 0;                 // strips per metre
-  std::vector<std::size_t> begins_;  // per strip, and one past the end: index into edges_
-  std::vector<Edge> edges_;          // by strip
-};
-
 /// Whether bodies of the type belong to the static scene. All other bodies are in the index of the view.
 bool never_moves(const engine::TypeSpec& type) {
   return engine::is_static(type) && type.devices.empty() && type.controllers.empty();
@@ -125,6 +63,68 @@ bool Ground::Zone::is_above(const Zone& other) const {
 
 /// The parts of static bodies that are ground.
 struct Ground::Fixed {
+  /// The contours of a region, for many calls of contains(), which gives the results of holds(). The edges
+  /// are sorted into horizontal strips, because the contours of a floor image can have a million edges.
+  class StrippedRegion {
+   public:
+    explicit StrippedRegion(const std::vector<Ring>& contours) {
+      double edges = 0;
+      double climb = 0;  // sum of the heights of the edges, m
+      for_each_edge(contours, [&](const Vec2& a, const Vec2& b) {
+        box_.extend(a);
+        ++edges;
+        climb += std::abs(b.y() - a.y());
+      });
+      if (edges == 0) return;
+      // With this many strips, the long edges have about as many entries in total as there are edges.
+      const double height = box_.size().y();
+      const double strips = climb > 0 ? std::clamp(edges * height / climb, 1.0, edges) : 1.0;
+      begins_.assign(static_cast<std::size_t>(strips) + 1, 0);
+      per_m_ = height > 0 ? std::floor(strips) / height : 0;
+      const auto for_each_entry = [&](auto&& visit) {
+        for_each_edge(contours, [&](const Vec2& a, const Vec2& b) {
+          if (a.y() == b.y()) return;  // no ray towards +x crosses it
+          const std::size_t last = strip(std::max(a.y(), b.y()));
+          for (std::size_t i = strip(std::min(a.y(), b.y())); i <= last; ++i) visit(i, Edge{a, b});
+        });
+      };
+      for_each_entry([&](std::size_t i, const Edge&) { ++begins_[i + 1]; });
+      for (std::size_t i = 1; i < begins_.size(); ++i) begins_[i] += begins_[i - 1];
+      edges_.resize(begins_.back());
+      std::vector<std::size_t> next = begins_;
+      for_each_entry([&](std::size_t i, const Edge& edge) { edges_[next[i]++] = edge; });
+    }
+
+    const Box& box() const { return box_; }
+    bool contains(const Vec2& point) const {
+      if (!(box_.min.y() <= point.y() && point.y() <= box_.max.y())) return false;
+      const std::size_t i = strip(point.y());
+      bool inside = false;
+      for (std::size_t e = begins_[i]; e < begins_[i + 1]; ++e)
+        if (crosses(edges_[e].a, edges_[e].b, point)) inside = !inside;
+      return inside;
+    }
+
+   private:
+    struct Edge {
+      Vec2 a, b;
+    };
+    template <class Visit>
+    static void for_each_edge(const std::vector<Ring>& contours, Visit&& visit) {
+      for (const Ring& ring : contours)
+        for (std::size_t i = 0, j = ring.size() - 1; i < ring.size(); j = i++) visit(ring[j], ring[i]);
+    }
+    std::size_t strip(double y) const {
+      return static_cast<std::size_t>(
+          std::clamp((y - box_.min.y()) * per_m_, 0.0, static_cast<double>(begins_.size() - 2)));
+    }
+
+    Box box_;
+    double per_m_ = 0;                 // strips per metre
+    std::vector<std::size_t> begins_;  // per strip, and one past the end: index into edges_
+    std::vector<Edge> edges_;          // by strip
+  };
+
   struct Part {
     Zone zone;
     StrippedRegion region;  // world frame
@@ -146,7 +146,7 @@ void Ground::collect(const WorldSpec& world) {
         if (top > height_) continue;
         const Color color = type.parts[p].color.value_or(body.color);
         const Solid here = placed(solid, body.pose_world_body);
-        zones.parts.push_back({{top, BodyId(b), p, color}, StrippedRegion(here.contours)});
+        zones.parts.push_back({{top, BodyId(b), p, color}, Fixed::StrippedRegion(here.contours)});
         boxes.push_back(zones.parts.back().region.box());
       }
   }
