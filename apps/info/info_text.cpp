@@ -236,7 +236,7 @@ Summary summary_of_journal(const fs::path& file) {
   lines.next(line);
   Summary summary{
       {"kind", "journal of a sweep: the results of its runs, which troupe sweep writes into tables"}};
-  const auto head = nlohmann::json::parse(line, nullptr, false);
+  const auto head = nlohmann::ordered_json::parse(line, nullptr, false);
   for (const auto& [name, value] : head.items())
     if (value.is_string() && name != "study")
       summary.emplace_back(name == "version" ? "written by" : name, value.get<std::string>());
