@@ -220,7 +220,11 @@ class Conflicts::Resolver {
   /// resolved and none is in its way. Otherwise it waits for the next round. The function uses only outcomes
   /// of earlier rounds, so the number of rounds does not depend on the number of threads.
   void resolve_waiting(const Waiting& waiting) {
-    if (waiting.count == k_in_zone) return resolve_in_zone(waiting.row, conflicts_.still_waiting_.get());
+    if (waiting.count == k_in_zone) {
+      // A search among all movers with overlapping zones is only worth its time if this one is resolved.
+      if (!is_resolved_before(waiting.first)) return wait(conflicts_.still_waiting_.get(), waiting);
+      return resolve_in_zone(waiting.row, conflicts_.still_waiting_.get());
+    }
     bool open = false;
     const auto blocks = [&](std::uint32_t other, bool blocks_moved) {
       const Resolution found = resolution(other);

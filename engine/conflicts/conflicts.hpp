@@ -265,7 +265,7 @@ class Conflicts {
   };
   /// A row that waits until other rows are resolved. Its dependencies are the elements [first, first + count)
   /// of others_. With two special values of `count`, no dependencies are listed: k_unlisted, if there are too
-  /// many of them, and k_in_zone, if the row waits for movers with overlapping zones
+  /// many of them, and k_in_zone, if the row waits for movers with overlapping zones, of which `first` is one
   /// (engine/conflicts/conflict_resolver.hpp).
   struct Waiting {
     std::uint32_t row;

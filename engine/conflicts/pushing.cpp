@@ -116,11 +116,13 @@ void Conflicts::Resolver::propose_and_check_in_zone(std::uint32_t row) {
 }
 
 void Conflicts::Resolver::resolve_in_zone(std::uint32_t row, Waiting* list) {
-  bool open = false;
+  // Of the movers for which it waits, the one with the lowest priority is most likely resolved last.
+  std::uint32_t last = row;
   for_each_zone(row, [&](std::uint32_t other) {
-    open = open || (goes_before(other, row) && !is_resolved_before(other));
+    if (goes_before(other, row) && !is_resolved_before(other) && (last == row || goes_before(last, other)))
+      last = other;
   });
-  if (open) return wait(list, {row, 0, k_in_zone});
+  if (last != row) return wait(list, {row, last, k_in_zone});
   Mover mover(crowd_, row);
   resolve(row, push(mover) ? Outcome::moved : Outcome::blocked);
 }
