@@ -3,12 +3,15 @@
 #include "engine/kinds/device_kind.hpp"
 #include "engine/observing/frame.hpp"
 #include "engine/sensing/shown_color.hpp"
-#include "engine/sensing/sight.hpp"
+#include "engine/sensing/visibility_query.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace troupe::sensors {
 namespace {
@@ -129,19 +132,27 @@ class Writer {
   std::size_t count_ = 0;
 };
 
+/// The rays of an image. Each thread keeps one object, so that only the first images allocate memory.
+struct Rays {
+  engine::VisibilityQuery query;
+  std::vector<engine::SightLine> lines;  // per column, from right to left
+  std::vector<engine::RayHit> first;     // per line: the first surface along it
+};
+
 /// Finds the blobs that the finder on the body with the row (index in the state tables) `own` sees, and
 /// passes them to the writer. body: the transform from the frame in which the finder's pose is given to the
 /// world frame.
 void find_blobs(const CommittedView& view, const BlobFinder& finder, Row own, const Transform& body,
-                Writer& writer) {
-  const Vec2 origin = body * finder.pose_body_sensor.position();
+                Rays& rays, Writer& writer) {
+  rays.lines.clear();
+  for (const Rotation& bearing : finder.bearings)
+    rays.lines.push_back({body.rotation * (bearing * Vec2::UnitX()), finder.params.range});
+  rays.first.resize(std::max(rays.first.size(), rays.lines.size()));
+  rays.query.first_met(view, body * finder.pose_body_sensor.position(), own, std::nullopt, rays.lines,
+                       std::span(rays.first).first(rays.lines.size()));
   std::optional<Blob> blob;
   for (std::size_t ray = 0; ray < finder.params.image_width; ++ray) {
-    const engine::RayHit first =
-        engine::first_met(view, {.origin = origin,
-                                 .direction = body.rotation * (finder.bearings[ray] * Vec2::UnitX()),
-                                 .length = finder.params.range,
-                                 .own = own});
+    const engine::RayHit& first = rays.first[ray];
     const bool is_seen =
         first.met() && (!finder.params.use_blob_return || engine::part_of(view, first).returns.blob);
     const Color color = is_seen ? color_of(view, first) : Color();
@@ -179,9 +190,10 @@ DeviceKind::Prepared BlobFinder::prepare(const Params& params, const Pose& pose_
 }
 
 std::uint64_t BlobFinder::sense(const SenseBatch& batch) const {
+  thread_local const auto rays = std::make_unique<Rays>();
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     Writer writer(params, batch.state, batch.slot(i));
-    find_blobs(batch.committed, *this, batch.rows[i], batch.mount(i).transform, writer);
+    find_blobs(batch.committed, *this, batch.rows[i], batch.mount(i).transform, *rays, writer);
     writer.finish();
   }
   return batch.rows.size() * params.image_width;

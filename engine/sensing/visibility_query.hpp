@@ -3,6 +3,9 @@
 #include "engine/sensing/sight.hpp"
 #include "partition/near_circles.hpp"
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -61,6 +64,11 @@ class VisibilityQuery {
   /// Sets found[i] to the first surface that rays[i] hits. If this ray hits nothing, found[i].range_m is the
   /// length of the ray, and found[i].met() is false. Both spans must have the same size.
   void first_met(std::span<const SightLine> rays, std::span<RayHit> found);
+  /// Calls stand() with the length of the longest ray, and then first_met(). For few long rays, it calls
+  /// engine::first_met() for each ray instead, which then is faster. bodies() and for_each_chain() must not
+  /// be called before the next call of stand().
+  void first_met(const SensingView& view, const Vec2& origin, Row own, std::optional<double> z,
+                 std::span<const SightLine> rays, std::span<RayHit> found);
 
  private:
   struct Hit {
@@ -84,8 +92,12 @@ class VisibilityQuery {
       for_each_chain_of(*view_, Row(mark), visit);
   }
   void find_fixed(double reach);
-  RayHit first_met(const SightLine& ray);
-  std::size_t find_hits(const SightLine& ray);
+  void sort_into_sectors();
+  RayHit search_along(const SightLine& ray) const;
+  RayHit first_met(const SightLine& ray, const partition::CircleArrays& circles, std::size_t first,
+                   std::size_t end);
+  std::size_t find_hits(const SightLine& ray, const partition::CircleArrays& circles, std::size_t first,
+                        std::size_t end);
   void meet(std::uint32_t mark, const SightLine& ray, RayHit& nearest) const;
 
   const SensingView* view_ = nullptr;
@@ -96,7 +108,17 @@ class VisibilityQuery {
   partition::NearCircles near_;  // bodies, then pieces of the static scene
   std::size_t bodies_ = 0;
   double fixed_reach_ = 0;  // pieces of the static scene are listed up to this distance, m; negative: none
-  std::vector<float> distances_;  // one per circle
+  // For many rays: the directions are divided into sectors, and each sector has the circles that reach into
+  // it.
+  static constexpr std::size_t k_sectors = 32;
+  struct Reach {
+    std::uint8_t first;  // the first sector that a circle reaches into, counter-clockwise
+    std::uint8_t count;
+  };
+  std::vector<Reach> reaches_;                         // per circle
+  std::array<std::uint32_t, k_sectors + 1> begins_{};  // per sector, and one past the end: index into sorted_
+  partition::CircleArrays sorted_;                     // by sector
+  std::vector<float> distances_;                       // one per circle
   std::vector<Hit> hits_;
 };
 

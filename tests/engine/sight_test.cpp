@@ -163,6 +163,8 @@ TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
       std::vector<RayHit> found(rays.size());
       query.stand(world.view(), ray.origin, reach, ray.own, ray.z);
       query.first_met(rays, found);
+      std::vector<RayHit> found_at_once(rays.size());
+      query.first_met(world.view(), ray.origin, ray.own, ray.z, rays, found_at_once);
       for (std::size_t i = 0; i < rays.size(); ++i) {
         ray.direction = rays[i].direction;
         ray.length = rays[i].length;
@@ -171,6 +173,9 @@ TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
         ASSERT_EQ(found[i].range_m, want.range_m) << "world " << w << ", point " << p << ", ray " << i;
         ASSERT_EQ(found[i].body, want.body) << "world " << w << ", point " << p << ", ray " << i;
         ASSERT_EQ(found[i].part, want.part);
+        ASSERT_EQ(found_at_once[i].range_m, want.range_m);
+        ASSERT_EQ(found_at_once[i].body, want.body);
+        ASSERT_EQ(found_at_once[i].part, want.part);
         met += want.met();
       }
     }
