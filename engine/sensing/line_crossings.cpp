@@ -70,6 +70,7 @@ Box SpatialLine::piece(double first, double last) const {
 
 LineCrossings::LineCrossings() {
   walls_.make_room(1024);
+  near_walls_.reserve(1024);
   crossings_.reserve(64);
 }
 
@@ -85,7 +86,15 @@ bool LineCrossings::find_walls(double longest) {
   if (!are_walls_gathered_) return true;
   walls_.begin(origin_, longest);
   walls_.add_pieces(view_->scene().outlines(), longest, 0);
-  return walls_.size() > 0;
+  const partition::CircleArrays& circles = walls_.circles();
+  near_walls_.clear();
+  for (std::size_t i = 0; i < walls_.size(); ++i) {
+    const Vec2 way(circles.x[i], circles.y[i]);
+    const double radius = circles.radius[i];
+    near_walls_.push_back({sqrt(way.squaredNorm()) - radius, radius, origin_ + way, circles.row[i]});
+  }
+  std::ranges::sort(near_walls_, {}, &NearWall::near);
+  return !near_walls_.empty();
 }
 
 void LineCrossings::find_bodies(double longest, std::span<const BodyCircle> candidates) {
@@ -103,11 +112,11 @@ void LineCrossings::find_bodies(double longest, std::span<const BodyCircle> cand
 template <class Visit>
 bool LineCrossings::any_wall(const SpatialLine& line, Visit&& visit) const {
   if (are_walls_gathered_) {
-    const partition::CircleArrays& circles = walls_.circles();
-    for (std::size_t i = 0; i < walls_.size(); ++i)
-      if (line.passes_near(origin_ + Vec2(circles.x[i], circles.y[i]), circles.radius[i]) &&
-          visit(circles.row[i]))
-        return true;
+    const double length = sqrt(line.length2) + k_crossing_slack_m;
+    for (const NearWall& wall : near_walls_) {
+      if (wall.near > length) break;
+      if (line.passes_near(wall.centre, wall.radius) && visit(wall.piece)) return true;
+    }
     return false;
   }
   return any_piece(line, [&](const Box& box) {

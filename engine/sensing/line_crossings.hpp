@@ -82,13 +82,21 @@ class LineCrossings {
     double x, y;  // first end of the edge
     auto operator<=>(const Crossing&) const = default;
   };
+  /// A circle that encloses a piece of a wall.
+  struct NearWall {
+    double near;  // distance of the circle from the origin, m; negative: the origin is inside
+    double radius;
+    Vec2 centre;  // world frame, m
+    std::uint32_t piece;
+  };
   template <class Visit>
   bool any_wall(const SpatialLine& line, Visit&& visit) const;
   bool hides(const SpatialLine& line, Row row) const;
 
   const SensingView* view_ = nullptr;
   Vec2 origin_ = Vec2::Zero();
-  partition::NearCircles walls_;               // pieces of outlines near the origin
+  partition::NearCircles walls_;               // pieces of outlines near the origin; scratch memory
+  std::vector<NearWall> near_walls_;           // the same, from near to far
   std::vector<partition::BodyCircle> bodies_;  // bodies near the origin
   bool are_walls_gathered_ = false;            // whether walls_ contains all walls that lines may cross
   bool are_bodies_gathered_ = false;           // whether bodies_ contains all bodies that lines may cross
