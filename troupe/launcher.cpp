@@ -58,9 +58,10 @@ bool is_child_of(pid_t parent, const fs::path& process) {
 
 /// Whether a running process was started with the variable `name` set to `value`.
 bool has_variable(const fs::path& process, const std::string& name, const std::string& value) {
+  const std::string wanted = fmt::format("{}={}", name, value);
   std::ifstream variables(process / "environ", std::ios::binary);  // empty if the process has ended
   for (std::string each; std::getline(variables, each, '\0');)
-    if (each == name + "=" + value) return true;
+    if (each == wanted) return true;
   return false;
 }
 

@@ -62,7 +62,7 @@ void VisibilityQuery::first_met(std::span<const SightLine> rays, std::span<RayHi
     const SightLine& ray = rays[i];
     if (is_sorted) {
       const float at = quarters(static_cast<float>(ray.direction.x()), static_cast<float>(ray.direction.y()));
-      const std::size_t sector = static_cast<std::size_t>(at * (k_sectors / 4)) % k_sectors;
+      const std::size_t sector = static_cast<std::size_t>(at * k_sectors_per_quarter) % k_sectors;
       found[i] = first_met(ray, sorted_, begins_[sector], begins_[sector + 1]);
     } else {
       found[i] = size > k_crowd ? search_along(ray) : first_met(ray, near_.circles(), 0, size);
@@ -84,8 +84,8 @@ void VisibilityQuery::sort_into_sectors() {
       // asin(a) is at most pi / 2 * a. The sum covers rounding.
       const float half = 1.6f * radius / std::sqrt(square) + 1e-3f;
       const float middle = quarters(circles.x[i], circles.y[i]) + 4;  // + 4, so that no sector is negative
-      const auto first = static_cast<std::size_t>((middle - half) * (k_sectors / 4));
-      const auto last = static_cast<std::size_t>((middle + half) * (k_sectors / 4));
+      const auto first = static_cast<std::size_t>((middle - half) * k_sectors_per_quarter);
+      const auto last = static_cast<std::size_t>((middle + half) * k_sectors_per_quarter);
       reach = {static_cast<std::uint8_t>(first % k_sectors),
                static_cast<std::uint8_t>(std::min(last - first + 1, k_sectors))};
     }

@@ -110,7 +110,8 @@ class VisibilityQuery {
   double fixed_reach_ = 0;  // pieces of the static scene are listed up to this distance, m; negative: none
   // For many rays: the directions are divided into sectors, and each sector has the circles that reach into
   // it.
-  static constexpr std::size_t k_sectors = 32;
+  static constexpr std::size_t k_sectors_per_quarter = 8;
+  static constexpr std::size_t k_sectors = 4 * k_sectors_per_quarter;
   struct Reach {
     std::uint8_t first;  // the first sector that a circle reaches into, counter-clockwise
     std::uint8_t count;
