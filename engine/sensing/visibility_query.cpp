@@ -74,7 +74,7 @@ void VisibilityQuery::first_met(std::span<const SightLine> rays, std::span<RayHi
 void VisibilityQuery::sort_into_sectors() {
   const partition::CircleArrays& circles = near_.circles();
   const std::size_t size = near_.size();
-  reaches_.resize(std::max(reaches_.size(), size));
+  if (reaches_.size() < size) reaches_.resize(2 * size);
   begins_.fill(0);
   for (std::size_t i = 0; i < size; ++i) {
     Reach reach{0, k_sectors};

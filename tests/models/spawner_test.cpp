@@ -136,7 +136,7 @@ struct Nest {
                            device("flags", {})};
     nest = scene.body("nest", type);
     const TypeId giver = scene.robot("giver", {box(0.2, 0.2)});
-    scene[giver].devices = {device("flags", {{"yellow", 20}})};
+    scene[giver].devices = {device("flags", {{"yellow", 20}, {"most", 20}})};
     scene[giver].controllers = {{.kind = "giver", .params = {}}};
     scene.body("giver", giver, {5, 0, 0, 0});
     const TypeId bot = scene.robot("bot", {box(0.2, 0.2)});
