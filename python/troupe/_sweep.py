@@ -128,8 +128,8 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
 
 
 def _seed_of(study: Dict[str, Any], index: int) -> Optional[int]:
-    """Returns the seed of a failed run: that of the study or, if it gives no seeds, of a parameter or of the world. None
-    if the value of the parameter is no seed."""
+    """Returns the seed of a failed run: that of the study or, if it gives no seeds, of a parameter or of the world.
+    None if the value of the parameter is no seed."""
     texts, seed = study["runs"][index]
     if seed is None:
         seed = study["world_seed"]
