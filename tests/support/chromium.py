@@ -165,10 +165,19 @@ class Page:
             raise RuntimeError(details.get("exception", {}).get("description") or details["text"])
         return answer["result"].get("value")
 
+    def holds(self, condition):
+        """Returns whether a JavaScript expression is true now. It is not while the page is loaded or replaced by another."""
+        try:
+            return self.run(f"document.readyState === 'complete' && ({condition})")
+        except RuntimeError as error:
+            if "Inspected target navigated or closed" not in str(error):
+                raise
+            return False
+
     def wait(self, condition, seconds=240):
-        """Waits until a JavaScript expression is true."""
+        """Waits until a JavaScript expression is true, also across a change of the page."""
         until = time.monotonic() + seconds
-        while not self.run(condition):
+        while not self.holds(condition):
             if time.monotonic() > until:
                 raise TimeoutError(f"never true: {condition}; the page said: {self.problems}")
             time.sleep(0.02)
