@@ -1,10 +1,11 @@
-#include "worldio/json/document_table.hpp"
+#include "worldio/json/document_keys.hpp"
 
 #include "base/diagnostics.hpp"
 #include "engine/kinds/components.hpp"
 #include "engine/kinds/kinds.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/registry.hpp"
+#include "worldio/json/document_table.hpp"
 #include "worldio/json/kind_checks.hpp"
 #include "worldio/json/world_document.hpp"
 #include "worldio/load.hpp"

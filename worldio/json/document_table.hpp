@@ -1,14 +1,11 @@
 #pragma once
 
-#include "base/color.hpp"
-#include "base/geometry.hpp"
 #include "base/result.hpp"
-#include "engine/fields/description.hpp"
+#include "engine/fields/fields.hpp"
 #include "engine/kinds/kinds.hpp"
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -16,7 +13,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -288,6 +284,7 @@ std::optional<ComparisonDocument> read_comparison(const JsonCursor& at, std::str
 std::string comparison_pattern();
 
 /// Returns the table of a struct T of a WorldDocument. The first call fills the table with T::describe().
+/// Defined in worldio/json/document_keys.hpp, and instantiated in worldio/json/world_document.cpp.
 template <class T>
 const DocumentTable& document_table();
 
@@ -298,244 +295,5 @@ const engine::Field& heading_field();
 /// if the objects have no kind. The result is DocumentKey::other if `other` is set and a parameter has the
 /// name of DocumentKey::field. Else the result is DocumentKey::field.
 const engine::Field& field_of(const DocumentKey& key, const engine::FieldTable* params);
-
-namespace detail {
-
-template <class T>
-struct IsOptional : std::false_type {};
-template <class T>
-struct IsOptional<std::optional<T>> : std::true_type {};
-template <class T>
-struct InnerOf {
-  using Type = T;
-};
-template <class T>
-struct InnerOf<std::optional<T>> {
-  using Type = T;
-};
-template <class T>
-using Inner = typename InnerOf<T>::Type;
-
-/// Converts to any type except Eigen's vectors. engine::detail::member_count() initialises every member of a
-/// struct with such an object. If it converted to Eigen's vectors, the constructors of std::optional would
-/// try to make such a vector from it, which does not compile.
-struct AnyMember {
-  template <class T>
-  requires(!requires { T::RowsAtCompileTime; }) operator T() const;
-};
-
-}  // namespace detail
-
-/// Fills the DocumentTable of T, a struct of a WorldDocument. T::describe() calls one function of this class
-/// per key, in the order in which the writer writes the keys.
-template <class T>
-class DocumentKeys {
- public:
-  explicit DocumentKeys(DocumentTable& table) : table_(table) { noted<T>(); }
-
-  /// Adds a key of Form::value, for a member of a type that engine::Description accepts: a number, a bool, an
-  /// enum, a pose, ... `Path` is the pointer to the member, as in value<&PlaceDocument::pitch>("pitch", ...).
-  /// For a member of a member, `Path` is the pointer to the outer member, then the pointer to the inner one.
-  /// `facts` are the unit, the limits and the meaning of the key (engine::facts). This function and the
-  /// functions below that add a key return the new key. The reference is valid until another key is added.
-  template <auto... Path, class... Facts>
-  DocumentKey& value(std::string_view name, Facts... facts) {
-    static const T example{};
-    const auto& member = at<Path...>(static_cast<const void*>(&example));
-    using Member = std::remove_cvref_t<decltype(member)>;
-    engine::FieldTable fields;
-    engine::detail::add_field(fields, name, engine::detail::TypeOf<Member>::value, &example, &member,
-                              {engine::Fact(facts)...});
-    note<Path...>();
-    DocumentKey& key = table_.keys.emplace_back();
-    key.field = std::move(fields.fields.front());
-    key.field.fallback = {};  // an absent key leaves the member unchanged
-    key.is_float = std::is_same_v<detail::Inner<Member>, float>;
-    return key;
-  }
-
-  /// Adds a key of Form::choice, for a member that is an enum of one byte with the values 0, 1, 2, ...
-  /// `names` are the texts for these values, in the order of the values. `text` is the meaning of the key.
-  /// `Path` is as in value().
-  template <auto... Path>
-  DocumentKey& choice(std::string_view name, std::span<const std::string_view> names,
-                      std::string_view text = {}) {
-    using Member = std::remove_cvref_t<decltype(at<Path...>(std::declval<const void*>()))>;
-    static_assert(sizeof(detail::Inner<Member>) == 1 && std::is_enum_v<detail::Inner<Member>>);
-    DocumentKey& key = other<Path...>(Form::choice, name, text);
-    key.field.choices.assign(names.begin(), names.end());
-    return key;
-  }
-
-  /// Adds a key of any other form. `Path` is as in value(); an empty Path adds a key without a member. `text`
-  /// is the meaning of the key. `expects` becomes DocumentKey::expects.
-  template <auto... Path>
-  DocumentKey& other(Form form, std::string_view name, std::string_view text = {},
-                     std::string_view expects = {}) {
-    DocumentKey& key = table_.keys.emplace_back();
-    key.field = {.name = name, .type = engine::FieldType::text, .text = text};
-    key.form = form;
-    key.expects = expects;
-    note<Path...>();
-    if constexpr (sizeof...(Path) > 0) {
-      key.is_optional =
-          detail::IsOptional<std::remove_cvref_t<decltype(at<Path...>(std::declval<const void*>()))>>::value;
-      key.make = [](void* object) -> void* {
-        auto& x = at<Path...>(object);
-        if constexpr (detail::IsOptional<std::remove_cvref_t<decltype(x)>>::value)
-          return x ? &*x : &x.emplace();
-        else
-          return &x;
-      };
-      key.find = [](const void* object) -> const void* {
-        const auto& x = at<Path...>(object);
-        if constexpr (detail::IsOptional<std::remove_cvref_t<decltype(x)>>::value)
-          return x ? &*x : nullptr;
-        else
-          return &x;
-      };
-    }
-    return key;
-  }
-
-  /// Adds a key of Form::object. The member is a struct with a DocumentTable, or a std::optional of such a
-  /// struct. `text` is the meaning of the key, here and in list() and map().
-  template <auto Member>
-  DocumentKey& object(std::string_view name, std::string_view text = {}) {
-    DocumentKey& key = other<Member>(Form::object, name, text);
-    using M = std::remove_cvref_t<decltype(std::declval<T&>().*Member)>;
-    key.table = &document_table<detail::Inner<M>>;
-    return key;
-  }
-
-  /// Adds a key of Form::list. The member is a vector of structs, or a std::optional of such a vector. A
-  /// DocumentTable describes the struct.
-  template <auto... Path>
-  DocumentKey& list(std::string_view name, std::string_view text = {}) {
-    DocumentKey& key = other<Path...>(Form::list, name, text);
-    using M = std::remove_cvref_t<decltype(at<Path...>(std::declval<const void*>()))>;
-    using List = detail::Inner<M>;
-    key.table = &document_table<typename List::value_type>;
-    key.size = [](const void* list) { return static_cast<const List*>(list)->size(); };
-    key.append = [](void* list, std::string_view) -> void* {
-      return &static_cast<List*>(list)->emplace_back();
-    };
-    key.item = [](const void* list, std::size_t i) -> const void* {
-      return &(*static_cast<const List*>(list))[i];
-    };
-    return key;
-  }
-
-  /// Adds a key of Form::map. The member is a vector of pairs (name, struct); the struct has a DocumentTable.
-  template <auto Member>
-  DocumentKey& map(std::string_view name, std::string_view text = {}) {
-    DocumentKey& key = other<Member>(Form::map, name, text);
-    using Map = std::remove_cvref_t<decltype(std::declval<T&>().*Member)>;
-    key.table = &document_table<typename Map::value_type::second_type>;
-    key.size = [](const void* map) { return static_cast<const Map*>(map)->size(); };
-    key.append = [](void* map, std::string_view its_name) -> void* {
-      auto& entry = static_cast<Map*>(map)->emplace_back();
-      entry.first = its_name;
-      return &entry.second;
-    };
-    key.item = [](const void* map, std::size_t i) -> const void* {
-      return &(*static_cast<const Map*>(map))[i].second;
-    };
-    key.item_name = [](const void* map, std::size_t i) { return &(*static_cast<const Map*>(map))[i].first; };
-    return key;
-  }
-
-  /// Marks members of T that need no key, so that incomplete() does not report them as forgotten.
-  template <auto... Members>
-  void no_key() {
-    note<Members...>();
-  }
-
-  /// Returns DocumentTable::incomplete. Call this function after all keys are added.
-  std::vector<std::string> incomplete() const {
-    std::vector<std::string> found;
-    for (const Noted& of : noted_)
-      if (of.members.size() != of.count) found.emplace_back(of.name);
-    return found;
-  }
-
-  /// Adds a rule to DocumentTable::rules.
-  void rule(DocumentRule rule) { table_.rules.push_back(std::move(rule)); }
-  /// Sets DocumentTable::check.
-  template <void (*Check)(const T& object, const JsonCursor& at)>
-  void check() {
-    table_.check = [](const void* object, const JsonCursor& at) {
-      Check(*static_cast<const T*>(object), at);
-    };
-  }
-  /// The table that this object fills. It gives access to the members that no function above sets.
-  DocumentTable& table() { return table_; }
-
- private:
-  template <auto First, auto... Rest, class Object>
-  static auto& below(Object& object) {
-    if constexpr (sizeof...(Rest) == 0)
-      return object.*First;
-    else
-      return below<Rest...>(object.*First);
-  }
-  template <auto... Path>
-  static auto& at(const void* object) {
-    return below<Path...>(*static_cast<const T*>(object));
-  }
-  template <auto... Path>
-  static auto& at(void* object) {
-    return below<Path...>(*static_cast<T*>(object));
-  }
-
-  /// The members of one struct for which a key was added, or that were passed to no_key().
-  struct Noted {
-    std::string_view name;                  ///< name_of() of the struct, which identifies it
-    std::size_t count = 0;                  ///< number of its members
-    std::vector<std::string_view> members;  ///< the given members: the engine::detail::tag() of each
-  };
-  /// Returns the compiler's text for this function. The text is different for each C, and contains the name
-  /// of C.
-  template <class C>
-  static constexpr std::string_view name_of() {
-    return __PRETTY_FUNCTION__;
-  }
-  template <class C>
-  Noted& noted() {
-    const auto found = std::ranges::find(noted_, name_of<C>(), &Noted::name);
-    if (found != noted_.end()) return *found;
-    // A struct that is derived from Placed, or from another document, has this base as its first initialiser.
-    const std::size_t bases = std::is_base_of_v<Placed, C> ? 1 : 0;
-    return noted_.emplace_back(
-        Noted{name_of<C>(), engine::detail::member_count<C, detail::AnyMember>() - bases, {}});
-  }
-  template <auto... Path>
-  void note() {
-    [[maybe_unused]] const auto add = [](std::vector<std::string_view>& members, std::string_view member) {
-      if (std::ranges::find(members, member) == members.end()) members.push_back(member);
-    };
-    (add(noted<typename engine::detail::Pointed<decltype(Path)>::Class>().members,
-         engine::detail::tag<Path>()),
-     ...);
-  }
-
-  DocumentTable& table_;
-  std::vector<Noted> noted_;
-};
-
-template <class T>
-const DocumentTable& document_table() {
-  static const DocumentTable table = [] {
-    static const T usual{};
-    DocumentTable made;
-    made.usual = &usual;
-    made.placed = [](void* object) -> Placed& { return *static_cast<T*>(object); };
-    DocumentKeys<T> keys(made);
-    T::describe(keys);
-    made.incomplete = keys.incomplete();
-    return made;
-  }();
-  return table;
-}
 
 }  // namespace troupe::worldio

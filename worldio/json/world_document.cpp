@@ -5,7 +5,7 @@
 #include "engine/spec/ticks.hpp"
 #include "engine/spec/watch_spec.hpp"
 #include "worldio/images/ros_map.hpp"
-#include "worldio/json/document_table.hpp"
+#include "worldio/json/document_keys.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/measures_json.hpp"
@@ -1145,5 +1145,33 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
       .or_default("all measures that need no parameters");
   describe_experiment<WorldDocument, &WorldDocument::experiment>(d);
 }
+
+template const DocumentTable& document_table<BlockDocument>();
+template const DocumentTable& document_table<RingDocument>();
+template const DocumentTable& document_table<DiscDocument>();
+template const DocumentTable& document_table<DeviceDocument>();
+template const DocumentTable& document_table<SensorDocument>();
+template const DocumentTable& document_table<OwnDeviceDocument>();
+template const DocumentTable& document_table<DriveDocument>();
+template const DocumentTable& document_table<ControllerDocument>();
+template const DocumentTable& document_table<PartDocument>();
+template const DocumentTable& document_table<TypeDocument>();
+template const DocumentTable& document_table<FloorplanDocument>();
+template const DocumentTable& document_table<ArenaDocument>();
+template const DocumentTable& document_table<ModelDocument>();
+template const DocumentTable& document_table<PlaceDocument>();
+template const DocumentTable& document_table<PopulationDocument>();
+template const DocumentTable& document_table<MeasureDocument>();
+template const DocumentTable& document_table<ConditionDocument>();
+template const DocumentTable& document_table<GroupDocument>();
+template const DocumentTable& document_table<AddDocument>();
+template const DocumentTable& document_table<MoveDocument>();
+template const DocumentTable& document_table<SettingDocument>();
+template const DocumentTable& document_table<InterventionDocument>();
+template const DocumentTable& document_table<FaultDocument>();
+template const DocumentTable& document_table<ExperimentDocument>();
+template const DocumentTable& document_table<RecordDocument>();
+template const DocumentTable& document_table<GroundDocument>();
+template const DocumentTable& document_table<WorldDocument>();
 
 }  // namespace troupe::worldio
