@@ -34,6 +34,20 @@ Ring distinct(const Ring& ring) {
   return result;
 }
 
+/// Sorts the items by ascending keys; items with equal keys keep their order, so that the result does not
+/// depend on the implementation of sort. key_of: returns the key of an item, a pair of numbers
+template <class Item, class KeyOf>
+void sort_by(std::vector<Item>& items, KeyOf&& key_of) {
+  std::vector<std::pair<std::pair<double, double>, std::size_t>> order;  // keys and indices
+  order.reserve(items.size());
+  for (const Item& item : items) order.emplace_back(key_of(item), order.size());
+  std::stable_sort(order.begin(), order.end());
+  std::vector<Item> sorted;
+  sorted.reserve(items.size());
+  for (const auto& [key, index] : order) sorted.push_back(items[index]);
+  items = std::move(sorted);
+}
+
 // -- Trapezoids --
 
 /// A contour edge that is not parallel to the x axis.
@@ -111,10 +125,8 @@ std::vector<Side> sides_of(const std::vector<Ring>& contours, const std::vector<
       if (b.y() < a.y()) sides.push_back({b, a});
     }
   }
-  // The sweep needs the sides in the order of their lower ends. The sort is stable so that the pieces do not
-  // depend on the implementation of sort.
-  std::stable_sort(sides.begin(), sides.end(),
-                   [](const Side& a, const Side& b) { return a.low.y() < b.low.y(); });
+  // The sweep needs the sides in the order of their lower ends.
+  sort_by(sides, [](const Side& side) { return std::pair(side.low.y(), 0.0); });
   return sides;
 }
 
@@ -125,9 +137,7 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
   std::vector<double> heights;
   const auto x_bottom = [&](std::size_t s) { return sides[s].x_at(bottom); };
   const auto x_top = [&](std::size_t s) { return sides[s].x_at(top); };
-  std::stable_sort(active.begin(), active.end(), [&](std::size_t a, std::size_t b) {
-    return std::pair(x_bottom(a), x_top(a)) < std::pair(x_bottom(b), x_top(b));
-  });
+  sort_by(active, [&](std::size_t s) { return std::pair(x_bottom(s), x_top(s)); });
   // Sorts the sides by their order at the top, by insertion. Each exchange is a pair of sides that cross.
   effort.spend(active.size());
   for (std::size_t i = 1; i < active.size(); ++i) {
@@ -148,9 +158,8 @@ std::vector<double> crossings(const std::vector<Side>& sides, std::vector<std::s
 void cut_slab(const std::vector<Side>& sides, std::vector<std::size_t> active, double bottom, double top,
               std::vector<Trapezoid>& trapezoids, std::vector<std::size_t>& open, Effort& effort) {
   effort.spend(4 * active.size());
-  const auto x_middle = [&](std::size_t s) { return 0.5 * (sides[s].x_at(bottom) + sides[s].x_at(top)); };
-  std::stable_sort(active.begin(), active.end(),
-                   [&](std::size_t a, std::size_t b) { return x_middle(a) < x_middle(b); });
+  sort_by(active,
+          [&](std::size_t s) { return std::pair(0.5 * (sides[s].x_at(bottom) + sides[s].x_at(top)), 0.0); });
   std::vector<std::size_t> now_open;
   auto candidate = open.begin();
   for (std::size_t i = 0; i + 1 < active.size(); i += 2) {
@@ -221,10 +230,8 @@ bool continues(const Piece& piece, const Piece& above) {
 std::vector<Piece> merged(const std::vector<Side>& sides, std::vector<Trapezoid> trapezoids,
                           double tolerance) {
   std::vector<Piece> pieces;
-  // Sorted by their bottoms. The sort is stable so that trapezoids of one slab stay in order from left to
-  // right.
-  std::stable_sort(trapezoids.begin(), trapezoids.end(),
-                   [](const Trapezoid& a, const Trapezoid& b) { return a.bottom < b.bottom; });
+  // Trapezoids of one slab stay in order from left to right.
+  sort_by(trapezoids, [](const Trapezoid& trapezoid) { return std::pair(trapezoid.bottom, 0.0); });
   // Maps the height and left end of a piece's top to the piece, to find the piece below a trapezoid.
   std::map<std::pair<double, double>, std::size_t> by_top;
   for (const Trapezoid& t : trapezoids) {

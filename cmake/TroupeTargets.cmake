@@ -7,8 +7,7 @@ target_compile_options(troupe_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshad
 # By default gcc collects garbage at 128 MB, which a precompiled header nearly fills.
 target_compile_options(troupe_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288>)
 
-# Headers that nearly every source includes (standard library, Eigen, fmt) are precompiled once for the engine and all
-# libraries above it. In base and partition, precompiling would take as long as it saves.
+# Headers that nearly every source includes (standard library, Eigen, fmt) are precompiled once, for all libraries.
 # -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON turns precompiled headers off. Our own headers, which would save 2 % more, are
 # not precompiled: ccache reuses a precompiled header in another checkout, whose headers `#pragma once` does not
 # recognise as the same files.
@@ -79,10 +78,10 @@ function(troupe_add_library folder)
   troupe_verify_headers(${folder} "${headers}" "${arg_SOURCES}")
   target_link_libraries(troupe_${folder} PUBLIC ${arg_LINK}
                         PRIVATE $<BUILD_INTERFACE:troupe_warnings> ${arg_PRIVATE_LINK})
-  if(${folder} STREQUAL engine)
-    target_precompile_headers(troupe_engine PRIVATE ${troupe_precompiled_headers})
-  elseif(NOT ${folder} MATCHES "^(base|partition)$")
-    target_precompile_headers(troupe_${folder} REUSE_FROM troupe_engine)
+  if(${folder} STREQUAL base)
+    target_precompile_headers(troupe_base PRIVATE ${troupe_precompiled_headers})
+  else()
+    target_precompile_headers(troupe_${folder} REUSE_FROM troupe_base)
   endif()
   foreach(library ${arg_BUILD_LINK})
     target_link_libraries(troupe_${folder} PRIVATE $<BUILD_INTERFACE:${library}>)

@@ -1,10 +1,12 @@
 // Culling kernels of the exact ray engine. They process a vector of circles at a time and discard the circles
 // that no beam can reach. This file is compiled once for each instruction set that Highway supports.
 
+#include "partition/kernel_target.hpp"
 #include "partition/ranging.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
@@ -17,6 +19,10 @@ HWY_BEFORE_NAMESPACE();
 namespace troupe::partition {
 namespace HWY_NAMESPACE {
 namespace {
+
+// Compiled once for each instruction set like the kernels, so that simd_target() reports which version the
+// library Highway really runs.
+std::int64_t compiled_for() { return HWY_TARGET; }
 
 constexpr Rebind<std::uint32_t, Full<float>> k_u;
 
@@ -255,9 +261,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace troupe::partition {
 
+HWY_EXPORT(compiled_for);
 HWY_EXPORT(limits_of);
 HWY_EXPORT(fan_may_meet);
 HWY_EXPORT(unpack_runs);
+
+std::int64_t kernel_target() { return HWY_DYNAMIC_DISPATCH(compiled_for)(); }
 
 float limits_of(const Fan& fan, const float* inverse, const float* range_max, float* limits) {
   return HWY_DYNAMIC_DISPATCH(limits_of)(fan, inverse, range_max, limits);

@@ -1,34 +1,18 @@
-// The instruction sets of the kernels, by name. Like the kernels, compiled_for() is compiled once for each of
-// them, so that simd_target() reports which version the library Highway really runs.
+// The instruction sets of the kernels, by name.
 
 #include "partition/simd_target.hpp"
 
+#include "partition/kernel_target.hpp"
+
 #include <fmt/format.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <stdexcept>
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "partition/simd_target.cpp"
-#include <hwy/foreach_target.h>
-#include <hwy/highway.h>
-
-HWY_BEFORE_NAMESPACE();
-namespace troupe::partition::HWY_NAMESPACE {
-namespace {
-
-std::int64_t compiled_for() { return HWY_TARGET; }
-
-}  // namespace
-}  // namespace troupe::partition::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace troupe::partition {
 namespace {
-
-HWY_EXPORT(compiled_for);
 
 /// The name of a target. Highway's own name for AVX-512 is AVX3. Its two portable targets get the same name
 /// here, because a program contains only one of them.
@@ -79,7 +63,7 @@ const SimdTargets& simd_targets() {
   return targets;
 }
 
-std::string simd_target() { return name_of(HWY_DYNAMIC_DISPATCH(compiled_for)()); }
+std::string simd_target() { return name_of(kernel_target()); }
 
 void use_simd_target(std::string_view name) {
   for (const std::int64_t target : each_of(usable())) {
@@ -96,4 +80,3 @@ void use_simd_target(std::string_view name) {
 }
 
 }  // namespace troupe::partition
-#endif

@@ -1,5 +1,7 @@
 #include "partition/static_scene.hpp"
 
+#include "base/sort.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -291,8 +293,7 @@ std::vector<BodyId> StaticScene::overlapping(const ObstacleShape& shape, const P
     bodies.push_back(solids_[solid].body);
     return false;
   });
-  std::ranges::sort(bodies);
-  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  sort_unique(bodies);
   return bodies;
 }
 

@@ -1,3 +1,4 @@
+#include "base/sort.hpp"
 #include "engine/world/world.hpp"
 #include "partition/placed_shape.hpp"
 
@@ -85,7 +86,7 @@ class OverlapSearch {
                                      !shape(other).empty() && z.overlaps(heights(other)))
                                    near.push_back(state_.bodies[other.index()]);
                                });
-    std::ranges::sort(near);
+    sort_ids(near);
   }
 
   const partition::ObstacleShape& shape(Row row) const { return *state_.shapes[row.index()]; }

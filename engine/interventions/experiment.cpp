@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/random.hpp"
+#include "base/sort.hpp"
 #include "engine/interventions/groups.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/spec/placement.hpp"
@@ -85,16 +86,21 @@ void build_part(std::string_view key, std::size_t index, Diagnostics& diagnostic
 
 // ---- Compiling the spec
 
+std::vector<std::size_t> order_of_interventions(const ExperimentSpec& spec, double tick_s) {
+  std::vector<std::uint64_t> ticks;
+  for (const InterventionSpec& at : spec.at) ticks.push_back(ticks_until(at.time_s, tick_s));
+  return sorted_order(ticks);
+}
+
 void World::build_experiment(const Registry& registry, Diagnostics& diagnostics) {
   Experiment& e = experiment_;
   const ExperimentSpec& spec = state_.spec.experiment;
-  e.interventions.resize(spec.at.size());
-  for (std::size_t i = 0; i < spec.at.size(); ++i) {
-    e.interventions[i].tick = ticks_until(spec.at[i].time_s, state_.spec.tick_s);
-    e.interventions[i].spec = i;
-    e.interventions[i].stream = stream_id("at", std::to_string(i));
+  for (const std::size_t i : order_of_interventions(spec, state_.spec.tick_s)) {
+    Experiment::Intervention& intervention = e.interventions.emplace_back();
+    intervention.tick = ticks_until(spec.at[i].time_s, state_.spec.tick_s);
+    intervention.spec = i;
+    intervention.stream = stream_id("at", std::to_string(i));
   }
-  std::ranges::stable_sort(e.interventions, {}, &Experiment::Intervention::tick);
   std::map<std::uint32_t, TypeSpec> types;  // by type id, with all settings so far applied
   Groups groups(*this);
   std::size_t most = 0;

@@ -103,4 +103,10 @@ struct Experiment {
   std::vector<Candidate> candidates;  ///< scratch memory of World::choose()
 };
 
+/// Returns the indices of the interventions of a spec (ExperimentSpec::at) in the order in which they are
+/// applied: by ticks, and in the order of the indices within a tick.
+///
+/// tick_s: length of a tick, s; above 0
+std::vector<std::size_t> order_of_interventions(const ExperimentSpec& spec, double tick_s);
+
 }  // namespace troupe::engine

@@ -1,5 +1,6 @@
 #include "engine/interventions/groups.hpp"
 
+#include "base/sort.hpp"
 #include "engine/spec/names.hpp"
 #include "engine/world/world.hpp"
 
@@ -73,7 +74,7 @@ std::vector<BodyId> Groups::bodies_of(const GroupSpec& group) {
   for (auto longer = index.upper_bound(group.name);
        longer != index.end() && longer->first.starts_with(group.name); ++longer)
     add(longer->second);
-  std::ranges::sort(bodies);
+  sort_ids(bodies);
   return bodies;
 }
 

@@ -1,6 +1,7 @@
 #include "engine/observing/controller_check.hpp"
 
 #include "base/fp_environment.hpp"
+#include "engine/interventions/experiment.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/kind_errors.hpp"
 
@@ -105,9 +106,10 @@ ControllerCheck::ControllerCheck(World& world, const Registry& registry) : world
     fresh_types_.push_back(make_body_type(type, world.spec(), registry, diagnostics));
   }
   diagnostics.throw_if_errors();
-  for (const InterventionSpec& at : world.spec().experiment.at)
-    if (at.setting) settings_.push_back({ticks_until(at.time_s, world.tick_s()), *at.setting});
-  std::ranges::stable_sort(settings_, {}, &Setting::tick);
+  const ExperimentSpec& experiment = world.spec().experiment;
+  for (const std::size_t i : order_of_interventions(experiment, world.tick_s()))
+    if (const InterventionSpec& at = experiment.at[i]; at.setting)
+      settings_.push_back({ticks_until(at.time_s, world.tick_s()), *at.setting});
   follow_settings(world.tick() + 1);
   for (const BodyType& type : world.types()) {
     watched_.emplace_back();

@@ -1,5 +1,7 @@
 #include "engine/observing/state_difference.hpp"
 
+#include "base/sort.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -55,10 +57,9 @@ void compare_fields(const StateField& field, const std::byte* first, const std::
 /// Indices of the rows of a table, sorted by the ids of their bodies, so that two tables can be compared body
 /// by body.
 std::vector<std::size_t> rows_by_id(const StateTable& table) {
-  std::vector<std::size_t> rows(table.rows());
-  for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = r;
-  std::ranges::sort(rows, {}, [&](std::size_t r) { return table.ids()[r]; });
-  return rows;
+  std::vector<std::uint64_t> ids;
+  for (std::size_t r = 0; r < table.rows(); ++r) ids.push_back(table.ids()[r].value);
+  return sorted_order(ids);
 }
 
 /// Difference between two tables of one component: the number of bodies whose rows differ (`bodies`), and the
@@ -134,6 +135,7 @@ void compare_rows(std::span<const StateField> fields, const std::byte* first, co
 }
 
 std::vector<ComponentDifference> state_differences(World& first, World& second) {
+  const auto group_order = [](const ComponentDifference& known) { return phase_order(known.group); };
   std::vector<ComponentDifference> found;
   if (first.tables().size() != second.tables().size()) {
     found.push_back({.component = "the list of components"});
@@ -146,12 +148,11 @@ std::vector<ComponentDifference> state_differences(World& first, World& second) 
     const ComponentDifference difference = table_difference(a, b);
     const auto known = std::ranges::find(found, difference.component, &ComponentDifference::component);
     if (known == found.end())
-      found.push_back(difference);
+      found.insert(std::ranges::upper_bound(found, phase_order(difference.group), {}, group_order),
+                   difference);
     else
       merge(*known, difference);
   }
-  std::ranges::stable_sort(
-      found, {}, [](const ComponentDifference& difference) { return phase_order(difference.group); });
   return found;
 }
 

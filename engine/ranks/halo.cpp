@@ -2,6 +2,7 @@
 
 #include "base/random.hpp"
 #include "base/room.hpp"
+#include "base/sort.hpp"
 
 #include <fmt/format.h>
 
@@ -381,16 +382,15 @@ void Halo::receive_rows(std::vector<Arrival>& arrivals) {
 /// will own, then the ghosts, and each group by ids, so that the order of rows does not depend on which ranks
 /// sent them. Moves the states out of `arrivals`.
 void Halo::exchange_rows(std::span<const BodyId> leaving, std::vector<Arrival>& arrivals) {
-  const auto is_ghost = [&](const Arrival& arrival) { return owners_.owner(arrival.place) != post_.rank; };
-  std::ranges::sort(arrivals, {}, [&](const Arrival& arrival) {
-    return std::pair(is_ghost(arrival), arrival.state.body.value);
-  });
-  std::vector<World::RowState> coming;
   own_ = world_.rows() - leaving.size();
-  for (Arrival& arrival : arrivals) {
-    own_ += is_ghost(arrival) ? 0 : 1;
-    coming.push_back(std::move(arrival.state));
+  std::vector<std::uint64_t> keys;
+  for (const Arrival& arrival : arrivals) {
+    const bool is_ghost = owners_.owner(arrival.place) != post_.rank;
+    own_ += is_ghost ? 0 : 1;
+    keys.push_back(std::uint64_t{is_ghost} << 32 | arrival.state.body.value);
   }
+  std::vector<World::RowState> coming;
+  for (const std::size_t next : sorted_order(keys)) coming.push_back(std::move(arrivals[next].state));
   world_.exchange_rows(leaving, coming, own_);
 }
 
@@ -444,7 +444,7 @@ void Halo::note_neighbours() {
     for (const unsigned to : near) shown_[to].push_back(body);
   }
   for (std::vector<std::vector<BodyId>>* lists : {&shown_, &seen_})
-    for (std::vector<BodyId>& list : *lists) std::ranges::sort(list, {}, &BodyId::value);
+    for (std::vector<BodyId>& list : *lists) sort_ids(list);
   neighbours_ = 0;
   for (std::size_t rank = 0; rank < post_.ranks; ++rank)
     neighbours_ += !shown_[rank].empty() || !seen_[rank].empty();
@@ -607,11 +607,10 @@ void Halo::complete(std::span<ReceivedOrder> messages) {
 void Halo::forget_completion() {
   std::vector<BodyId> stays;
   for (const std::vector<BodyId>& list : seen_) stays.insert(stays.end(), list.begin(), list.end());
-  std::ranges::sort(stays, {}, &BodyId::value);
+  sort_ids(stays);
   std::vector<BodyId> leaving;
   for (std::size_t r = own_; r < world_.rows(); ++r)
-    if (const BodyId body = world_.body(Row(r));
-        !std::ranges::binary_search(stays, body.value, {}, &BodyId::value))
+    if (const BodyId body = world_.body(Row(r)); !std::ranges::binary_search(stays, body))
       leaving.push_back(body);
   world_.exchange_rows(leaving, {}, own_);
   is_complete_ = false;

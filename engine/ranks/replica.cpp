@@ -358,11 +358,11 @@ void Replica::fail() {
 /// before the others.
 ///
 /// failures: in the order of ranks
-void Replica::throw_first(std::vector<Failure>& failures) {
-  std::ranges::stable_sort(failures, {},
-                           [](const Failure& f) { return std::tuple(f.is_consequence, f.phase, f.robot); });
-  if (failures.front().error) std::rethrow_exception(failures.front().error);
-  throw StepError(failures.front().text);
+void Replica::throw_first(const std::vector<Failure>& failures) {
+  const Failure& first = *std::ranges::min_element(
+      failures, {}, [](const Failure& f) { return std::tuple(f.is_consequence, f.phase, f.robot); });
+  if (first.error) std::rethrow_exception(first.error);
+  throw StepError(first.text);
 }
 
 }  // namespace troupe::engine

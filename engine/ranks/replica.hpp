@@ -245,7 +245,7 @@ class Replica {
   Hashes own_hashes();
   [[noreturn]] void fail();
   static Failure failure_of(partition::MessageReader message);
-  [[noreturn]] static void throw_first(std::vector<Failure>& failures);
+  [[noreturn]] static void throw_first(const std::vector<Failure>& failures);
   std::vector<std::uint64_t> unequal_times();
 
   World& world_;

@@ -1,5 +1,6 @@
 #include "engine/ranks/shared_effects.hpp"
 
+#include "base/sort.hpp"
 #include "engine/kinds/step_error.hpp"
 #include "engine/ranks/rank_rows.hpp"
 #include "engine/world/world.hpp"
@@ -106,8 +107,7 @@ bool SharedEffects::find_targets() {
 
 /// Finds the owners of the bodies in lacking_.
 void SharedEffects::find_lacking() {
-  std::ranges::sort(lacking_);
-  lacking_.erase(std::unique(lacking_.begin(), lacking_.end()), lacking_.end());
+  sort_unique(lacking_);
   // All ranks have the same list. The owners of these bodies know where they are.
   MessageWriter own = post_.begin(Order::effects);
   const std::size_t known = affected_.size();
@@ -121,7 +121,7 @@ void SharedEffects::find_lacking() {
 
 /// Sorts affected_ by ids, and leaves one element per body.
 void SharedEffects::unite() {
-  std::ranges::sort(affected_, {}, [](const Affected& each) { return each.body.value; });
+  std::ranges::sort(affected_, {}, &Affected::body);
   const auto is_same = [](const Affected& a, const Affected& b) { return a.body == b.body; };
   affected_.erase(std::unique(affected_.begin(), affected_.end(), is_same), affected_.end());
 }
@@ -141,8 +141,7 @@ void SharedEffects::begin(bool is_new) {
 }
 
 SharedEffects::Affected* SharedEffects::find(BodyId body) {
-  const auto found = std::ranges::lower_bound(affected_, body.value, {},
-                                              [](const Affected& each) { return each.body.value; });
+  const auto found = std::ranges::lower_bound(affected_, body, {}, &Affected::body);
   return found != affected_.end() && found->body == body ? &*found : nullptr;
 }
 
@@ -157,13 +156,12 @@ std::vector<Halo::Gift> SharedEffects::find_groups(std::span<const Effect> effec
   groups_.clear();
   if (std::ranges::none_of(effects, [&](const Effect& effect) { return may_join_trees(effect); })) return {};
   std::vector<Affected> trees(affected_);  // one element per tree
-  std::ranges::sort(trees, {}, [](const Affected& each) { return each.root.value; });
+  std::ranges::sort(trees, {}, &Affected::root);
   const auto is_same = [](const Affected& a, const Affected& b) { return a.root == b.root; };
   trees.erase(std::unique(trees.begin(), trees.end(), is_same), trees.end());
   const auto index_of = [&](const Affected& body) {
-    return static_cast<std::size_t>(
-        std::ranges::lower_bound(trees, body.root.value, {}, [](const Affected& t) { return t.root.value; }) -
-        trees.begin());
+    return static_cast<std::size_t>(std::ranges::lower_bound(trees, body.root, {}, &Affected::root) -
+                                    trees.begin());
   };
   // Each tree belongs to the group of the tree leads[index]. The lowest tree of a group leads itself.
   std::vector<std::size_t> leads(trees.size());
@@ -196,8 +194,7 @@ std::vector<Halo::Gift> SharedEffects::find_groups(std::span<const Effect> effec
 /// The rank that applies the effects of the group of a tree; not set if the tree is in no group. root: the
 /// root of the tree before the effects
 std::optional<unsigned> SharedEffects::group_applier(BodyId root) const {
-  const auto found = std::ranges::lower_bound(groups_, root.value, {},
-                                              [](const GroupTree& tree) { return tree.root.value; });
+  const auto found = std::ranges::lower_bound(groups_, root, {}, &GroupTree::root);
   if (found == groups_.end() || found->root != root) return {};
   return found->applier;
 }

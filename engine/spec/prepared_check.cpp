@@ -1,5 +1,6 @@
 #include "engine/spec/prepared_check.hpp"
 
+#include "base/sort.hpp"
 #include "engine/kinds/finite.hpp"
 
 #include <fmt/format.h>
@@ -20,7 +21,7 @@ constexpr std::size_t k_most_effects = 1'000'000;
 /// Checks the fields of a table. bytes: size of the struct with these fields; 0: they are no struct. what:
 /// "percept", "command" or "memory field".
 Result<> check_fields(std::span<const StateField> fields, std::size_t bytes, std::string_view what) {
-  std::vector<const StateField*> sorted;
+  std::vector<std::uint64_t> offsets;
   for (const StateField& field : fields) {
     if (field.name.empty() || field.name.find('/') != std::string::npos)
       return Error{fmt::format("has a {} with the name \"{}\": a name must not be empty or contain \"/\"",
@@ -30,13 +31,13 @@ Result<> check_fields(std::span<const StateField> fields, std::size_t bytes, std
     if (field.element > Element::u8)
       return Error{fmt::format("has the {} \"{}\" of an unknown type (Element): {}", what, field.name,
                                static_cast<unsigned>(field.element))};
-    sorted.push_back(&field);
+    offsets.push_back(field.offset);
   }
   if (bytes == 0) return {};
   constexpr std::string_view k_advice = "use the fields that memory_fields() returns for the struct";
-  std::ranges::sort(sorted, {}, &StateField::offset);
   std::size_t end = 0;
-  for (const StateField* field : sorted) {
+  for (const std::size_t f : sorted_order(offsets)) {
+    const StateField* field = &fields[f];
     if (field->offset % element_size(field->element) != 0)
       return Error{fmt::format("has the {} \"{}\" at the offset {}, which is no multiple of its size: {}",
                                what, field->name, field->offset, k_advice)};

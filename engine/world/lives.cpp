@@ -1,4 +1,5 @@
 #include "base/fp_environment.hpp"
+#include "base/sort.hpp"
 #include "engine/kinds/finite.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/world/kind_errors.hpp"
@@ -271,7 +272,7 @@ void World::resolve_lives(std::span<const Effect> effects) {
       dead.emplace();
       for (const Effect& effect : effects)
         if (effect.verb == k_death) dead->push_back(effect.target);
-      std::ranges::sort(*dead);
+      sort_ids(*dead);
     }
     return std::ranges::binary_search(*dead, source);
   };

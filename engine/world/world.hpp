@@ -115,6 +115,7 @@ class World {
   /// - Bodies that extend below the floor (z = 0).
   World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics);
   World(WorldSpec, Registry&&, const WorldOptions&, Diagnostics&) = delete;
+  ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 

@@ -515,6 +515,8 @@ void World::build_tables() {
   start();
 }
 
+World::~World() = default;
+
 std::vector<StateTable> World::unused_tables() const {
   std::vector<bool> is_used(state_.types.size(), false);
   for (const BodySpec& body : state_.spec.bodies) is_used[body.type.index()] = true;
