@@ -196,6 +196,12 @@ void add_part(FieldTable& table, const FieldTable& part, const void* object, con
   }
 }
 
+FieldTable described_table(void (*describe)(FieldTable& fields)) {
+  FieldTable table;
+  describe(table);
+  return table;
+}
+
 }  // namespace detail
 
 Value get(const Field& field, const void* object) {

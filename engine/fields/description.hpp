@@ -267,6 +267,47 @@ constexpr std::size_t member_count() {
     return N;
 }
 
+/// Whether an aggregate T has N members. For a known N, this is much less work than member_count().
+template <class T, std::size_t N>
+constexpr bool has_members() {
+  return takes<T, Anything>(std::make_index_sequence<N>{}) &&
+         !takes<T, Anything>(std::make_index_sequence<N + 1>{});
+}
+
+/// The part of a Description that does not depend on the described struct. A description without a table
+/// collects the described members in it.
+class MemberList {
+ public:
+  /// Number of members described so far. This function and those below are only for a description without a
+  /// table.
+  constexpr std::size_t members() const { return count_; }
+  /// Whether any member was described more than once.
+  constexpr bool repeats() const { return repeats_; }
+  /// Whether a struct that is state may have all the members described so far. Each must be a bool, a number
+  /// of one of the types listed at Element (engine/fields/state_table.hpp), or an array of these.
+  constexpr bool is_state() const { return is_state_; }
+  /// Whether any of the members described so far is, or contains, a list of lists of numbers.
+  constexpr bool nests_lists() const { return nests_lists_; }
+
+ protected:
+  /// Adds a member, which tag() identifies.
+  constexpr void count(std::string_view tag, bool can_be_state, bool nests_lists = false) {
+    for (std::size_t i = 0; i < count_; ++i) repeats_ = repeats_ || seen_[i] == tag;
+    seen_[count_++] = tag;
+    is_state_ = is_state_ && can_be_state;
+    nests_lists_ = nests_lists_ || nests_lists;
+  }
+
+ private:
+  static constexpr std::size_t k_most_members = 128;
+
+  std::size_t count_ = 0;
+  bool repeats_ = false;
+  bool is_state_ = true;
+  bool nests_lists_ = false;
+  std::array<std::string_view, k_most_members> seen_{};
+};
+
 template <class T>
 concept HasOwnDescription = requires(Description<T>& d) {
   T::describe(d);
@@ -499,7 +540,7 @@ inline constexpr bool k_is_listed<std::vector<M>> = k_is_listed<M>;
 Value all_numbers(const MemberType& lists, const void* member);
 
 template <class T>
-constexpr Description<T> described_members();
+constexpr MemberList described_members();
 template <class M>
 constexpr bool members_nest_lists() {
   if constexpr (std::is_aggregate_v<M> && Described<M>)
@@ -595,13 +636,15 @@ void add_apart(FieldTable& table, std::string_view name);
 /// object: address of the outer struct with its default values
 /// member: address of the member in `object`
 void add_part(FieldTable& table, const FieldTable& part, const void* object, const void* member);
+/// Returns the table to which `describe` has added its fields.
+FieldTable described_table(void (*describe)(FieldTable& fields));
 
 }  // namespace detail
 
 /// The argument of the function `describe` of a struct T (see the top of this file). For each member of T,
 /// `describe` calls one of the functions member(), part(), derived() and apart().
 template <class T>
-class Description {
+class Description : public detail::MemberList {
  public:
   /// Makes a description without a table, which only counts the described members. For use in constant
   /// expressions.
@@ -617,7 +660,7 @@ class Description {
   template <auto k_member, class... Facts>
   [[gnu::cold]] constexpr void member(std::string_view name, Facts... facts) {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
-    if (table_ == nullptr)
+    if (std::is_constant_evaluated())
       count(detail::tag<k_member>(), detail::TypeOf<Type>::value.is_state, detail::k_nests_lists<Type>);
     else
       detail::add_field(*table_, name, detail::TypeOf<Type>::value, example_, &(example_->*k_member),
@@ -629,7 +672,7 @@ class Description {
   template <auto k_member>
   [[gnu::cold]] constexpr void part() {
     using Type = typename detail::Pointed<decltype(k_member)>::Type;
-    if (table_ == nullptr)
+    if (std::is_constant_evaluated())
       count(detail::tag<k_member>(), false, detail::k_nests_lists<Type>);
     else
       detail::add_part(*table_, described<Type>(), example_, &(example_->*k_member));
@@ -638,7 +681,7 @@ class Description {
   /// computed from the other members. Not for structs that are state.
   template <auto k_member>
   constexpr void derived() {
-    if (table_ == nullptr) count(detail::tag<k_member>(), false);
+    if (std::is_constant_evaluated()) count(detail::tag<k_member>(), false);
   }
 
   /// Describes a member that generic code cannot read or write. Its field has a name and a position in the
@@ -647,47 +690,21 @@ class Description {
   /// that are state.
   template <auto k_member>
   [[gnu::cold]] constexpr void apart(std::string_view name) {
-    if (table_ == nullptr)
+    if (std::is_constant_evaluated())
       count(detail::tag<k_member>(), false);
     else
       detail::add_apart(*table_, name);
   }
 
-  /// Number of members described so far. Only for a description without a table (default constructor).
-  constexpr std::size_t members() const { return count_; }
-  /// Whether any member was described more than once. Only for a description without a table.
-  constexpr bool repeats() const { return repeats_; }
-  /// Whether a struct that is state may have all the members described so far. Each must be a bool, a number
-  /// of one of the types listed at Element (engine/fields/state_table.hpp), or an array of these. Only for a
-  /// description without a table.
-  constexpr bool is_state() const { return is_state_; }
-  /// Whether any of the members described so far is, or contains, a list of lists of numbers. Only for a
-  /// description without a table.
-  constexpr bool nests_lists() const { return nests_lists_; }
-
  private:
-  static constexpr std::size_t k_most_members = 128;
-
-  constexpr void count(std::string_view tag, bool can_be_state, bool nests_lists = false) {
-    for (std::size_t i = 0; i < count_; ++i) repeats_ = repeats_ || seen_[i] == tag;
-    seen_[count_++] = tag;
-    is_state_ = is_state_ && can_be_state;
-    nests_lists_ = nests_lists_ || nests_lists;
-  }
-
   FieldTable* table_ = nullptr;
   const T* example_ = nullptr;
-  std::size_t count_ = 0;
-  bool repeats_ = false;
-  bool is_state_ = true;
-  bool nests_lists_ = false;
-  std::array<std::string_view, k_most_members> seen_{};
 };
 
 namespace detail {
 /// Runs the description of T without a table, to count and check the members that it describes.
 template <class T>
-constexpr Description<T> described_members() {
+constexpr MemberList described_members() {
   Description<T> d;
   describe_members(d);
   return d;
@@ -707,16 +724,14 @@ template <class T>
 TROUPE_OF_TYPE const FieldTable& described() {
   static_assert(std::is_aggregate_v<T>,
                 "a described struct must have no constructors: give its members initial values");
-  static_assert(detail::described_members<T>().members() == detail::member_count<T>(),
+  static_assert(detail::has_members<T, detail::described_members<T>().members()>(),
                 "describe() must describe every member");
   static_assert(!detail::described_members<T>().repeats(), "describe() describes a member twice");
-  static const FieldTable table = [] {
-    FieldTable fields;
+  static const FieldTable table = detail::described_table([](FieldTable& fields) {
     const T example{};
     Description<T> d(fields, example);
     detail::describe_members(d);
-    return fields;
-  }();
+  });
   return table;
 }
 

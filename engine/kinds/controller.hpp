@@ -3,15 +3,18 @@
 #include "engine/fields/description.hpp"
 #include "engine/kinds/kinds.hpp"
 
-#include <algorithm>
+#include <any>
 #include <array>
 #include <cstddef>
-#include <cstring>
-#include <exception>
+#include <cstdint>
+#include <iterator>
 #include <memory>
+#include <span>
+#include <string_view>
 #include <tuple>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 /// Lists the members of a struct that belongs to the state of a world, such as a controller's Memory (the
 /// data that the controller keeps for each robot). Example: `TROUPE_FIELDS(heading, steps)` in the body of
@@ -57,16 +60,6 @@ struct Shape<std::array<T, N>> {
   static constexpr std::uint32_t columns = N;
 };
 
-/// Returns the name with index n, counted from 0, in a comma-separated list of names. The result has no
-/// leading or trailing spaces. The list must have more than n names.
-constexpr std::string_view nth_name(std::string_view names, std::size_t n) {
-  for (; n > 0; --n) names.remove_prefix(names.find(',') + 1);
-  names = names.substr(0, names.find(','));
-  while (names.starts_with(' ')) names.remove_prefix(1);
-  while (names.ends_with(' ')) names.remove_suffix(1);
-  return names;
-}
-
 struct NoMemory {
   constexpr auto troupe_fields() { return std::tuple<>{}; }
   static constexpr std::string_view troupe_field_names() { return ""; }
@@ -99,16 +92,12 @@ C make(const Record& record) {
   }
 }
 
-/// Returns the error of a controller that finds no device of this kind among those of its robot. more: it has
-/// already found other devices.
-inline Error no_device_of(std::string_view kind, bool more, std::span<const DeviceInfo> devices) {
-  std::string text(more ? "needs one more device of kind \"" : "needs a device of kind \"");
-  text.append(kind).append("\"");
-  for (const DeviceInfo& device : devices)
-    text.append(&device == devices.data() ? "; the devices of the robot are of the kinds " : ", ")
-        .append(device.kind);
-  return {std::move(text)};
-}
+/// Returns the indices of devices of the given kinds, in this order, each device at most once. Returns an
+/// error if there are too few devices of a kind.
+Result<std::vector<std::size_t>> devices_of(std::span<const std::string_view> kinds,
+                                            std::span<const DeviceInfo> devices);
+/// Returns the indices of all devices.
+std::vector<std::size_t> all_devices(std::span<const DeviceInfo> devices);
 
 template <class C>
 Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInfo> devices,
@@ -119,20 +108,17 @@ Result<std::vector<std::size_t>> choose(C& controller, std::span<const DeviceInf
     static_assert(
         !requires { &C::choose; },
         "choose() must take (std::span<const DeviceInfo>, std::vector<bool>& claimed)");
-    std::vector<std::size_t> chosen;
     if constexpr (requires { C::k_uses; }) {
-      for (const std::string_view kind : C::k_uses) {
-        std::size_t d = 0;
-        while (d < devices.size() && (devices[d].kind != kind || std::ranges::count(chosen, d) > 0)) ++d;
-        if (d == devices.size()) return no_device_of(kind, !chosen.empty(), devices);
-        chosen.push_back(d);
-      }
+      const std::vector<std::string_view> kinds(std::begin(C::k_uses), std::end(C::k_uses));
+      return devices_of(kinds, devices);
     } else {
-      for (std::size_t d = 0; d < devices.size(); ++d) chosen.push_back(d);
+      return all_devices(devices);
     }
-    return chosen;
   }
 }
+
+/// Throws the exception that is being handled, as a DecisionError of the robot in this row.
+[[noreturn]] void throw_decision_error(Row row);
 
 template <class Memory, class C>
 void decide_one_by_one(const C& controller, const DecideBatch& batch) {
@@ -161,39 +147,54 @@ void decide_one_by_one(const C& controller, const DecideBatch& batch) {
         controller(*reinterpret_cast<Memory*>(batch.memory(i)), percept, random, actions);
     }
   } catch (...) {
-    throw DecisionError{batch.rows[i], std::current_exception()};
+    throw_decision_error(batch.rows[i]);
   }
+}
+
+/// A member of a struct with TROUPE_FIELDS.
+struct ListedMember {
+  Element element;
+  bool is_bool;
+  std::uint32_t columns;
+  std::uint32_t offset;  ///< offset in the struct, bytes
+};
+/// Returns the state fields of a struct with TROUPE_FIELDS. `names` are the names of its members, separated
+/// by commas.
+std::vector<StateField> listed_fields(std::string_view names, std::span<const ListedMember> members);
+
+template <class T>
+ListedMember listed_member(const T& member, const void* object) {
+  using Element = typename Shape<T>::element;
+  return {
+      element_of<Element>(), std::is_same_v<Element, bool>, Shape<T>::columns,
+      static_cast<std::uint32_t>(reinterpret_cast<const char*>(&member) - static_cast<const char*>(object))};
 }
 
 template <class Memory>
 std::vector<StateField> listed_fields() {
   Memory example{};
-  auto fields = example.troupe_fields();
-  constexpr std::size_t count = std::tuple_size_v<decltype(fields)>;
+  constexpr std::size_t count = std::tuple_size_v<decltype(example.troupe_fields())>;
   static_assert(std::is_aggregate_v<Memory>,
                 "the memory struct must have no constructors: give its members initial values");
-  static_assert(std::is_empty_v<Memory> || detail::member_count<Memory>() == count,
+  static_assert(std::is_empty_v<Memory> || detail::has_members<Memory, count>(),
                 "TROUPE_FIELDS must list every member of the memory struct");
   static_assert(detail::lists_distinct_members<Memory>(),
                 "TROUPE_FIELDS must list every member of the memory struct once");
-  std::vector<StateField> out;
-  [&]<std::size_t... I>(std::index_sequence<I...>) {
-    [[maybe_unused]] const auto add = [&](auto& member, std::size_t i) {
-      using Member = detail::Shape<std::remove_cvref_t<decltype(member)>>;
-      StateField field;
-      field.name = std::string(detail::nth_name(Memory::troupe_field_names(), i));
-      field.element = element_of<typename Member::element>();
-      field.is_bool = std::is_same_v<typename Member::element, bool>;
-      field.columns = Member::columns;
-      field.offset =
-          static_cast<std::uint32_t>(reinterpret_cast<char*>(&member) - reinterpret_cast<char*>(&example));
-      out.push_back(std::move(field));
-    };
-    (add(std::get<I>(fields), I), ...);
-  }
-  (std::make_index_sequence<count>{});
-  return out;
+  return std::apply(
+      [&example](const auto&... members) {
+        const std::array<ListedMember, count> list{listed_member(members, &example)...};
+        return listed_fields(Memory::troupe_field_names(), list);
+      },
+      example.troupe_fields());
 }
+
+/// Makes a controller kind without hooks. `params` returns the table of its parameters (null: it has none),
+/// and `memory` the fields of its memory struct, which has `memory_bytes` bytes.
+ControllerKind controller_kind(std::string_view name, std::string_view text, const FieldTable& (*params)(),
+                               std::vector<StateField> (*memory)(), std::size_t memory_bytes);
+/// Returns the result of ControllerKind::prepare for a controller that has chosen its devices.
+Result<ControllerKind::Prepared> prepared_controller(std::any controller,
+                                                     Result<std::vector<std::size_t>> devices);
 
 }  // namespace detail
 
@@ -260,19 +261,17 @@ std::vector<StateField> memory_fields() {
 template <class C>
 ControllerKind make_controller_kind(std::string_view name, std::string_view text) {
   using Memory = typename detail::MemoryOf<C>::type;
-  ControllerKind kind{.name = name, .text = text};
-  if constexpr (requires { typename C::Params; }) kind.params = described<typename C::Params>();
+  const FieldTable& (*params)() = nullptr;
+  if constexpr (requires { typename C::Params; }) params = described<typename C::Params>;
+  ControllerKind kind = detail::controller_kind(name, text, params, memory_fields<Memory>, sizeof(Memory));
   if constexpr (requires { C::needs_drive; }) kind.needs_drive = C::needs_drive;
   if constexpr (requires { C::switches; }) kind.switches = C::switches;
-  kind.memory = memory_fields<Memory>();
-  kind.memory_bytes = kind.memory.empty() ? 0 : sizeof(Memory);
   kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };
   kind.prepare = [](const Record& record, std::span<const DeviceInfo> devices,
                     std::vector<bool>& claimed) -> Result<ControllerKind::Prepared> {
     C controller = detail::make<C>(record);
     Result<std::vector<std::size_t>> chosen = detail::choose(controller, devices, claimed);
-    if (!chosen) return chosen.error();
-    return ControllerKind::Prepared{std::move(controller), *std::move(chosen)};
+    return detail::prepared_controller(std::move(controller), std::move(chosen));
   };
   if constexpr (requires { C::brings; }) kind.brings.assign(std::begin(C::brings), std::end(C::brings));
   if constexpr (requires(C & c, const WorldSpec& world, const TypeSpec& type) {

@@ -5,10 +5,10 @@
 #include "engine/kinds/kinds.hpp"
 
 #include <any>
+#include <cstddef>
 #include <iterator>
-#include <stdexcept>
 #include <string_view>
-#include <utility>
+#include <vector>
 
 namespace troupe::engine {
 namespace detail {
@@ -29,6 +29,19 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
     return {.data = C{}};
   }
 }
+
+/// The state or command struct of a device class: a function that returns its fields (null: the class has no
+/// such struct), and its size, bytes.
+struct DeviceStruct {
+  std::vector<StateField> (*fields)() = nullptr;
+  std::size_t bytes = 0;
+};
+/// Completes the result of DeviceKind::prepare for a device class: sets empty lists of fields. Throws
+/// std::logic_error if holds_class, which says whether `data` holds the device class, is false.
+void complete(DeviceKind::Prepared& prepared, bool holds_class, const DeviceStruct& state,
+              const DeviceStruct& command);
+/// Makes a device kind without hooks. `params` returns the table of its parameters (null: it has none).
+DeviceKind device_kind(std::string_view name, std::string_view text, const FieldTable& (*params)());
 
 }  // namespace detail
 
@@ -91,8 +104,9 @@ DeviceKind::Prepared prepare_device(const Record& record, const Pose& pose_body_
 ///     static constexpr FrameLayer layer;
 template <class C>
 DeviceKind make_device_kind(std::string_view name, std::string_view text) {
-  DeviceKind kind{.name = name, .text = text};
-  if constexpr (requires { typename C::Params; }) kind.params = described<typename C::Params>();
+  const FieldTable& (*params)() = nullptr;
+  if constexpr (requires { typename C::Params; }) params = described<typename C::Params>;
+  DeviceKind kind = detail::device_kind(name, text, params);
   if constexpr (requires { C::joints; }) kind.joints.assign(std::begin(C::joints), std::end(C::joints));
   if constexpr (requires { C::reads; }) kind.reads.assign(std::begin(C::reads), std::end(C::reads));
   if constexpr (requires { C::scope; }) kind.scope = C::scope;
@@ -105,21 +119,13 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
     kind.body = [](const Record& record) { return C::body(from_record<typename C::Params>(record)); };
   kind.prepare = [](const Record& record, const Pose& pose_body_device) {
     DeviceKind::Prepared prepared = detail::prepare_device<C>(record, pose_body_device);
-    if (std::any_cast<C>(&prepared.data) == nullptr)
-      throw std::logic_error(
-          "prepare() must return a DeviceKind::Prepared whose `data` holds the device class itself");
-    if constexpr (requires { typename C::State; }) {
-      if (prepared.percepts.empty()) {
-        prepared.percepts = memory_fields<typename C::State>();
-        prepared.percept_bytes = sizeof(typename C::State);
-      }
-    }
-    if constexpr (requires { typename C::Command; }) {
-      if (prepared.commands.empty()) {
-        prepared.commands = memory_fields<typename C::Command>();
-        prepared.command_bytes = sizeof(typename C::Command);
-      }
-    }
+    detail::DeviceStruct state;
+    if constexpr (requires { typename C::State; })
+      state = {memory_fields<typename C::State>, sizeof(typename C::State)};
+    detail::DeviceStruct command;
+    if constexpr (requires { typename C::Command; })
+      command = {memory_fields<typename C::Command>, sizeof(typename C::Command)};
+    detail::complete(prepared, std::any_cast<C>(&prepared.data) != nullptr, state, command);
     return prepared;
   };
   if constexpr (requires { &C::bind_part; })
