@@ -24,6 +24,7 @@
 #include <exception>
 #include <functional>
 #include <iostream>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -114,23 +115,26 @@ std::string version_text() {
   return fmt::format("{} simd {} (available: {})", version_line(), partition::simd_target(), usable);
 }
 
-/// Adds every command to the parser `app`, which then fills ProgramCommand::options.
-void add_commands(CLI::App& app, const std::vector<ProgramCommand>& commands) {
+using ProgramCommands = std::vector<std::unique_ptr<ProgramCommand>>;
+
+/// Adds every command to the parser `app`, which then fills ProgramCommand::options().
+void add_commands(CLI::App& app, const ProgramCommands& commands) {
   app.get_formatter()->column_width(26);
   app.footer(k_troupe_footer);
   app.require_subcommand(0, 1);  // a second command would be parsed and then ignored
   app.set_version_flag(
       "--version", [] { return version_text(); }, "Print version, compiler, flags and instruction sets");
-  for (const ProgramCommand& command : commands)
-    command.add_options(*app.add_subcommand(command.name, command.help));
+  for (const auto& command : commands)
+    command->add_options(*app.add_subcommand(command->name(), command->help()));
 }
 
-ExitCode run_command(const CLI::App& app, std::vector<ProgramCommand>& commands,
-                     const std::function<void(std::any&)>& limit) {
-  for (ProgramCommand& command : commands) {
-    if (!app.get_subcommand(command.name)->parsed()) continue;
-    if (limit) limit(command.options);
-    return command.run();
+ExitCode run_command(const CLI::App& app, const ProgramCommands& commands,
+                     const std::function<void(const std::any&)>& limit) {
+  for (const auto& command : commands) {
+    if (!app.get_subcommand(command->name())->parsed()) continue;
+    if (limit) limit(command->options());
+    if (!command->runs_on_ranks() && is_refused_on_ranks(command->name())) return k_bad_input;
+    return command->run();
   }
   print_usage_error(app.help());
   return k_bad_input;
@@ -163,16 +167,16 @@ constexpr const char* k_about =
 
 std::vector<Command> known_commands() {
   CLI::App app(k_about, "troupe");
-  const std::vector<ProgramCommand> commands = program_commands();
+  const ProgramCommands commands = program_commands();
   add_commands(app, commands);
   return command_table(app);
 }
 
-int run_command_line(int argc, const char* const* argv, const std::function<void(std::any&)>& limit) {
+int run_command_line(int argc, const char* const* argv, const std::function<void(const std::any&)>& limit) {
   fill_closed_streams();
   try {
     CLI::App app(k_about, "troupe");
-    std::vector<ProgramCommand> commands = program_commands();
+    const ProgramCommands commands = program_commands();
     add_commands(app, commands);
     try {
       obey_simd_variable();

@@ -18,10 +18,9 @@ namespace troupe::apps {
 /// argc: number of elements of `argv`
 /// argv: the name of the program, and then its arguments
 /// limit: for tests; called between parsing and running the command. It may change the options of the
-/// command, for example to shorten a run. Its argument `options` is the member ProgramCommand::options of the
-/// command.
+/// command, for example to shorten a run. Its argument `options` is ProgramCommand::options() of the command.
 int run_command_line(int argc, const char* const* argv,
-                     const std::function<void(std::any& options)>& limit = nullptr);
+                     const std::function<void(const std::any& options)>& limit = nullptr);
 
 /// Returns all commands of the program with their options. The first element is the program itself. The
 /// manual page and the shell completion are made from this list.

@@ -20,56 +20,74 @@
 #include "apps/view_command.hpp"
 #include "troupe/registry.hpp"
 
+#include <iterator>
 #include <memory>
 
 namespace troupe::apps {
 namespace {
 
-/// Returns a command that runs in one process. If a launcher such as mpirun has started several processes,
-/// the command prints an error instead of running.
+/// A command with options of the type `Options`.
 template <class Options>
-ProgramCommand row(const char* name, const char* help, void (*add_options)(CLI::App&, Options&),
-                   ExitCode (*run)(const Options&)) {
-  const auto options = std::make_shared<Options>();
-  return {.name = name,
-          .help = help,
-          .add_options = [options, add_options](CLI::App& command) { add_options(command, *options); },
-          .run = [options, run, name] { return is_refused_on_ranks(name) ? k_bad_input : run(*options); },
-          .options = options};
-}
+class CommandWith : public ProgramCommand {
+ public:
+  using AddOptions = void (*)(CLI::App&, Options&);
+  using Run = ExitCode (*)(const Options&);
+  CommandWith(const char* name, const char* help, AddOptions add, Run start, bool runs_on_ranks)
+      : ProgramCommand(name, help, runs_on_ranks), add_options_(add), run_(start) {}
+  void add_options(CLI::App& command) override { add_options_(command, options_); }
+  ExitCode run() const override { return run_(options_); }
+  std::any options() override { return &options_; }
 
-/// Like row(), for a command whose run() itself connects the processes of a launcher such as mpirun.
-template <class Options>
-ProgramCommand row_of_any(const char* name, const char* help, void (*add_options)(CLI::App&, Options&),
-                          ExitCode (*run)(const Options&)) {
-  ProgramCommand command = row(name, help, add_options, run);
-  command.run = [options = std::any_cast<std::shared_ptr<Options>>(command.options), run] {
-    return run(*options);
-  };
-  return command;
-}
+ protected:
+  AddOptions add_options_;
+  Run run_;
+  Options options_{};
+};
 
-/// Like row(), for a command that simulates its worlds on all processes of a launcher such as mpirun.
+/// A command that simulates its worlds on all processes of a launcher such as mpirun.
 template <class Options>
-ProgramCommand row_of_ranks(const char* name, const char* help, void (*add_options)(CLI::App&, Options&),
-                            ExitCode (*run)(const Options&)) {
-  ProgramCommand command = row(name, help, add_options, run);
-  command.run = [options = std::any_cast<std::shared_ptr<Options>>(command.options), run] {
-    return on_ranks(*options, [&](const SimulationOptions& simulation) {
-      Options own = *options;
+class CommandOnRanks : public CommandWith<Options> {
+ public:
+  using CommandWith<Options>::CommandWith;
+  ExitCode run() const override {
+    return on_ranks(this->options_, [this](const SimulationOptions& simulation) {
+      Options own = this->options_;
       own.simulation = simulation;
-      return run(own);
+      return this->run_(own);
     });
-  };
-  return command;
+  }
+};
+
+/// Returns a command that runs in one process.
+template <class Options>
+std::unique_ptr<ProgramCommand> row(const char* name, const char* help,
+                                    void (*add_options)(CLI::App&, Options&),
+                                    ExitCode (*run)(const Options&)) {
+  return std::make_unique<CommandWith<Options>>(name, help, add_options, run, false);
+}
+
+/// Returns a command whose run() itself connects the processes of a launcher such as mpirun.
+template <class Options>
+std::unique_ptr<ProgramCommand> row_of_any(const char* name, const char* help,
+                                           void (*add_options)(CLI::App&, Options&),
+                                           ExitCode (*run)(const Options&)) {
+  return std::make_unique<CommandWith<Options>>(name, help, add_options, run, true);
+}
+
+/// Returns a CommandOnRanks.
+template <class Options>
+std::unique_ptr<ProgramCommand> row_of_ranks(const char* name, const char* help,
+                                             void (*add_options)(CLI::App&, Options&),
+                                             ExitCode (*run)(const Options&)) {
+  return std::make_unique<CommandOnRanks<Options>>(name, help, add_options, run, true);
 }
 
 ExitCode check_shipped(const CheckOptions& options) { return check(options, make_registry()); }
 
 }  // namespace
 
-std::vector<ProgramCommand> program_commands() {
-  return {
+std::vector<std::unique_ptr<ProgramCommand>> program_commands() {
+  std::unique_ptr<ProgramCommand> commands[] = {
       row_of_ranks("run", "Run a world and print a summary", add_run_options, run),
       row_of_ranks("resume", "Continue a run from a checkpoint", add_resume_options, run),
       row("view", "Watch and steer a world in a browser", add_view_options, view_world),
@@ -93,6 +111,7 @@ std::vector<ProgramCommand> program_commands() {
           print_completion),
       row("manual", "Print the manual page troupe(1)", add_manual_options, print_manual),
   };
+  return {std::make_move_iterator(std::begin(commands)), std::make_move_iterator(std::end(commands))};
 }
 
 }  // namespace troupe::apps

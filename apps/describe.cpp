@@ -369,11 +369,9 @@ std::vector<std::string_view> kind_names(const Registry& registry) {
 }
 
 void add_describe_options(CLI::App& command, DescribeOptions& options) {
-  command
-      .add_option(
-          "NAME", options.name,
-          "Kind, such as ranger, or key of JSON worlds, such as populations (default: list all kinds)")
-      ->option_text(" ");
+  add_value(command, "NAME", " ",
+            "Kind, such as ranger, or key of JSON worlds, such as populations (default: list all kinds)",
+            [&options](const std::string& text) { options.name = text; });
   CLI::Option* const schema = add_switch(command, "--schema", options.schema,
                                          "Print the JSON Schema of worlds, for editors and programs");
   add_kind_options(command, options.sources);

@@ -67,18 +67,22 @@ void refuse(const char* option, std::string_view text, std::string_view expected
 }
 
 CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
-                       const std::function<void(const std::string&)>& set) {
-  return app.add_option_function<std::string>(name, set, help)->option_text(value);
+                       const std::function<void(const std::string&)>& set, CLI::Option* needed) {
+  CLI::Option* const option = app.add_option_function<std::string>(name, set, help)->option_text(value);
+  if (needed != nullptr) option->needs(needed);
+  return option;
 }
 
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
-                        const std::function<void(const std::string&)>& add) {
+                        const std::function<void(const std::string&)>& add, CLI::Option* needed) {
   const auto add_all = [add](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) add(text);
   };
-  return app.add_option_function<std::vector<std::string>>(name, add_all, help)
-      ->option_text(value)
-      ->allow_extra_args(false);
+  CLI::Option* const option = app.add_option_function<std::vector<std::string>>(name, add_all, help)
+                                  ->option_text(value)
+                                  ->allow_extra_args(false);
+  if (needed != nullptr) option->needs(needed);
+  return option;
 }
 
 CLI::Option* add_switch(CLI::App& app, const char* name, bool& on, const char* help) {

@@ -50,14 +50,15 @@ double tile_size_m(std::string_view text);
 unsigned rank_count(std::string_view text);
 
 /// Adds an option with one value. name: as typed, `--for`; value: placeholder of the value in the help, `S`;
-/// help: the description in the help; set: converts the text of the value and stores the result. CLI11's own
-/// conversions are not used, because they would accept hexadecimal numbers and nan.
+/// help: the description in the help; set: converts the text of the value and stores the result; needed: the
+/// option without which this one is an error, null if there is none. CLI11's own conversions are not used,
+/// because they would accept hexadecimal numbers and nan.
 CLI::Option* add_value(CLI::App& app, const char* name, const char* value, const char* help,
-                       const std::function<void(const std::string&)>& set);
+                       const std::function<void(const std::string&)>& set, CLI::Option* needed = nullptr);
 /// Like add_value(), for an option that may be repeated. `add` is called once for each value, in the order of
 /// the command line, with the text of the value.
 CLI::Option* add_values(CLI::App& app, const char* name, const char* value, const char* help,
-                        const std::function<void(const std::string&)>& add);
+                        const std::function<void(const std::string&)>& add, CLI::Option* needed = nullptr);
 
 /// Adds an option without a value. name: as typed, `--force`; help: the description in the help. Parsing sets
 /// `on`, which must outlive `app`, to true, and rejects a value, as in `--force=false`.

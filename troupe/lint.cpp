@@ -31,6 +31,7 @@
 #include <algorithm>
 #include <any>
 #include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -66,33 +67,30 @@ std::string device_text(std::string_view what, std::string_view name, std::strin
 class Heights {
  public:
   void add(const ZInterval& z, std::size_t count) {
-    begins_.push_back({z.min, count});
-    ends_.push_back({z.max, count});
+    begins_[z.min] += count;
+    ends_[z.max] += count;
     extent_ = united(extent_, z);
   }
-  /// Sorts the heights. Call it after the last add() and before the first at().
-  void sort() {
+  /// Sums the counts. Call it after the last add() and before the first at().
+  void sum() {
     for (auto* list : {&begins_, &ends_}) {
-      std::ranges::sort(*list, {}, &Step::z);
-      for (std::size_t i = 1; i < list->size(); ++i) (*list)[i].count += (*list)[i - 1].count;
+      std::size_t sum = 0;
+      for (auto& [z, count] : *list) count = sum += count;
     }
   }
   std::size_t at(double z) const {
-    const auto begun = std::ranges::upper_bound(begins_, z, {}, &Step::z);
-    const auto ended = std::ranges::lower_bound(ends_, z, {}, &Step::z);
-    return (begun == begins_.begin() ? 0 : (begun - 1)->count) -
-           (ended == ends_.begin() ? 0 : (ended - 1)->count);
+    const auto begun = begins_.upper_bound(z);
+    const auto ended = ends_.lower_bound(z);
+    return (begun == begins_.begin() ? 0 : std::prev(begun)->second) -
+           (ended == ends_.begin() ? 0 : std::prev(ended)->second);
   }
   bool empty() const { return begins_.empty(); }
   const ZInterval& extent() const { return extent_; }
 
  private:
-  struct Step {
-    double z;
-    std::size_t count;
-  };
-  std::vector<Step> begins_;
-  std::vector<Step> ends_;
+  // Per height: the number of solids that begin or end there; after sum() also of those below.
+  std::map<double, std::size_t> begins_;
+  std::map<double, std::size_t> ends_;
   ZInterval extent_ = k_no_heights;
 };
 
@@ -465,7 +463,7 @@ void Lint::check_sensors() {
     for (const auto& [z, count] : levels_[t])
       for (const engine::RayOutline& outline : world_.types()[t].outlines)
         visible.add(outline.z.shifted(z), count);
-  visible.sort();
+  visible.sum();
   const std::vector<std::uint32_t> lifting = lifting_types();
   std::map<std::int32_t, Marks> marks = this->marks();
   for_devices([&](std::uint32_t t, const engine::DeviceSpec& given, const engine::BodyType::Device& device) {
@@ -488,7 +486,7 @@ std::map<std::int32_t, Lint::Marks> Lint::marks() const {
       if (part.joint != engine::k_rigid && (of_key.on_joints.empty() || of_key.on_joints.back() != t))
         of_key.on_joints.push_back(t);
     }
-  for (auto& [key, of_key] : marks) of_key.heights.sort();
+  for (auto& [key, of_key] : marks) of_key.heights.sum();
   return marks;
 }
 
@@ -1023,11 +1021,12 @@ std::vector<std::string> lint(const std::filesystem::path& file, const Simulatio
   Lint(world, base_types, diagnostics).check();
   check_conditions(world.spec(), registry, diagnostics);
 
-  std::vector<Finding> findings(diagnostics.findings().begin(), diagnostics.findings().end());
-  std::ranges::stable_sort(findings, {},
-                           [](const Finding& f) { return std::tuple(f.where.file, f.where.line); });
+  // By file and line. Findings about one line keep their order.
+  std::multimap<std::pair<std::uint32_t, std::uint32_t>, std::string> texts;
+  for (const Finding& finding : diagnostics.findings())
+    texts.emplace(std::pair(finding.where.file, finding.where.line), diagnostics.text(finding));
   std::vector<std::string> lines;
-  for (const Finding& finding : findings) lines.push_back(diagnostics.text(finding));
+  for (auto& [place, text] : texts) lines.push_back(std::move(text));
   for (const std::string& warning : plugins->warnings()) lines.push_back(warning);
   return lines;
 }

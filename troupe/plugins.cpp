@@ -120,6 +120,19 @@ struct Plugins::Kinds {
   std::vector<engine::MeasureKind> measures;
 };
 
+/// The names of the controllers, of the devices or of the measures of a library.
+struct Plugins::KindNames {
+  std::string_view what;          ///< "controller", "measure" or "sensor or device", for error messages
+  bool is_in_scripts = true;      ///< whether scripts may contain kinds of this group
+  std::deque<std::string> names;  ///< names of the kinds; a deque, because the kinds refer to them
+  std::vector<std::string_view> known() const { return {names.begin(), names.end()}; }
+};
+
+template <class K>
+struct Plugins::Group : KindNames {
+  std::vector<K> kinds;  ///< in the order of the names
+};
+
 struct Plugins::Loaded : Library {
   Result<> found;   ///< success if the file exists; the error lists the searched folders
   Result<> opened;  ///< success if the found library can be used; the error states why it cannot
@@ -131,18 +144,9 @@ struct Plugins::Loaded : Library {
         found.error().text, name, name);
   }
 
-  template <class K>
-  struct Group {
-    using Kind = K;
-    std::string_view what;      ///< "controller", "measure" or "sensor or device", for error messages
-    bool is_in_scripts = true;  ///< whether scripts may contain kinds of this group
-    std::vector<Kind> kinds;
-    std::deque<std::string> names;  ///< names of the kinds; a deque, because the kinds refer to them
-    std::vector<std::string_view> known() const { return {names.begin(), names.end()}; }
-  };
-  Group<engine::ControllerKind> controllers{"controller"};
-  Group<engine::DeviceKind> devices{"sensor or device", false};
-  Group<engine::MeasureKind> measures{"measure"};
+  Group<engine::ControllerKind> controllers{{"controller"}, {}};
+  Group<engine::DeviceKind> devices{{"sensor or device", false}, {}};
+  Group<engine::MeasureKind> measures{{"measure"}, {}};
   std::shared_ptr<const Script> script;  ///< the owner of the kinds, if the library is a script
   /// Names of the kinds of all groups, sorted.
   std::vector<std::string_view> known() const {
@@ -152,6 +156,8 @@ struct Plugins::Loaded : Library {
     std::ranges::sort(names);
     return names;
   }
+  /// Returns the index of the kind `kind` of a group of this library. unknown: see controller()
+  Result<std::size_t> index_of(std::string_view kind, const KindNames& own, std::string_view unknown) const;
 };
 
 Plugins::Plugins(std::vector<fs::path> path, const engine::Registry& registry) : path_(std::move(path)) {
@@ -173,30 +179,31 @@ Result<const engine::MeasureKind*> Plugins::measure(std::string_view name, std::
   return find(name, &Loaded::measures, std::move(unknown));
 }
 
-template <class Group>
-auto Plugins::find(std::string_view name, Group Loaded::*kinds, std::string unknown)
-    -> Result<const typename Group::Kind*> {
+template <class K>
+Result<const K*> Plugins::find(std::string_view name, Group<K> Loaded::*group, std::string unknown) {
   if (!may_be_kind(name)) return Error{std::move(unknown)};
-  const std::size_t colon = name.find(':');
-  const std::string_view library_name = name.substr(0, colon);
-  const std::string_view own_name = colon == name.npos ? name : name.substr(colon + 1);
   const std::scoped_lock lock(mutex_);
-  Loaded& library = loaded(library_name);
-  const Group& own = library.*kinds;
-  if (!library.found)
-    return Error{fmt::format("{}; {}", unknown,
-                             own.is_in_scripts ? library.missing_script() : library.found.error().text)};
-  if (!library.opened)
-    return Error{fmt::format("{} \"{}\": {}", own.what, name, library.opened.error().text)};
+  const Loaded& library = loaded(name.substr(0, name.find(':')));
+  const Group<K>& own = library.*group;
+  const Result<std::size_t> index = library.index_of(name, own, unknown);
+  if (!index) return index.error();
+  return &own.kinds[*index];
+}
 
-  const std::string full_name = own_name == library_name ? std::string(own_name) : std::string(name);
-  const auto kind = std::ranges::find(own.kinds, std::string_view(full_name), &Group::Kind::name);
-  if (kind != own.kinds.end()) return &*kind;
-  const std::vector<std::string_view> known = own.known();
+Result<std::size_t> Plugins::Loaded::index_of(std::string_view kind, const KindNames& own,
+                                              std::string_view unknown) const {
+  if (!found)
+    return Error{fmt::format("{}; {}", unknown, own.is_in_scripts ? missing_script() : found.error().text)};
+  if (!opened) return Error{fmt::format("{} \"{}\": {}", own.what, kind, opened.error().text)};
+  const std::size_t colon = kind.find(':');
+  const std::string_view own_name = colon == kind.npos ? kind : kind.substr(colon + 1);
+  const std::vector<std::string_view> names = own.known();
+  const auto index = std::ranges::find(names, own_name == name ? own_name : kind);
+  if (index != names.end()) return static_cast<std::size_t>(index - names.begin());
   return Error{fmt::format(
-      "{} has no {} \"{}\"; it has: {}{}", library.file.string(), own.what, name,
-      known.empty() ? fmt::format("{}, but no {}", comma_list(library.known()), own.what) : comma_list(known),
-      did_you_mean(name, known))};
+      "{} has no {} \"{}\"; it has: {}{}", file.string(), own.what, kind,
+      names.empty() ? fmt::format("{}, but no {}", comma_list(known()), own.what) : comma_list(names),
+      did_you_mean(kind, names))};
 }
 
 std::string Plugins::unknown_kind(std::string_view name, std::string unknown) {
@@ -226,9 +233,8 @@ Result<const Plugins::Library*> Plugins::load(std::string_view name, bool may_be
 std::vector<Plugins::Library> Plugins::libraries() const {
   std::vector<Library> in_use;
   const std::scoped_lock lock(mutex_);
-  for (const auto& library : loaded_)
+  for (const auto& [name, library] : loaded_)
     if (library->is_usable()) in_use.push_back(*library);
-  std::ranges::sort(in_use, {}, &Library::name);
   return in_use;
 }
 
@@ -237,12 +243,17 @@ std::vector<std::string> Plugins::warnings() const {
   return warnings_;
 }
 
+/// Adds an empty library of this name.
+Plugins::Loaded& Plugins::add_library(std::string_view name) {
+  Loaded& library = *loaded_.emplace(name, std::make_unique<Loaded>()).first->second;
+  library.name = name;
+  return library;
+}
+
 /// Returns the library of this name. The first call with a name searches the folders and opens the file.
 Plugins::Loaded& Plugins::loaded(std::string_view name) {
-  for (const auto& library : loaded_)
-    if (library->name == name) return *library;
-  Loaded& library = *loaded_.emplace_back(std::make_unique<Loaded>());
-  library.name = name;
+  if (const auto known = loaded_.find(name); known != loaded_.end()) return *known->second;
+  Loaded& library = add_library(name);
   const std::string file_name = library.name + ".so";
   for (const fs::path& folder : path_)
     if (library.file.empty() && is_file(folder / file_name)) library.file = folder / file_name;
@@ -312,10 +323,14 @@ Result<> Plugins::open(Loaded& library) {
 Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
   Result<> all_right;
   const auto keep = [&](auto kinds, const std::vector<std::string>& taken, auto& own) {
-    std::ranges::sort(kinds, {},
-                      [](const auto& kind) { return kind.name; });  // the linker's order is arbitrary
-    for (auto& kind : kinds) {
-      std::string name(kind.name);
+    // By name, because the linker's order is arbitrary. Sorting the kinds themselves would instantiate the
+    // sorting functions for each type of kind.
+    std::vector<std::pair<std::string_view, std::size_t>> order;
+    for (const auto& kind : kinds) order.emplace_back(kind.name, order.size());
+    std::ranges::sort(order);
+    for (const auto& [own_name, index] : order) {
+      auto& kind = kinds[index];
+      std::string name(own_name);
       if (name != library.name) name = fmt::format("{}:{}", library.name, name);
       if (const Result<> checked = worldio::check_kind(kind); !checked)
         all_right = Error{fmt::format("has a {} \"{}\" that {}", own.what, name, checked.error().text)};
@@ -326,8 +341,8 @@ Result<> Plugins::keep_kinds(Loaded& library, Kinds all) const {
         if (const Result<> named = worldio::check_kind_name(name); !named)
           all_right = Error{fmt::format("has a {} \"{}\" that {}", own.what, name, named.error().text)};
       kind.name = own.names.emplace_back(std::move(name));
+      own.kinds.push_back(std::move(kind));
     }
-    own.kinds = std::move(kinds);
     if (Result<> different = worldio::check_different(own.known(), own.what); !different)
       all_right = std::move(different);
   };
@@ -349,12 +364,10 @@ void Plugins::add(std::shared_ptr<const Script> script) {
         "dot and contains none of : = / \\ and quotation marks: rename the file",
         script->file.string(), name));
   const std::scoped_lock lock(mutex_);
-  for (const auto& library : loaded_)
-    if (library->name == name)
-      throw InputError(fmt::format("{}: error: another script or plug-in is also called \"{}\": rename one",
-                                   script->file.string(), name));
-  Loaded& library = *loaded_.emplace_back(std::make_unique<Loaded>());
-  library.name = name;
+  if (loaded_.contains(name))
+    throw InputError(fmt::format("{}: error: another script or plug-in is also called \"{}\": rename one",
+                                 script->file.string(), name));
+  Loaded& library = add_library(name);
   library.file = script->file;
   library.contents = script->contents;
   Kinds kinds;

@@ -6,6 +6,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -77,20 +79,23 @@ class Plugins {
   std::vector<std::string> warnings() const;
 
  private:
+  struct KindNames;
+  template <class K>
+  struct Group;
   struct Loaded;
   // The caller of these functions must hold mutex_.
+  Loaded& add_library(std::string_view name);
   Loaded& loaded(std::string_view name);
   Result<> open(Loaded& library);
   struct Kinds;
   Result<> keep_kinds(Loaded& library, Kinds kinds) const;
-  template <class Group>
-  auto find(std::string_view name, Group Loaded::*kinds, std::string unknown)
-      -> Result<const typename Group::Kind*>;
+  template <class K>
+  Result<const K*> find(std::string_view name, Group<K> Loaded::*group, std::string unknown);
 
   std::vector<std::filesystem::path> path_;
   std::vector<std::string> taken_controllers_, taken_devices_, taken_measures_;
-  mutable std::mutex mutex_;  // for the members below
-  std::vector<std::unique_ptr<Loaded>> loaded_;
+  mutable std::mutex mutex_;                                            // for the members below
+  std::map<std::string, std::unique_ptr<Loaded>, std::less<>> loaded_;  // by name
   std::vector<std::string> warnings_;
 };
 

@@ -17,7 +17,6 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -105,22 +104,6 @@ bool begins_like_a_stage_world(const fs::path& file, std::string_view start) {
   });
 }
 
-/// Returns the summary of a JSON file whose first bytes are `start`; empty if it is not one of ours.
-std::optional<Summary> summary_of_json(const InfoOptions& options, std::string_view start) {
-  if (start.substr(0, start.find('\n')).find("\"troupe_session\"") != start.npos)
-    return summary_of_session(options.file);
-  const std::string text = all_of(options.file);
-  const auto json = nlohmann::json::parse(text, nullptr, false);
-  // In invalid JSON, the key may be anywhere: the reader of worlds or studies then reports the error.
-  const auto has = [&](const std::string& key) {
-    return json.is_discarded() ? text.find('"' + key + '"') != text.npos
-                               : json.is_object() && json.contains(key);
-  };
-  if (has("troupe_study")) return summary_of_study(options.file, text, options.sources);
-  if (has("troupe")) return summary_of_world(options.file, text, true, options.sources);
-  return std::nullopt;
-}
-
 std::optional<Summary> summary_of(const InfoOptions& options) {
   const fs::path& file = options.file;
   const std::string bytes = first_bytes_of(file);
@@ -141,7 +124,11 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
   if (file.extension() == ".json" && worldio::is_utf16(start))
     throw InputError(fmt::format("{}: error: {}", file.string(), worldio::k_is_utf16));
   const std::size_t first = start.find_first_not_of(k_blanks);
-  if (first != start.npos && start[first] == '{') return summary_of_json(options, start);
+  if (first != start.npos && start[first] == '{') {
+    if (start.substr(0, start.find('\n')).find("\"troupe_session\"") != start.npos)
+      return summary_of_session(file);
+    return summary_of_json(file, all_of(file), options.sources);
+  }
   // The ending counts for an empty world, and for one whose start is an error, which the reader reports.
   if (file.extension() == ".world" || begins_like_a_stage_world(file, start))
     return summary_of_world(file, all_of(file), false, options.sources);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,6 +49,10 @@ Summary summary_of_world(const std::filesystem::path& file, const std::string& t
 /// sources: plug-ins (shared libraries) and scripts
 Summary summary_of_study(const std::filesystem::path& file, const std::string& text,
                          const KindSources& sources);
+/// Returns the summary of a JSON file that is a study or a world; std::nullopt if it is neither. The
+/// parameters are those of summary_of_study(). Throws InputError if the file has errors.
+std::optional<Summary> summary_of_json(const std::filesystem::path& file, const std::string& text,
+                                       const KindSources& sources);
 
 /// Adds the number of runs in the table of results of a sweep, and how many of them failed, to a summary.
 void add_runs(std::size_t runs, std::size_t failed, Summary& summary);

@@ -1,5 +1,5 @@
-// Summaries of text files: hash logs, tables, profiles, journals, sessions. Except sessions, they may be
-// large and are read line by line.
+// Summaries of text files: hash logs, tables, profiles, journals, sessions, and JSON files, which are worlds
+// or studies. Hash logs, tables, profiles and journals may be large and are read line by line.
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/info/info_kinds.hpp"
@@ -95,9 +95,9 @@ Span span_of(const fs::path& file, const Lines& lines, const std::vector<std::st
 }
 
 /// How often each kind of event or action occurs, by its name.
-using Counts = std::map<std::string, std::size_t, std::less<>>;
+using NamedCounts = std::map<std::string, std::size_t, std::less<>>;
 
-void add_counts(const Counts& counts, Summary& summary) {
+void add_counts(const NamedCounts& counts, Summary& summary) {
   for (const auto& [kind, times] : counts) summary.emplace_back("  " + kind, fmt::format("{}", times));
 }
 
@@ -179,7 +179,7 @@ Summary summary_of_events(const fs::path& file) {
   std::string line;
   lines.next_row(line);
   TableSpan table;
-  Counts kinds;
+  NamedCounts kinds;
   while (lines.next_row(line)) {
     const std::vector<std::string_view> cells = first_cells(line, 3);
     table.add(span_of(file, lines, cells));
@@ -255,13 +255,26 @@ Summary summary_of_journal(const fs::path& file) {
   return summary;
 }
 
+std::optional<Summary> summary_of_json(const fs::path& file, const std::string& text,
+                                       const KindSources& sources) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  // In invalid JSON, the key may be anywhere: the reader of worlds or studies then reports the error.
+  const auto has = [&](const std::string& key) {
+    return json.is_discarded() ? text.find('"' + key + '"') != text.npos
+                               : json.is_object() && json.contains(key);
+  };
+  if (has("troupe_study")) return summary_of_study(file, text, sources);
+  if (has("troupe")) return summary_of_world(file, text, true, sources);
+  return std::nullopt;
+}
+
 Summary summary_of_session(const fs::path& file) {
   const worldio::Session session = worldio::load_session(file);
   Summary summary{{"kind", fmt::format("session, format {}", worldio::k_session_format)},
                   {"written by", session.header.version}};
   for (const auto& [name, value] : session.header.options) summary.emplace_back(name, value);
   summary.emplace_back("actions", fmt::format("{}", session.acts.size()));
-  Counts kinds;
+  NamedCounts kinds;
   for (const worldio::LoggedAct& logged : session.acts)
     ++kinds[std::string(engine::k_acts[static_cast<std::size_t>(logged.act.kind)])];
   add_counts(kinds, summary);

@@ -8,7 +8,6 @@
 #include "engine/world/world.hpp"
 #include "worldio/images/png.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -185,10 +184,10 @@ class CameraOutput : public ClonedOutput<CameraOutput> {
                     folder_ = text;
                     if (!folder_.has_filename()) folder_ = folder_.parent_path();
                   });
-    add_value(app, "--camera-every", "S",
-              "Interval of camera images in simulated seconds; 0: every tick (default: 1)",
-              [this](const std::string& text) { every_s_ = seconds_from_zero("--camera-every", text); })
-        ->needs(folder);
+    add_value(
+        app, "--camera-every", "S",
+        "Interval of camera images in simulated seconds; 0: every tick (default: 1)",
+        [this](const std::string& text) { every_s_ = seconds_from_zero("--camera-every", text); }, folder);
   }
   std::vector<std::filesystem::path*> names(RunOptions&) override { return {&folder_}; }
   std::vector<std::filesystem::path> files(const RunOptions&) const override {

@@ -10,8 +10,6 @@
 #include "worldio/files.hpp"
 #include "worldio/partial_file.hpp"
 
-#include <CLI/CLI.hpp>
-
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -100,11 +98,12 @@ class CheckpointOutput : public ClonedOutput<CheckpointOutput> {
         app, "--checkpoint", "FILE.h5",
         "Save the state on SIGUSR1 and when the run ends or is stopped; troupe resume continues the run",
         [&options](const std::string& text) { options.checkpoint = hdf5_name("--checkpoint", text); });
-    add_value(app, "--checkpoint-every", "S", "Also save the checkpoint every S simulated seconds",
-              [&options](const std::string& text) {
-                options.checkpoint_every_s = positive_seconds("--checkpoint-every", text, "a simulated time");
-              })
-        ->needs(checkpoint);
+    add_value(
+        app, "--checkpoint-every", "S", "Also save the checkpoint every S simulated seconds",
+        [&options](const std::string& text) {
+          options.checkpoint_every_s = positive_seconds("--checkpoint-every", text, "a simulated time");
+        },
+        checkpoint);
     add_value(app, "--wall-limit", "S",
               "Stop when S seconds of real time have passed since the start of the program",
               [&options](const std::string& text) {

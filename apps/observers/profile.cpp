@@ -5,7 +5,6 @@
 #include "apps/outputs.hpp"
 #include "base/number_text.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -224,9 +223,9 @@ class ProfileOutput : public FileOutput<ProfileOutput> {
                     if (file_.extension() != ".json" || text.starts_with('-'))
                       refuse("--profile", text, "the name of a JSON file, as in --profile trace.json");
                   });
-    add_value(app, "--profile-ticks", "A:B", "Profile only ticks A to B (default: all, up to a size limit)",
-              [this](const std::string& text) { set_ticks(text); })
-        ->needs(profile);
+    add_value(
+        app, "--profile-ticks", "A:B", "Profile only ticks A to B (default: all, up to a size limit)",
+        [this](const std::string& text) { set_ticks(text); }, profile);
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;

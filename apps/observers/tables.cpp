@@ -5,7 +5,6 @@
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -197,12 +196,11 @@ class MeasuresOutput : public FileOutput<MeasuresOutput> {
     add_values(
         app, "--measure", "NAME[:OF],...",
         "Measures (OF: type, population); repeatable; default: world's, or all that need no parameters",
-        [this](const std::string& text) { add_names(text); })
-        ->needs(measures);
-    add_value(app, "--measure-every", "S",
-              "Interval of measures in simulated seconds; 0: every tick (default: the world's, else 1)",
-              [this](const std::string& text) { every_s_ = seconds_from_zero("--measure-every", text); })
-        ->needs(measures);
+        [this](const std::string& text) { add_names(text); }, measures);
+    add_value(
+        app, "--measure-every", "S",
+        "Interval of measures in simulated seconds; 0: every tick (default: the world's, else 1)",
+        [this](const std::string& text) { every_s_ = seconds_from_zero("--measure-every", text); }, measures);
   }
   OpenOutput prepare(const RunOptions&, Simulation& simulation, std::uint64_t) const override {
     if (file_.empty()) return nullptr;

@@ -83,10 +83,10 @@ void add_files(CLI::App& app, PictureFiles& pictures) {
   CLI::Option* const snapshot = add_value(
       app, "--snapshot", "FILE", "Draw the end of the run as a .png picture, or as a .svg or .pdf map",
       [&pictures](const std::string& text) { set_snapshot(pictures, "--snapshot", text); });
-  add_value(app, "--snapshot-at", "T,...",
-            "Draw these simulated times, s, instead of the end; {time} in FILE is replaced by the time",
-            [&pictures](const std::string& text) { set_times(pictures, "--snapshot-at", text); })
-      ->needs(snapshot);
+  add_value(
+      app, "--snapshot-at", "T,...",
+      "Draw these simulated times, s, instead of the end; {time} in FILE is replaced by the time",
+      [&pictures](const std::string& text) { set_times(pictures, "--snapshot-at", text); }, snapshot);
   add_film_options(app, pictures);
 }
 
@@ -135,24 +135,26 @@ void add_film_options(CLI::App& app, PictureFiles& pictures) {
                   if (!is_film || text.starts_with('-'))
                     refuse("--film", text, "the name of a film, as in --film crowd.mp4 or frames/%06d.png");
                 });
-  add_value(app, "--fps", "N", "Frames per second of the film (default: 30)",
-            [&pictures](const std::string& text) {
-              const std::optional<double> fps = finite_number_of(text);
-              if (!fps || *fps < k_least_fps || *fps > k_most_fps)
-                refuse("--fps", text,
-                       fmt::format("a number of frames per second, from {} to {}", k_least_fps, k_most_fps));
-              pictures.fps = *fps;
-            })
-      ->needs(film);
-  add_value(app, "--film-speed", "R", "Simulated seconds per second of the film (default: 1)",
-            [&pictures](const std::string& text) {
-              const std::optional<double> speed = finite_number_of(text);
-              if (!speed || *speed < k_least_speed || *speed > k_most_speed)
-                refuse("--film-speed", text,
-                       fmt::format("a multiple of real time, from {} to {}", k_least_speed, k_most_speed));
-              pictures.film_speed = *speed;
-            })
-      ->needs(film);
+  add_value(
+      app, "--fps", "N", "Frames per second of the film (default: 30)",
+      [&pictures](const std::string& text) {
+        const std::optional<double> fps = finite_number_of(text);
+        if (!fps || *fps < k_least_fps || *fps > k_most_fps)
+          refuse("--fps", text,
+                 fmt::format("a number of frames per second, from {} to {}", k_least_fps, k_most_fps));
+        pictures.fps = *fps;
+      },
+      film);
+  add_value(
+      app, "--film-speed", "R", "Simulated seconds per second of the film (default: 1)",
+      [&pictures](const std::string& text) {
+        const std::optional<double> speed = finite_number_of(text);
+        if (!speed || *speed < k_least_speed || *speed > k_most_speed)
+          refuse("--film-speed", text,
+                 fmt::format("a multiple of real time, from {} to {}", k_least_speed, k_most_speed));
+        pictures.film_speed = *speed;
+      },
+      film);
 }
 
 void add_look_options(CLI::App& app, PictureOptions& look) {
@@ -197,14 +199,15 @@ void add_look_options(CLI::App& app, PictureOptions& look) {
                     refuse("--color-by", text, "a field of the state, as in --color-by velocity.x");
                   look.color_by = text;
                 });
-  add_value(app, "--color-range", "LOW,HIGH",
-            "Values at the ends of the colour scale (default: smallest and largest of each picture)",
-            [&look](const std::string& text) {
-              look.color_range = two_numbers(text, false);
-              if (!look.color_range || (*look.color_range)[0] >= (*look.color_range)[1])
-                refuse("--color-range", text, "two numbers, the lower first, as in --color-range 0,0.5");
-            })
-      ->needs(color_by);
+  add_value(
+      app, "--color-range", "LOW,HIGH",
+      "Values at the ends of the colour scale (default: smallest and largest of each picture)",
+      [&look](const std::string& text) {
+        look.color_range = two_numbers(text, false);
+        if (!look.color_range || (*look.color_range)[0] >= (*look.color_range)[1])
+          refuse("--color-range", text, "two numbers, the lower first, as in --color-range 0,0.5");
+      },
+      color_by);
 }
 
 void set_snapshot(PictureFiles& pictures, const char* option, const std::string& text) {

@@ -4,8 +4,6 @@
 #include "apps/options.hpp"
 #include "apps/run/run_options.hpp"
 
-#include <CLI/CLI.hpp>
-
 #include <string>
 
 namespace troupe::apps {

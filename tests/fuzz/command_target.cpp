@@ -18,7 +18,6 @@
 #include <functional>
 #include <iterator>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -43,7 +42,8 @@ std::string content(const fs::path& file) {
 /// All files and folders in a folder, {path relative to it: content of the file}; a folder has no content.
 using Tree = std::map<std::string, std::optional<std::string>>;
 
-int run_program(const std::vector<std::string>& arguments, const std::function<void(std::any&)>& limit) {
+int run_program(const std::vector<std::string>& arguments,
+                const std::function<void(const std::any&)>& limit) {
   std::vector<const char*> argv{"troupe"};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   return apps::run_command_line(static_cast<int>(argv.size()), argv.data(), limit);
@@ -178,13 +178,13 @@ void limit_check(apps::CheckOptions& check) {
 
 /// The options as those of one command, or null if they are those of another command.
 template <class Options>
-Options* as(std::any& options) {
-  const auto* shared = std::any_cast<std::shared_ptr<Options>>(&options);
-  return shared ? shared->get() : nullptr;
+Options* as(const std::any& options) {
+  auto* const* found = std::any_cast<Options*>(&options);
+  return found ? *found : nullptr;
 }
 
 /// Limits the options so that runs are short, worlds small, and threads few.
-void limit(std::any& options) {
+void limit(const std::any& options) {
   if (auto* run = as<apps::RunOptions>(options)) limit_run(*run);
   if (auto* view = as<apps::ViewOptions>(options)) limit_view(*view);
   if (auto* check = as<apps::CheckOptions>(options)) limit_check(*check);
