@@ -9,7 +9,6 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <set>
@@ -67,10 +66,10 @@ std::string bash(const Command& program, std::span<const Command> commands, cons
   std::string options, values, positional;
   std::vector<std::string> files, others;  // COMMAND:OPTION whose value is a file; those with other values
   for (const Command& command : commands) {
-    options += fmt::format("    {}) words=\"{}\" ;;\n", command.name, fmt::join(option_names(command), " "));
+    options += fmt::format("    {}) words=\"{}\" ;;\n", command.name, joined(option_names(command), " "));
     if (const auto* words = words_of(arguments, command))
       positional += fmt::format("    {}) COMPREPLY=($(compgen -W \"{}\" -- \"$cur\")) ;;\n", command.name,
-                                fmt::join(*words, " "));
+                                joined(*words, " "));
     for (const CommandOption& option : command.options) {
       if (option.positional || option.value.empty()) continue;
       const ValueHint hint = hint_of(option);
@@ -78,14 +77,14 @@ std::string bash(const Command& program, std::span<const Command> commands, cons
         std::string pattern = fmt::format("{}:{}", command.name, name);
         if (!hint.words.empty())
           values += fmt::format("    {}) COMPREPLY=($(compgen -W \"{}\" -- \"$cur\")); return ;;\n", pattern,
-                                fmt::join(hint.words, " "));
+                                joined(hint.words, " "));
         else
           (hint.file ? files : others).push_back(std::move(pattern));
       }
     }
   }
-  values += fmt::format("    {}) COMPREPLY=($(compgen -f -- \"$cur\")); return ;;\n", fmt::join(files, "|"));
-  values += fmt::format("    {}) compopt +o default; return ;;\n", fmt::join(others, "|"));
+  values += fmt::format("    {}) COMPREPLY=($(compgen -f -- \"$cur\")); return ;;\n", joined(files, "|"));
+  values += fmt::format("    {}) compopt +o default; return ;;\n", joined(others, "|"));
   return fmt::format(R"(# bash completion of troupe; made by `troupe completion bash`
 _troupe() {{
   local cur=${{COMP_WORDS[COMP_CWORD]}} prev=${{COMP_WORDS[COMP_CWORD-1]}} command=${{COMP_WORDS[1]}} words=
@@ -107,7 +106,7 @@ _troupe() {{
 }}
 complete -o default -F _troupe troupe
 )",
-                     names_of(commands), fmt::join(option_names(program), " "), values, options, positional);
+                     names_of(commands), joined(option_names(program), " "), values, options, positional);
 }
 
 /// Escapes a text for single quotes in zsh. Also escapes [ ] and :, which have a meaning in zsh's completion
@@ -132,10 +131,10 @@ std::string zsh(const Command&, std::span<const Command> commands, const Argumen
     for (const CommandOption& option : command.options) {
       const ValueHint hint = hint_of(option);
       std::string action = hint.file ? "_files" : " ";
-      if (!hint.words.empty()) action = fmt::format("({})", fmt::join(hint.words, " "));
+      if (!hint.words.empty()) action = fmt::format("({})", joined(hint.words, " "));
       if (option.positional) {
         if (const auto* words = words_of(arguments, command))
-          action = fmt::format("({})", fmt::join(*words, " "));
+          action = fmt::format("({})", joined(*words, " "));
         cases += fmt::format(" \\\n          '*:{}:{}'", zsh_text(option.names.front()), action);
         continue;
       }
@@ -188,7 +187,7 @@ std::string fish(const Command& program, std::span<const Command> commands, cons
         text += name.starts_with("--") ? fmt::format(" -l {}", name.substr(2))
                                        : fmt::format(" -s {}", name.substr(1));
       if (!option.value.empty()) text += hint.file ? " -r -F" : " -x";
-      if (!hint.words.empty()) text += fmt::format(" -a '{}'", fmt::join(hint.words, " "));
+      if (!hint.words.empty()) text += fmt::format(" -a '{}'", joined(hint.words, " "));
       text += fmt::format(" -d '{}'\n", fish_text(option.help));
     }
   };
@@ -199,7 +198,7 @@ std::string fish(const Command& program, std::span<const Command> commands, cons
     const std::string condition = "__fish_seen_subcommand_from " + command.name;
     add_options(command, condition);
     if (const auto* words = words_of(arguments, command))
-      text += fmt::format("complete -c troupe -n '{}' -f -a '{}'\n", condition, fmt::join(*words, " "));
+      text += fmt::format("complete -c troupe -n '{}' -f -a '{}'\n", condition, joined(*words, " "));
   }
   return text;
 }

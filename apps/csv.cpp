@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <iterator>
 #include <span>
 
 namespace troupe::apps {
@@ -64,7 +63,7 @@ CsvFile& CsvFile::add(double number) {
 
 CsvFile& CsvFile::add(std::uint64_t number) {
   separate();
-  fmt::format_to(std::back_inserter(pending_), "{}", number);
+  pending_ += std::to_string(number);
   return *this;
 }
 

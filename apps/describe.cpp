@@ -14,7 +14,7 @@
 #include "worldio/stage/stage_properties.hpp"
 
 #include <CLI/CLI.hpp>
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -56,10 +56,12 @@ std::string value_text(const Value& value) {
     std::string operator()(double x) const { return number_text(x); }
     std::string operator()(const std::string& x) const { return fmt::format("\"{}\"", x); }
     std::string operator()(const std::vector<double>& x) const {
-      return fmt::format("[{:.6g}]", fmt::join(x, " "));
+      std::vector<std::string> numbers;
+      for (const double number : x) numbers.push_back(number_text(number));
+      return fmt::format("[{}]", joined(numbers, " "));
     }
     std::string operator()(const std::vector<std::string>& x) const {
-      return fmt::format("[{}]", fmt::join(x, " "));
+      return fmt::format("[{}]", joined(x, " "));
     }
     std::string operator()(const std::vector<engine::Record>& x) const {
       return x.empty() ? "[]" : "see below";
@@ -176,7 +178,7 @@ std::string others_text(const engine::DeviceKind& kind) {
   std::string text;
   if (!kind.reads.empty())
     text += fmt::format("  reads, in addition to the poses and shapes of other bodies: {}\n",
-                        fmt::join(kind.reads, ", "));
+                        joined(kind.reads, ", "));
   if (kind.apply != nullptr) {
     constexpr std::array<std::string_view, 3> k_scopes{
         "the body that has the device, one target body within the reach of the device (the distance up to "

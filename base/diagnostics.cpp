@@ -1,4 +1,5 @@
 #include "base/diagnostics.hpp"
+#include "base/split.hpp"
 
 #include <fmt/format.h>
 
@@ -246,9 +247,7 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   return best == nullptr ? std::string() : fmt::format(" (did you mean \"{}\"?)", *best);
 }
 
-std::string comma_list(std::span<const std::string_view> names) {
-  return fmt::format("{}", fmt::join(names, ", "));
-}
+std::string comma_list(std::span<const std::string_view> names) { return joined(names, ", "); }
 
 std::string exception_text(const std::exception& error) {
   return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ? "not enough memory" : error.what();

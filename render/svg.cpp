@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <iterator>
 #include <string_view>
 
 namespace troupe::render {
@@ -40,11 +39,11 @@ void add(std::string& svg, const VectorPath& path) {
   svg += "<path d=\"";
   for (const Ring& ring : path.rings) {
     for (std::size_t i = 0; i < ring.size(); ++i)
-      fmt::format_to(std::back_inserter(svg), "{}{} {}",
-                     i == 0   ? "M"
-                     : i == 1 ? "L"
-                              : " ",
-                     number(ring[i].x()), number(ring[i].y()));
+      svg += fmt::format("{}{} {}",
+                         i == 0   ? "M"
+                         : i == 1 ? "L"
+                                  : " ",
+                         number(ring[i].x()), number(ring[i].y()));
     if (path.width == 0 || path.is_closed) svg += "Z";
   }
   if (path.width == 0)

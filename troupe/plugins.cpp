@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
+#include "base/split.hpp"
 #include "engine/world/kind_errors.hpp"
 #include "troupe/plugin_library.hpp"
 #include "worldio/files.hpp"
@@ -10,7 +11,6 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <link.h>
 
 #include <algorithm>
@@ -269,7 +269,7 @@ Plugins::Loaded& Plugins::loaded(std::string_view name) {
   }
   std::vector<std::string> folders;
   for (const fs::path& folder : path_) folders.push_back(folder.string());
-  std::string missing = fmt::format("there is no {} in {}", file_name, fmt::join(folders, ", "));
+  std::string missing = fmt::format("there is no {} in {}", file_name, joined(folders, ", "));
   for (const fs::path& folder : path_)
     if (is_file(folder / ("lib" + file_name)))
       missing += fmt::format(" (the file name of a plug-in does not begin with \"lib\": rename {})",

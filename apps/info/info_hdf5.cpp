@@ -4,6 +4,7 @@
 #include "apps/sweep/table.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
+#include "base/split.hpp"
 #include "worldio/results/checkpoint.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
@@ -71,7 +72,7 @@ Summary summary_of_table(const worldio::Hdf5File& file) {
   std::map<std::string, std::string> header;
   for (const std::string& name : table.attributes()) header[name] = table.text(name);
   add_header(header, {}, summary);
-  summary.emplace_back("columns", fmt::format("{}", fmt::join(columns, ", ")));
+  summary.emplace_back("columns", joined(columns, ", "));
   add_runs(errors.size(), errors.size() - static_cast<std::size_t>(std::ranges::count(errors, "")), summary);
   summary.emplace_back("complete", "yes");
   return summary;

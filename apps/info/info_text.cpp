@@ -7,6 +7,7 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 #include "engine/kinds/act.hpp"
 #include "worldio/json/session_json.hpp"
 
@@ -90,7 +91,7 @@ Span span_of(const fs::path& file, const Lines& lines, const std::vector<std::st
   if (!tick || !time_s)
     throw InputError(
         fmt::format("{}:{}: error: the line must begin with a tick and a time in seconds, found \"{}\"",
-                    file.string(), lines.number(), fmt::format("{}", fmt::join(cells, ",")).substr(0, 60)));
+                    file.string(), lines.number(), joined(cells, ",").substr(0, 60)));
   return {*tick, *time_s};
 }
 

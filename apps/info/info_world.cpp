@@ -2,6 +2,7 @@
 #include "apps/numbers.hpp"
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
+#include "base/split.hpp"
 #include "engine/spec/ranging_engine.hpp"
 #include "troupe/script.hpp"
 #include "worldio/json/study.hpp"
@@ -108,7 +109,7 @@ void add_measures(const engine::WorldSpec& spec, Summary& summary) {
 std::string choice_text(const worldio::Study::Choice& choice) {
   using Kind = worldio::Study::Choice::Kind;
   switch (choice.kind) {
-    case Kind::listed: return fmt::format("{}", fmt::join(choice.values, ", "));
+    case Kind::listed: return joined(choice.values, ", ");
     case Kind::steps: return fmt::format("{:g} to {:g} in {} steps", choice.low, choice.high, choice.steps);
     case Kind::uniform: return fmt::format("{:g} to {:g}, uniform", choice.low, choice.high);
     case Kind::log_uniform: return fmt::format("{:g} to {:g}, log-uniform", choice.low, choice.high);
@@ -138,8 +139,7 @@ Summary summary_of_study(const std::filesystem::path& file, const std::string& t
   if (study.samples) summary.emplace_back("samples", fmt::format("{}", *study.samples));
   summary.emplace_back("seeds",
                        study.seeds.empty() ? "that of the world" : fmt::format("{}", study.seeds.size()));
-  if (!study.measures.empty())
-    summary.emplace_back("measures", fmt::format("{}", fmt::join(study.measures, ", ")));
+  if (!study.measures.empty()) summary.emplace_back("measures", joined(study.measures, ", "));
   return summary;
 }
 

@@ -2,11 +2,11 @@
 
 #include "apps/options.hpp"
 #include "apps/outputs.hpp"
+#include "base/split.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -153,7 +153,7 @@ std::string MeasuresTable::warning() const {
   return fmt::format(
       "{}: warning: the checkpoint has no data of earlier ticks for \"{}\", which was not computed before, "
       "or with other robots, parameters or bounds: the measure{} at tick {}",
-      file_.string(), fmt::join(fresh_, "\", \""), fresh_.size() == 1 ? " begins" : "s begin",
+      file_.string(), joined(fresh_, "\", \""), fresh_.size() == 1 ? " begins" : "s begin",
       *simulation_.resumed_at_tick());
 }
 

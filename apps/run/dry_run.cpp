@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <string_view>
 
 namespace troupe::apps {
@@ -75,7 +74,7 @@ DryRun dry_run_of(const Simulation& simulation, const Report& report, unsigned r
 std::string dry_run_text(const DryRun& run) {
   std::string text = "dry run: nothing is computed or written\n";
   const auto line = [&](std::string_view name, const std::string& value) {
-    fmt::format_to(std::back_inserter(text), "  {:<18} {}\n", name, value);
+    text += fmt::format("  {:<18} {}\n", name, value);
   };
   const auto of_rank = [](const Report::PerRank& value) {
     return fmt::format("{} (at most {})", four_digits(value.mean), four_digits(value.most));

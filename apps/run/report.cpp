@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <numeric>
 
 namespace troupe::apps {
@@ -32,7 +31,7 @@ std::string percent(double part, double whole) { return fmt::format("{:.1f} %", 
 
 /// Appends a line of the summary: a name and a value.
 void append_line(std::string_view name, const std::string& value, std::string& text) {
-  fmt::format_to(std::back_inserter(text), "  {:<18} {}\n", name, value);
+  text += fmt::format("  {:<18} {}\n", name, value);
 }
 
 /// Appends the lines of the summary about the ranks.

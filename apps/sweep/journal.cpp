@@ -2,12 +2,12 @@
 
 #include "apps/outputs.hpp"
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 #include "worldio/file_lock.hpp"
 #include "worldio/partial_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
@@ -52,7 +52,7 @@ void check_head(const std::string& line, std::string_view study, const StudyFact
       "{}: error: the folder contains runs of another study, of an earlier version of the world "
       "file or of a plug-in, or of another version of the program{}: choose another folder with "
       "-o",
-      file.string(), differing.empty() ? "" : fmt::format(" (different: {})", fmt::join(differing, ", "))));
+      file.string(), differing.empty() ? "" : fmt::format(" (different: {})", joined(differing, ", "))));
 }
 
 /// Returns the lines of a file, except a last line without a line break, which is incomplete. Throws

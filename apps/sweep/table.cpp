@@ -11,7 +11,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -189,7 +188,7 @@ std::optional<std::string> series_rows(const fs::path& folder, const SweepOutcom
 }
 
 void add_series_row(std::string& rows, std::size_t run, double time_s, const std::vector<double>& values) {
-  fmt::format_to(std::back_inserter(rows), "{},{}", run, time_cell(time_s));
+  rows += fmt::format("{},{}", run, time_cell(time_s));
   for (const double value : values) rows.append(1, ',').append(number_cell(value));
   rows += '\n';
 }

@@ -1,5 +1,6 @@
 #include "engine/spec/body_type.hpp"
 
+#include "base/split.hpp"
 #include "engine/conflicts/conflicts.hpp"
 #include "engine/spec/names.hpp"
 #include "engine/spec/placement.hpp"
@@ -115,7 +116,7 @@ void connect_supplies(const TypeSpec& spec, const Registry& registry, BodyType& 
           fmt::format(
               "device \"{}\" ({}) has no power supply: add a {} to the part of the device, or to a part that "
               "carries that part",
-              device.name, device.kind->name, fmt::join(supply_names(registry), " or a ")));
+              device.name, device.kind->name, joined(supply_names(registry), " or a ")));
   }
   if (type.drive) type.drive->supply = supplies.front();
 }

@@ -22,5 +22,12 @@ TEST(Split, PartsMayBeEmpty) {
   EXPECT_THAT(split(",a,", ','), ElementsAre("", "a", ""));
 }
 
+TEST(Joined, PutsTheSeparatorBetweenTexts) {
+  using Texts = std::vector<std::string_view>;
+  EXPECT_EQ(joined(Texts(), ", "), "");
+  EXPECT_EQ(joined(Texts{"a"}, ", "), "a");
+  EXPECT_EQ(joined(Texts{"", "b", ""}, ", "), ", b, ");
+}
+
 }  // namespace
 }  // namespace troupe

@@ -1,5 +1,6 @@
 #include "worldio/json/json_reader.hpp"
 
+#include "base/split.hpp"
 #include "engine/fields/fields.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ std::string unit_hint(std::string_view key, const std::vector<std::string>& know
       add_if_known(std::string(name) + std::string(in.suffix));
       if (key.ends_with(in.suffix)) add_if_known(std::string(key.substr(0, key.size() - in.suffix.size())));
     }
-  return near.empty() ? std::string() : fmt::format(" (did you mean \"{}\"?)", fmt::join(near, "\" or \""));
+  return near.empty() ? std::string() : fmt::format(" (did you mean \"{}\"?)", joined(near, "\" or \""));
 }
 
 }  // namespace

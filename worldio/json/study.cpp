@@ -4,6 +4,7 @@
 #include "base/math.hpp"
 #include "base/number_text.hpp"
 #include "base/random.hpp"
+#include "base/split.hpp"
 #include "engine/fields/description.hpp"
 #include "engine/spec/ticks.hpp"
 #include "worldio/files.hpp"
@@ -14,7 +15,6 @@
 #include "worldio/json/measures_json.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -638,7 +638,7 @@ std::string runs_text(std::span<const std::size_t> runs) {
     ranges.push_back(first == last ? fmt::to_string(runs[first])
                                    : fmt::format("{} to {}", runs[first], runs[last]));
   }
-  return fmt::format("{}", fmt::join(ranges, ", "));
+  return joined(ranges, ", ");
 }
 
 Study load_study(const std::filesystem::path& file, const engine::Registry& registry,

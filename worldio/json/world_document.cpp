@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/spec/watch_spec.hpp"
 #include "worldio/images/ros_map.hpp"
@@ -253,7 +254,7 @@ void read_measure_text(const JsonCursor& at, const std::string& text, const Regi
   if (const std::vector<std::string> keys = required_keys(*kind->params); !keys.empty())
     at.error(fmt::format(
         "the measure \"{}\" has parameters without a default: write {{\"kind\": \"{}\", \"{}\": ...}}",
-        kind->name, kind->name, fmt::join(keys, "\": ..., \"")));
+        kind->name, kind->name, joined(keys, "\": ..., \"")));
 }
 
 std::vector<JsonNode> measure_text_schemas(const Registry& registry) {

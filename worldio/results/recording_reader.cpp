@@ -1,5 +1,6 @@
 #include "worldio/results/recording_reader.hpp"
 
+#include "base/split.hpp"
 #include "worldio/files.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/results/recording_writer.hpp"
@@ -13,7 +14,9 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -42,6 +45,13 @@ Hdf5File opened(const std::filesystem::path& file, bool unfinished) {
     throw Hdf5Error(fmt::format("{}: error: this is not a recording (troupe run --record): not an HDF5 file",
                                 file.string()));
   return unfinished ? Hdf5File::open_swmr(file) : Hdf5File::open(file);
+}
+
+/// Returns the extent of an array as text: "12 x 3".
+std::string extent_text(const std::vector<std::size_t>& extent) {
+  std::vector<std::string> sizes;
+  for (const std::size_t size : extent) sizes.push_back(std::to_string(size));
+  return joined(sizes, " x ");
 }
 
 }  // namespace
@@ -117,7 +127,7 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::filesystem:
         dataset.fail(
             fmt::format("has the shape [{}] and values of type {}, but must have the shape [frames x {}] and "
                         "values of type {}: the file is damaged",
-                        fmt::join(extent, " x "), engine::element_name(dataset.element()), bodies.size(),
+                        extent_text(extent), engine::element_name(dataset.element()), bodies.size(),
                         engine::element_name(engine::Element::u8)));
       alive_ = std::move(dataset);
       continue;
@@ -126,7 +136,7 @@ void RecordingReader::find_arrays(const Hdf5Group& group, const std::filesystem:
       dataset.fail(
           fmt::format("has the shape [{0}], but must have the shape [frames x {1} x values], because "
                       "its group has data of {1} bodies: the file is damaged",
-                      fmt::join(extent, " x "), bodies.size()));
+                      extent_text(extent), bodies.size()));
     Array array;
     array.component = component;
     array.frame = dataset.text("frame");

@@ -123,8 +123,11 @@ std::optional<std::string> argument(const Value& value) {
   if (const auto* x = std::get_if<double>(&value.v)) return fmt::format("{}", *x);
   if (const auto* x = std::get_if<std::string>(&value.v))
     return x->find_first_of(" \t") == x->npos ? std::optional(*x) : std::nullopt;
-  if (const auto* x = std::get_if<std::vector<double>>(&value.v); x && !x->empty())
-    return fmt::format("{}", fmt::join(*x, ","));
+  if (const auto* x = std::get_if<std::vector<double>>(&value.v); x && !x->empty()) {
+    std::string numbers;
+    for (const double number : *x) numbers += fmt::format("{}{}", numbers.empty() ? "" : ",", number);
+    return numbers;
+  }
   return std::nullopt;
 }
 

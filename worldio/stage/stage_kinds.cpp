@@ -1,6 +1,7 @@
 #include "worldio/stage/stage_kinds.hpp"
 
 #include "base/number_text.hpp"
+#include "base/split.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/stage/stage_devices.hpp"
 #include "worldio/stage/stage_limits.hpp"
@@ -166,7 +167,7 @@ std::optional<engine::DeviceSpec> StageKinds::gripper(const StageModel& model, c
       values_.error(values_.where(*property),
                     fmt::format("\"paddle_state\" needs two strings: \"open\" or \"closed\", then \"up\" or "
                                 "\"down\"; found [{}]",
-                                fmt::join(given, " ")));
+                                joined(given, " ")));
       return {};
     }
     set(kind.params, spec->params, "paddles", std::string(given[0]));

@@ -1,10 +1,10 @@
 #include "worldio/stage/stage_lint.hpp"
 
+#include "base/split.hpp"
 #include "worldio/stage/stage_limits.hpp"
 #include "worldio/stage/stage_properties.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <initializer_list>
@@ -149,7 +149,7 @@ void StageLint::check_overruled(const StageModel& model, bool is_top_level) {
 void StageLint::finish() {
   for (const Summary* summary : {&no_effect_, &window_only_, &obsolete_})
     if (!summary->names.empty())
-      values_.warning(summary->first, fmt::format("{}: {}", summary->all, fmt::join(summary->names, ", ")));
+      values_.warning(summary->first, fmt::format("{}: {}", summary->all, joined(summary->names, ", ")));
 }
 
 }  // namespace troupe::worldio
