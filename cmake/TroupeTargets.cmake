@@ -16,8 +16,8 @@ if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3" AND (NOT CMAKE_BUILD_TYPE OR CMAKE_BUIL
 endif()
 
 # Headers that nearly every source includes (standard library, Eigen, fmt) are precompiled: by base for the libraries that are
-# compiled at -O3, and by worldio for those that are compiled at -Og, because gcc compiles functions at the level of the
-# precompiled header, whatever the level of the source.
+# compiled at -O3, and by worldio for those that are compiled at -Og: with a header that was precompiled at -O3, gcc makes
+# larger code of a source at -Og than with one at -Og.
 # -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON turns precompiled headers off. Our own headers, which would save 2 % more, are
 # not precompiled: ccache reuses a precompiled header in another checkout, whose headers `#pragma once` does not
 # recognise as the same files.
