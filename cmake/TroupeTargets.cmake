@@ -101,9 +101,9 @@ function(troupe_add_library folder)
 endfunction()
 
 # troupe_compile_together(TARGET GROUP SOURCES...): makes TARGET a unity build unless -DCMAKE_UNITY_BUILD is set, in which the
-# sources of a group are compiled in units of at most 24. A later call moves sources to another group. Sources of no group are
+# sources of a group are compiled in units of at most 32. A later call moves sources to another group. Sources of no group are
 # compiled alone.
-set(troupe_unit_size 24)
+set(troupe_unit_size 32)
 function(troupe_compile_together target group)
   if(DEFINED CMAKE_UNITY_BUILD)
     return()
