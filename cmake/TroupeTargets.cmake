@@ -23,7 +23,7 @@ endif()
 # recognise as the same files.
 set(CMAKE_PCH_PROLOGUE "")  # CMake's default marks everything as a system header, which hides warnings about our headers
 set(troupe_precompiled_headers
-    <algorithm> <any> <array> <atomic> <charconv> <cmath> <compare> <cstdint> <cstring> <exception> <filesystem> <functional>
+    <algorithm> <any> <array> <atomic> <charconv> <cmath> <compare> <cstdint> <cstring> <exception> <functional>
     <limits> <map> <memory> <mutex> <numeric> <optional> <set> <span> <stdexcept> <string> <string_view> <tuple>
     <unordered_map> <utility> <variant> <vector> <Eigen/Core> <fmt/format.h>)
 
@@ -71,7 +71,7 @@ function(troupe_add_library folder)
   set_target_properties(troupe_${folder} PROPERTIES EXPORT_NAME ${folder} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(troupe_${folder} PUBLIC cxx_std_20)
   if(${folder} IN_LIST troupe_unity_libraries)
-    troupe_compile_together(troupe_${folder} others ${arg_SOURCES})
+    cmake_language(EVAL CODE "cmake_language(DEFER CALL troupe_compile_rest_together troupe_${folder})")
   endif()
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS *.hpp)
   set(public_headers)
@@ -88,8 +88,10 @@ function(troupe_add_library folder)
   troupe_verify_headers(${folder} "${headers}" "${arg_SOURCES}")
   target_link_libraries(troupe_${folder} PUBLIC ${arg_LINK}
                         PRIVATE $<BUILD_INTERFACE:troupe_warnings> ${arg_PRIVATE_LINK})
-  if(${folder} STREQUAL base OR (${folder} STREQUAL worldio AND troupe_brief_option))
-    target_precompile_headers(troupe_${folder} PRIVATE ${troupe_precompiled_headers})
+  if(${folder} STREQUAL base)
+    target_precompile_headers(troupe_base PRIVATE ${troupe_precompiled_headers})
+  elseif(${folder} STREQUAL worldio AND troupe_brief_option)
+    target_precompile_headers(troupe_worldio PRIVATE ${troupe_precompiled_headers} <filesystem>)
   elseif(${folder} MATCHES "^(troupe|live)$" AND troupe_brief_option)
     target_precompile_headers(troupe_${folder} REUSE_FROM troupe_worldio)
   else()
@@ -101,20 +103,36 @@ function(troupe_add_library folder)
 endfunction()
 
 # troupe_compile_together(TARGET GROUP SOURCES...): makes TARGET a unity build unless -DCMAKE_UNITY_BUILD is set, in which the
-# sources of a group are compiled in units of at most 32. A later call moves sources to another group. Sources of no group are
-# compiled alone.
+# sources of a group are compiled in units of equal size, of at most 32 sources. Sources of no group are compiled alone.
 set(troupe_unit_size 32)
 function(troupe_compile_together target group)
   if(DEFINED CMAKE_UNITY_BUILD)
     return()
   endif()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  set(count 0)
+  list(LENGTH ARGN count)
+  math(EXPR units "(${count} + ${troupe_unit_size} - 1) / ${troupe_unit_size}")
+  set(index 0)
   foreach(source ${ARGN})
-    math(EXPR unit "${count} / ${troupe_unit_size}")
-    math(EXPR count "${count} + 1")
+    math(EXPR unit "${index} * ${units} / ${count}")
+    math(EXPR index "${index} + 1")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group}_${unit})
   endforeach()
+endfunction()
+
+# Compiles together the sources of a target that are in no group and need not be compiled alone.
+function(troupe_compile_rest_together target)
+  set(rest)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  foreach(source ${sources})
+    get_source_file_property(group ${source} UNITY_GROUP)
+    get_source_file_property(alone ${source} SKIP_UNITY_BUILD_INCLUSION)
+    if(NOT group AND NOT alone)
+      list(APPEND rest ${source})
+    endif()
+  endforeach()
+  troupe_compile_together(${target} others ${rest})
 endfunction()
 
 # troupe_compile_as(OPTION TARGET GROUP SOURCES...): compiles the units of a group of sources with an additional option, which
@@ -150,13 +168,19 @@ function(troupe_compile_optimised target)
   troupe_compile_as($<$<CONFIG:Release>:-O3> ${target} optimised ${ARGN})
 endfunction()
 
-# For sources in which a tick spends its time. They take part only in unity builds of the whole project
-# (CMAKE_UNITY_BUILD); otherwise each is compiled alone, so that other sources do not change how the compiler inlines
-# them.
-function(troupe_compile_hot)
-  if(NOT CMAKE_UNITY_BUILD)
-    troupe_compile_alone(${ARGN})
-  endif()
+# troupe_compile_hot(TARGET SOURCES...): for sources in which a tick spends its time. Those of a folder are compiled together, and
+# apart from all other sources, so that other sources do not change how the compiler inlines them. In unity builds of the whole
+# project (CMAKE_UNITY_BUILD), they are compiled as all others.
+function(troupe_compile_hot target)
+  foreach(source ${ARGN})
+    cmake_path(GET source PARENT_PATH room)
+    list(APPEND hot_${room} ${source})
+    list(APPEND rooms "hot_${room}")
+  endforeach()
+  list(REMOVE_DUPLICATES rooms)
+  foreach(room ${rooms})
+    troupe_compile_together(${target} ${room} ${${room}})
+  endforeach()
 endfunction()
 
 # For sources that a unity build (such as the preset dev, which takes a quarter of the time) must compile separately:

@@ -28,10 +28,10 @@ DocumentKey& KeyList::add_value(std::string_view name, const engine::MemberType&
 }
 
 DocumentKey& KeyList::add_entries(Form form, std::string_view name, std::string_view text,
-                                  const MemberAccess& access, const DocumentTable& (*table)(),
+                                  const MemberAccess& access, const DocumentTable& (*entry_table)(),
                                   const EntryAccess& entries) {
   DocumentKey& key = add(form, name, text, {}, access);
-  key.table = table;
+  key.table = entry_table;
   key.size = entries.size;
   key.append = entries.append;
   key.item = entries.item;

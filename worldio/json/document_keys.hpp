@@ -109,7 +109,7 @@ class KeyList {
                          bool is_float, std::initializer_list<engine::Fact> facts);
   /// table: the table of the entries
   DocumentKey& add_entries(Form form, std::string_view name, std::string_view text,
-                           const MemberAccess& access, const DocumentTable& (*table)(),
+                           const MemberAccess& access, const DocumentTable& (*entry_table)(),
                            const EntryAccess& entries);
   /// Notes that a member of the struct `of` has a key, or needs none. member: its engine::detail::tag()
   void note(const StructMembers& of, std::string_view member);

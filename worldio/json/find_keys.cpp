@@ -49,7 +49,7 @@ struct Key {
   }
 };
 
-std::string joined(const Objects& objects, std::string_view name, std::string_view mark = {}) {
+std::string path_below(const Objects& objects, std::string_view name, std::string_view mark = {}) {
   return fmt::format("{}{}{}{}", objects.path, objects.path.empty() ? "" : ".", name, mark);
 }
 
@@ -91,20 +91,21 @@ class Keys {
     std::vector<Key> keys;
     const auto add_fields = [&](const FieldTable& table, const Objects& owner) {
       for (const Field& field : table.fields)
-        keys.push_back({.path = joined(owner, key_of(field), field.type == FieldType::records ? "[]" : ""),
-                        .field = &field,
-                        .kind = owner.kind});
+        keys.push_back(
+            {.path = path_below(owner, key_of(field), field.type == FieldType::records ? "[]" : ""),
+             .field = &field,
+             .kind = owner.kind});
     };
     if (objects.fields != nullptr) add_fields(*objects.fields, objects);
     if (objects.table == nullptr) return keys;
     for (const DocumentKey& key : objects.table->keys) {
       if (key.form == Form::faults) {
         for (const engine::FaultKind& fault : registry_.faults)
-          add_fields(fault.params, {.path = joined(objects, fault.name)});
+          add_fields(fault.params, {.path = path_below(objects, fault.name)});
       } else if (key.form != Form::parameters) {
         const std::string_view mark = key.form == Form::list ? "[]" : key.form == Form::map ? "{}" : "";
         keys.push_back(
-            {.path = joined(objects, key_of(key.field), mark), .table = objects.table, .key = &key});
+            {.path = path_below(objects, key_of(key.field), mark), .table = objects.table, .key = &key});
       }
     }
     if (objects.table->kinds == nullptr) return keys;
@@ -141,7 +142,7 @@ class Keys {
     }
     if (const engine::FaultKind* fault = registry_.fault(names.front());
         fault != nullptr && names.size() > 1 && have_faults(objects))
-      find({.path = joined(objects, fault->name), .fields = &fault->params}, names.subspan(1), is_pointer,
+      find({.path = path_below(objects, fault->name), .fields = &fault->params}, names.subspan(1), is_pointer,
            found);
   }
 

@@ -17,7 +17,7 @@
 namespace troupe::worldio {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+using FileBytes = std::vector<std::uint8_t>;
 using View = std::span<const std::uint8_t>;
 
 constexpr std::size_t k_checksum_bytes = 4;
@@ -76,16 +76,16 @@ class Mender {
   }
 
   void mend_object(std::uint64_t address) {
-    const std::optional<Bytes> head = read(address, "OHDR", 6);
+    const std::optional<FileBytes> head = read(address, "OHDR", 6);
     if (!head || (*head)[4] != 2) return;
     const std::uint8_t flags = (*head)[5];
     const std::size_t size_at = 6 + ((flags & 0x20) != 0 ? 16 : 0) + ((flags & 0x10) != 0 ? 4 : 0);
     const std::size_t first_message = size_at + (std::size_t{1} << (flags & 3));
-    const std::optional<Bytes> sizes = read(address, "OHDR", first_message);
+    const std::optional<FileBytes> sizes = read(address, "OHDR", first_message);
     if (!sizes) return;
     const std::uint64_t bytes = little_endian(View(*sizes).subspan(size_at));
     if (bytes > k_most_block_bytes) return;
-    std::optional<Bytes> block = read(address, "OHDR", first_message + bytes + k_checksum_bytes);
+    std::optional<FileBytes> block = read(address, "OHDR", first_message + bytes + k_checksum_bytes);
     if (!block) return;
     mend(address, *block);
     take_messages(View(*block).subspan(first_message, bytes), flags);
@@ -111,11 +111,11 @@ class Mender {
 
   /// Reads a block. Returns nothing if the block is not in the file, does not begin with this signature, or
   /// exceeds the limit k_most_reads.
-  std::optional<Bytes> read(std::uint64_t address, std::string_view signature, std::size_t bytes) {
+  std::optional<FileBytes> read(std::uint64_t address, std::string_view signature, std::size_t bytes) {
     if (bytes > k_most_block_bytes || address > end_ || bytes > end_ - address || bytes > unread_)
       return std::nullopt;
     unread_ -= bytes;
-    Bytes block(bytes);
+    FileBytes block(bytes);
     if (!stream_.seekg(static_cast<std::streamoff>(address)) ||
         !stream_.read(reinterpret_cast<char*>(block.data()), static_cast<std::streamsize>(bytes)))
       fail("read");
@@ -171,7 +171,7 @@ class Mender {
     constexpr std::size_t k_signature_bytes = 4;
     const auto [address, bytes] = continuation;
     if (bytes < k_signature_bytes + k_checksum_bytes || bytes > k_most_block_bytes) return;
-    std::optional<Bytes> block = read(address, "OCHK", bytes);
+    std::optional<FileBytes> block = read(address, "OCHK", bytes);
     if (!block) return;
     mend(address, *block);
     take_messages(View(*block).subspan(k_signature_bytes, bytes - k_signature_bytes - k_checksum_bytes),
@@ -193,7 +193,7 @@ class Mender {
   void mend_array(std::uint64_t address) {
     constexpr std::size_t k_header_bytes = 72;
     constexpr std::size_t k_index_block = 60;
-    std::optional<Bytes> header = read(address, "EAHD", k_header_bytes);
+    std::optional<FileBytes> header = read(address, "EAHD", k_header_bytes);
     if (!header) return;
     mend(address, *header);
     const std::optional<ArrayShape> shape = ArrayShape::of(*header);
@@ -205,7 +205,7 @@ class Mender {
     const std::size_t direct = 2 * (shape->least_addresses - 1);
     const std::size_t super_blocks = shape->super_blocks() - shape->first_super_block();
     const std::size_t bytes = (direct + super_blocks) * k_address_bytes;
-    std::optional<Bytes> block = read(index_block, "EAIB", k_head + elements + bytes + k_checksum_bytes);
+    std::optional<FileBytes> block = read(index_block, "EAIB", k_head + elements + bytes + k_checksum_bytes);
     if (!block) return;
     // Elements of compressed chunks contain more than an address; their addresses are not changed.
     const bool has_addresses = shape->element_bytes == k_address_bytes;
@@ -230,7 +230,7 @@ class Mender {
     const std::size_t blocks = ArrayShape::blocks_of(u);
     const std::size_t marks = (pages_of(shape, u) + 7) / 8;  // bytes per data block: which pages it has
     const std::size_t addresses = shape.head_bytes() + blocks * marks;
-    std::optional<Bytes> block =
+    std::optional<FileBytes> block =
         read(address, "EASB", addresses + blocks * k_address_bytes + k_checksum_bytes);
     if (!block) return;
     const std::span<std::uint8_t> all = *block;
@@ -254,7 +254,7 @@ class Mender {
     const std::size_t head = shape.head_bytes();
     const std::size_t pages = pages_of(shape, u);
     const std::size_t elements = pages == 0 ? shape.elements_of(u) * shape.element_bytes : 0;
-    std::optional<Bytes> block = read(address, "EADB", head + elements + k_checksum_bytes);
+    std::optional<FileBytes> block = read(address, "EADB", head + elements + k_checksum_bytes);
     if (!block) return;
     const bool has_addresses = shape.element_bytes == k_address_bytes;
     const std::span<std::uint8_t> all = *block;
@@ -263,7 +263,7 @@ class Mender {
     for (std::size_t p = 0; p < std::min(pages, 8 * marks.size()); ++p) {
       if ((marks[p / 8] >> (7 - p % 8) & 1) == 0) continue;
       const std::uint64_t at = address + all.size() + p * (page + k_checksum_bytes);
-      std::optional<Bytes> bytes = read(at, "", page + k_checksum_bytes);
+      std::optional<FileBytes> bytes = read(at, "", page + k_checksum_bytes);
       if (bytes) mend(at, *bytes, has_addresses ? std::span(*bytes).first(page) : std::span<std::uint8_t>());
     }
   }
