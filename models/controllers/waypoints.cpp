@@ -283,6 +283,15 @@ struct Waypoints {
           "`wait` of the goal before it to its own `at`, but the drive reaches {:g} m/s in its slowest "
           "direction: give this goal a later `at`",
           way, std::max(time_s, 0.0), speed_max)};
+    const double difference = wrap_angle(goal.pose.heading - before.pose.heading);
+    const double turn = difference < 0 ? -difference : difference;
+    if (before.at_s > 0 && turn > turn_max * time_s * (1 + 1e-9))
+      return Error{fmt::format(
+          "its heading differs by {:g} rad from that of the goal before it, and the robot has {:g} s for "
+          "this "
+          "turn, from the `at` plus `wait` of the goal before it to its own `at`, but the drive reaches {:g} "
+          "rad/s to its slower side: give this goal a later `at`",
+          turn, std::max(time_s, 0.0), turn_max)};
     return {};
   }
 };

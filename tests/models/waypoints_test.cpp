@@ -189,6 +189,13 @@ TEST(Movers, WhatTheyCannotKeepIsTold) {
               HasSubstr("cannot follow goal 2 (counted from 1): it is 3 m from the goal before it, and the "
                         "robot has 1 s for this way, from the `at` plus `wait` of the goal before it to its "
                         "own `at`, but the drive reaches 1 m/s in its slowest"));
+  EXPECT_THAT(
+      Mover({{0, 0, 0, 1}, {1, 0, -3, 2}}).scene.error(),
+      HasSubstr("cannot follow goal 2 (counted from 1): its heading differs by 3 rad from that of the "
+                "goal before it, and the robot has 1 s for this turn, from the `at` plus `wait` of "
+                "the goal before it to its own `at`, but the drive reaches 1.5708 rad/s to its "
+                "slower side: give this goal a later `at`"));
+  EXPECT_EQ(Mover({{0, 0, -3, 1}, {1, 0, 3, 2}}).scene.error(), "") << "it turns by the smaller angle";
   EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).scene.error(),
               HasSubstr("cannot follow goal 2 (counted from 1): its `at` is 2 s, but that of the goal before "
                         "it is 3 s; times "
