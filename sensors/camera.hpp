@@ -18,6 +18,8 @@ enum CameraField : std::size_t {
 /// depth. It needs no graphics library. range_near, range_far and tilt are parameters of the camera.
 /// shows   An image shows walls and bodies as extruded polygons (solids) with tops and undersides, and the
 ///         floor at z = 0. There is no light or shadow: a surface has the same colour from all sides.
+/// inside  A camera inside a solid sees the sides of the solid from inside. It sees through the top and the
+///         underside.
 /// omits   The image does not show the camera's own robot, nor bodies that move together with this robot (one
 ///         of the two carries the other, or a third body carries both). Surfaces at a depth of less than
 ///         range_near are not drawn. A pixel that shows no surface up to the depth range_far shows sky.

@@ -613,9 +613,10 @@ Result<> Radio::bind_part(const engine::TypeSpec& type, std::uint32_t) {
   if (!(params.sensitivity < params.power))
     return Error{fmt::format("has a sensitivity_dBm of {:g}, which must be below its power_dBm of {:g}",
                              params.sensitivity, params.power)};
+  constexpr double k_rim = 1 + 1e-9;  // a radio on the rim may be outside by rounding
   const double radius = engine::solids_radius(type);
   const double distance = pose_body_radio.position().norm();
-  if (distance <= radius) return {};
+  if (distance <= radius * k_rim) return {};
   return Error{
       fmt::format("is {:g} m from the origin of its body; it must be within {:g} m, the radius of the body",
                   distance, radius)};

@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::models {
@@ -124,6 +125,11 @@ struct Collector {
 
 Result<std::vector<std::size_t>> Collector::choose(std::span<const DeviceInfo> devices,
                                                    std::vector<bool>& claimed) {
+  for (const auto& [mark, name] : {std::pair(params.puck, "puck"), {params.charger, "charger"}})
+    if (mark == 0)
+      return Error{fmt::format(
+          "has a `{}` of 0, but 0 is the fiducial_return of models that have no mark: give another number",
+          name)};
   DeviceChoice choice(devices, claimed);
   const Result<Scanner> taken = choice.take_scanner(Evasion::window_share);
   if (!taken) return taken.error();

@@ -88,6 +88,7 @@ struct Waypoints {
   double speed_max = 0;      // greatest speed that the drive reaches in every direction, m/s
   double turn_max = 0;       // greatest turn rate that the drive reaches to both sides, rad/s
   std::uint64_t period = 1;  // ticks between two runs of the drive
+  std::uint64_t steps = 1;   // motions between two runs: one per tick, or a single one of a part with wheels
 
   Result<std::vector<std::size_t>> choose(std::span<const engine::DeviceInfo>, std::vector<bool>&) const {
     if (params.goals.empty()) return Error{"needs at least one goal in `goals`"};
@@ -96,8 +97,9 @@ struct Waypoints {
 
   Result<> bind_world(const engine::WorldSpec& world, const engine::TypeSpec& type, std::uint32_t part) {
     period = drive_period(world, type, part);
-    if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
     const engine::DeviceSpec* wheels = wheels_of(type, part);
+    steps = wheels ? 1 : period;
+    if (std::ranges::none_of(params.goals, &Goal::is_tracked)) return {};
     const std::string_view kind = wheels       ? drive_of_wheels(wheels->params).kind
                                   : type.drive ? std::string_view(type.drive->kind)
                                                : std::string_view();
@@ -164,11 +166,33 @@ struct Waypoints {
     Pose pose;
   };
 
+  /// How a constant velocity v and a constant turn rate move the robot between two runs of the drive. In each
+  /// motion the robot moves along a straight line, in the direction that its heading then gives to v. All
+  /// motions together take it along a chord: in the direction of v at the heading at the start plus `turn`,
+  /// over the distance |v| * time * `share`.
+  struct Chord {
+    double turn = 0;   // rad
+    double share = 1;  // at least 0.6 for a turn by up to pi
+  };
+
+  /// The chord for a turn by `turn` (rad) between two runs of the drive.
+  Chord chord(double turn) const {
+    const double half_step = turn / static_cast<double>(2 * steps);
+    if (steps == 1 || half_step == 0) return {};
+    // The sum of the unit vectors with the angles 0, a, 2a, ..., (n - 1) a has the angle (n - 1) a / 2 and
+    // the length sin(n a / 2) / sin(a / 2).
+    const auto n = static_cast<double>(steps);
+    return {(n - 1) * half_step, sin(turn / 2) / (n * sin(half_step))};
+  }
+
   Ahead look_ahead(const engine::Percept& percept, const engine::Command& command) const {
     Ahead ahead{percept.tick - 1 + period, percept.estimate};
     if (command.mode != engine::ControlMode::velocity) return ahead;
     const double dt = static_cast<double>(period) * percept.tick_s;
-    const Vec2 way = Rotation(ahead.pose.heading) * Vec2(command.x * dt, command.y * dt);
+    const Chord moves = chord(command.turn * dt);
+    const double m_per_mps = dt * moves.share;
+    const Vec2 way =
+        Rotation(ahead.pose.heading + moves.turn) * Vec2(command.x * m_per_mps, command.y * m_per_mps);
     ahead.pose.x += way.x();
     ahead.pose.y += way.y();
     ahead.pose.heading += command.turn * dt;
@@ -224,10 +248,13 @@ struct Waypoints {
     double left_s = left > 0 ? static_cast<double>(left_in_periods) * percept.tick_s
                              : std::max(way.norm() / speed_of(goal), (turn < 0 ? -turn : turn) / turn_max);
     left_s = std::max(left_s, step_s);
-    const double speed = way.norm() / left_s;
-    const double by = speed > speed_max ? speed_max / speed : 1;
-    const Vec2 velocity = Rotation(-ahead.pose.heading) * Vec2(way.x() / left_s * by, way.y() / left_s * by);
-    actions.set_speed(velocity.x(), velocity.y(), std::clamp(turn / left_s, -turn_max, turn_max));
+    const double turn_rate = std::clamp(turn / left_s, -turn_max, turn_max);
+    const Chord moves = chord(turn_rate * step_s);
+    const double speed = way.norm() / left_s / moves.share;
+    const double by = (speed > speed_max ? speed_max / speed : 1) / moves.share;
+    const Vec2 velocity =
+        Rotation(-ahead.pose.heading - moves.turn) * Vec2(way.x() / left_s * by, way.y() / left_s * by);
+    actions.set_speed(velocity.x(), velocity.y(), turn_rate);
   }
 
   double speed_of(const Goal& goal) const { return goal.speed > 0 ? goal.speed : speed_max; }
@@ -256,6 +283,15 @@ struct Waypoints {
           "`wait` of the goal before it to its own `at`, but the drive reaches {:g} m/s in its slowest "
           "direction: give this goal a later `at`",
           way, std::max(time_s, 0.0), speed_max)};
+    const double difference = wrap_angle(goal.pose.heading - before.pose.heading);
+    const double turn = difference < 0 ? -difference : difference;
+    if (before.at_s > 0 && turn > turn_max * time_s * (1 + 1e-9))
+      return Error{fmt::format(
+          "its heading differs by {:g} rad from that of the goal before it, and the robot has {:g} s for "
+          "this "
+          "turn, from the `at` plus `wait` of the goal before it to its own `at`, but the drive reaches {:g} "
+          "rad/s to its slower side: give this goal a later `at`",
+          turn, std::max(time_s, 0.0), turn_max)};
     return {};
   }
 };

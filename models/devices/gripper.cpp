@@ -239,7 +239,9 @@ void feel(const SensingView& view, const Hand& hand, double closer, GripperState
 void obey(std::uint8_t order, GripperState& state) {
   using S = GripperState;
   if (order == GripperCommand::open && state.paddles != S::is_open) state.paddles = S::opening;
-  if (order == GripperCommand::close && state.paddles != S::closed) state.paddles = S::closing;
+  // Paddles whose held body has died are at rest, but not together.
+  const bool is_shut = state.paddles == S::closed && (state.held != 0 || state.paddle_position == 1);
+  if (order == GripperCommand::close && !is_shut) state.paddles = S::closing;
   if (order == GripperCommand::up && state.lift != S::is_up) state.lift = S::rising;
   if (order == GripperCommand::down && state.lift != S::is_down) state.lift = S::sinking;
 }

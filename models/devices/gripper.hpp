@@ -34,7 +34,7 @@ struct GripperState {
   enum Paddles : std::uint8_t {
     is_open,  ///< at rest, fully apart
     closing,  ///< moving towards each other
-    closed,   ///< at rest, together or at the held body
+    closed,   ///< at rest, together or at the held body; if this body has died, where they held it
     opening,  ///< moving apart
   };
   /// State of the lift, which moves the paddles up and down.

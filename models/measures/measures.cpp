@@ -498,9 +498,11 @@ engine::MeasureKind state_mean_measure() {
       "state_mean", Unit::none, "mean of one variable of the robots' state",
       "The mean, over the robots, of one variable of their state, such as a variable in the memory of a "
       "controller or a reading of a sensor. Robots that do not have this variable are left out, and so are "
-      "readings of sensors that do not run; the mean is NaN if no robot remains. Before a sensor runs for "
-      "the first time, as at tick 0, its readings are 0. If the variable is always 0 or 1, the mean is the "
-      "fraction of the remaining robots for which it is 1.",
+      "readings of sensors that do not run because they are inactive and neither a controller nor a program "
+      "reads them; the mean is NaN if no robot remains. A sensor that has stopped, for example because its "
+      "robot is disabled, counts with its last reading. Before a sensor runs for the first time, as at tick "
+      "0, its readings are 0. If the variable is always 0 or 1, the mean is the fraction of the remaining "
+      "robots for which it is 1.",
       "m = 1/n sum_i s_i");
 }
 

@@ -42,8 +42,9 @@ engine::MeasureKind share_within_measure();
 /// coordinate of the pose. Three parameters select the variable. `component` is the name of a table of the
 /// state, such as "pose". `field` is the name of a column of the table, such as "x". If each entry of this
 /// column is an array, `column` is the index of an element, from 0. Robots that do not have the variable are
-/// left out. If the variable is a sensor reading, robots whose sensor does not run are also left out. NaN if
-/// no robot remains.
+/// left out. If the variable is a sensor reading, robots whose sensor does not run because it is not in use
+/// (CommittedView::senses()) are also left out; a sensor that has stopped counts with its last reading. NaN
+/// if no robot remains.
 engine::MeasureKind state_mean_measure();
 /// `state_variance`: variance, over the robots, of one variable of their state: the mean of the squared
 /// differences from the mean. The parameters are those of `state_mean`, and the same robots are left out. NaN

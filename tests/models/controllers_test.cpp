@@ -556,6 +556,11 @@ TEST(Controllers, WhatARobotOrItsWorldLacksIsNamed) {
   EXPECT_THAT(error_of({"fiducial", "gripper"}, test::controller("collector")),
               EndsWith("controller \"collector\" needs a model in the world named \"sink\", or several named "
                        "\"sink0\", \"sink1\" and so on"));
+  for (const std::string mark : {"puck", "charger"})
+    EXPECT_THAT(error_of({"fiducial", "gripper"}, test::controller("collector", {{mark, std::int64_t{0}}})),
+                EndsWith("controller \"collector\" has a `" + mark +
+                         "` of 0, but 0 is the fiducial_return of models that have no mark: give another "
+                         "number"));
   EXPECT_THAT(
       error_of({}, test::controller("pioneer_flocking")),
       EndsWith("controller \"pioneer_flocking\" needs a fiducial finder (a device of kind \"fiducial\")"));

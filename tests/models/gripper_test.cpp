@@ -359,6 +359,25 @@ TEST(Gripper, NoLineIsDrawnToABodyThatDiedWhileTheRobotIsDisabled) {
   EXPECT_EQ(hand(world, robot).held, 0u);
 }
 
+TEST(Gripper, ClosesOnWhenTheHeldBodyHasDied) {
+  SceneBuilder scene;
+  scene.spec.mortal = true;
+  const BodyId robot =
+      scene.body("r", gripper_robot(scene, "robot", {order(0.1, "hand", "close"), order(4, "hand", "open")}));
+  const BodyId object = scene.body("o", puck(scene), {k_grasp_m, 0, 0, 0});
+  World world = scene.world();
+  step(world, 20);
+  ASSERT_EQ(world.carrier(world.row(object)), robot);
+  EXPECT_EQ(hand(world, robot).paddles, GripperState::closed);
+  world.remove(world.row(object));
+  step(world, 1);
+  EXPECT_EQ(hand(world, robot).held, 0u);
+  EXPECT_EQ(hand(world, robot).paddles, GripperState::closing) << "the command still holds";
+  step(world, 15);
+  EXPECT_EQ(hand(world, robot).paddles, GripperState::closed);
+  EXPECT_EQ(hand(world, robot).paddle_position, 1);
+}
+
 TEST(Gripper, PaddlesMustFitSideBySide) {
   const auto build = [](double y) {
     SceneBuilder scene;

@@ -84,6 +84,27 @@ TEST(Movers, WhoseDriveIsRarelyDueAreThereInTime) {
   EXPECT_NEAR(way[80].y, 1, k_exact);
 }
 
+TEST(Movers, WhoseDriveIsRarelyDueAreThereInTimeThoughTheyTurn) {
+  const Mover mover({{0, 0, 0, 1}, {3, 0, radians(120), 5}, {3, 2, 0, 10}, {1, 2, -1, 14}}, false, 0.5);
+  engine::World world = mover.scene.world();
+  const std::vector<Pose> way = way_of(world, mover.body, 150);
+  // The drive runs in ticks 5, 10, 15, ..., so the robot moves to its second goal in ticks 15 to 49.
+  EXPECT_NEAR(way[29].x, 3 * 15.0 / 35, k_exact) << "the ends of the periods are on a straight line";
+  EXPECT_NEAR(way[29].y, 0, k_exact);
+  EXPECT_NEAR(way[29].heading, radians(120) * 15 / 35, k_exact);
+  EXPECT_NEAR(way[50].x, 3, k_exact);
+  EXPECT_NEAR(way[50].y, 0, k_exact);
+  EXPECT_NEAR(way[50].heading, radians(120), k_exact);
+  EXPECT_NEAR(way[100].x, 3, k_exact);
+  EXPECT_NEAR(way[100].y, 2, k_exact);
+  EXPECT_NEAR(way[100].heading, 0, k_exact);
+  for (const std::size_t tick : {140u, 150u}) {
+    EXPECT_NEAR(way[tick].x, 1, k_exact);
+    EXPECT_NEAR(way[tick].y, 2, k_exact);
+    EXPECT_NEAR(way[tick].heading, -1, k_exact);
+  }
+}
+
 TEST(Movers, GoAtTheirSpeedsAndWait) {
   const Mover mover({{1, 0, 0, 0, 0.5, 0.7}, {1, 1, 0, 0, 0.25}});
   engine::World world = mover.scene.world();
@@ -168,6 +189,13 @@ TEST(Movers, WhatTheyCannotKeepIsTold) {
               HasSubstr("cannot follow goal 2 (counted from 1): it is 3 m from the goal before it, and the "
                         "robot has 1 s for this way, from the `at` plus `wait` of the goal before it to its "
                         "own `at`, but the drive reaches 1 m/s in its slowest"));
+  EXPECT_THAT(
+      Mover({{0, 0, 0, 1}, {1, 0, -3, 2}}).scene.error(),
+      HasSubstr("cannot follow goal 2 (counted from 1): its heading differs by 3 rad from that of the "
+                "goal before it, and the robot has 1 s for this turn, from the `at` plus `wait` of "
+                "the goal before it to its own `at`, but the drive reaches 1.5708 rad/s to its "
+                "slower side: give this goal a later `at`"));
+  EXPECT_EQ(Mover({{0, 0, -3, 1}, {1, 0, 3, 2}}).scene.error(), "") << "it turns by the smaller angle";
   EXPECT_THAT(Mover({{0, 0, 0, 3}, {1, 0, 0, 2}}).scene.error(),
               HasSubstr("cannot follow goal 2 (counted from 1): its `at` is 2 s, but that of the goal before "
                         "it is 3 s; times "

@@ -745,9 +745,9 @@ TEST(Radio, TilesChangeNothingAtExactlyTheRange) {
   }
 }
 
-std::string error(const engine::DeviceSpec& device) {
+std::string error(const engine::DeviceSpec& device, const Solid& solid = box(0.4, 0.4)) {
   RadioScene scene;
-  const TypeId type = scene.type("robot", {box(0.4, 0.4)});
+  const TypeId type = scene.type("robot", {solid});
   scene[type].devices = {device};
   scene.body("r", type);
   return scene.error();
@@ -761,6 +761,14 @@ TEST(Radio, WhatCannotBeIsAnError) {
   EXPECT_THAT(error(radio({}, {2, 0, 0, 0})),
               HasSubstr("device \"radio\" is 2 m from the origin of its body; it must be within 0.282843 m, "
                         "the radius of the body"));
+}
+
+TEST(Radio, MayBeOnTheRimOfItsBodyInAnyDirection) {
+  const double radius = std::sqrt(0.15 * 0.15 + 0.1 * 0.1);
+  for (int k = 0; k < 63; ++k) {
+    const Pose rim{radius * std::cos(0.1 * k), radius * std::sin(0.1 * k), k_height, 0};
+    EXPECT_EQ(error(radio({}, rim), box(0.3, 0.2)), "") << 0.1 * k << " rad";
+  }
 }
 
 }  // namespace
