@@ -1,27 +1,46 @@
 #include "apps/interrupt.hpp"
 
+#include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
 namespace troupe::apps {
 namespace {
 
-// A signal handler may set lock-free flags, remove a file and raise a signal, but not lock or allocate.
+// A signal handler may set lock-free flags, write, remove a file and raise a signal, but not lock or
+// allocate.
 std::atomic<bool> requested = false;  // whether SIGINT or SIGTERM has arrived
 std::atomic<bool> hung_up = false;    // whether SIGHUP has arrived
 std::atomic<bool> has_doomed = false;
 std::atomic<std::uint32_t> saves = 0;  // how often SIGUSR1 has arrived
-static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::uint32_t>::is_always_lock_free);
+std::atomic<std::size_t> notice_bytes = 0;
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::uint32_t>::is_always_lock_free &&
+              std::atomic<std::size_t>::is_always_lock_free);
 std::array<char, 4096> doomed{};  // name of the file that a second signal removes; written only while
                                   // has_doomed is false
+std::array<char, 512> notice{};   // what the first signal prints; written only while notice_bytes is 0
+
+/// Prints the notice. Does not wait for a full pipe or a stopped terminal: the run must stop nevertheless.
+void print_notice() {
+  const int error = errno;
+  pollfd stream{STDERR_FILENO, POLLOUT, 0};
+  if (notice_bytes > 0 && poll(&stream, 1, 0) == 1 && (stream.revents & POLLOUT) != 0) {
+    [[maybe_unused]] const ssize_t printed = write(STDERR_FILENO, notice.data(), notice_bytes);
+  }
+  errno = error;  // of the code that the signal has interrupted
+}
 
 void handle(int signal) {
-  if (!requested.exchange(true)) return;
+  if (!requested.exchange(true)) return print_notice();
   if (has_doomed) unlink(doomed.data());
   std::signal(signal, SIG_DFL);
   raise(signal);
@@ -29,7 +48,16 @@ void handle(int signal) {
 
 }  // namespace
 
-void stop_on_signals() {
+void stop_on_signals(std::string_view what) {
+  // Overwrites a progress bar, and the "^C" that the terminal shows.
+  const std::string_view wipe = isatty(STDERR_FILENO) != 0 ? "\r\x1b[K" : "";
+  const std::string text =
+      fmt::format("{}{}; a second Ctrl-C or SIGTERM ends the program at once\n", wipe, what);
+  notice_bytes = 0;
+  if (!what.empty() && text.size() <= notice.size()) {
+    std::ranges::copy(text, notice.begin());
+    notice_bytes = text.size();
+  }
   struct sigaction action {};
   action.sa_handler = handle;
   action.sa_flags = SA_RESTART;

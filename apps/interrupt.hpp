@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string_view>
 
 namespace troupe::apps {
 
@@ -11,7 +12,11 @@ namespace troupe::apps {
 /// return true, but does not count as the first or second signal; if SIGHUP is ignored, as under nohup, it
 /// remains so. SIGPIPE is ignored: if the reader of a pipe ends, writing to the pipe is an error, after which
 /// a run can still save its state.
-void stop_on_signals();
+///
+/// what: what the first Ctrl-C or SIGTERM does, such as "troupe run: stopping after the current tick". The
+/// signal prints a line on standard error with this text, and that a second one ends the program. The line is
+/// left out if `what` is empty, or if writing would have to wait, for example because a pipe is full
+void stop_on_signals(std::string_view what = {});
 /// Whether Ctrl-C, SIGTERM or SIGHUP has arrived since the start of the program.
 bool stop_requested();
 /// Starts to count the signal SIGUSR1, with which users request a checkpoint (a file with the state of the

@@ -210,7 +210,7 @@ ExitCode view_world(const ViewOptions& options) {
   Simulation simulation = load(options);
   if (options.for_s) check_end(options, simulation, *options.for_s);
   print_lines(simulation.warnings());
-  stop_on_signals();
+  stop_on_signals("troupe view: ending");
   const std::uint64_t end_tick = options.for_s ? engine::ticks_until(*options.for_s, simulation.tick_s())
                                                : std::numeric_limits<std::uint64_t>::max();
   const auto is_over = [&] { return stop_requested() || simulation.tick() >= end_tick; };

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
@@ -123,9 +124,12 @@ py::array converted(const engine::StateField& field, const py::array& given, con
   }
   const bool is_whole = field.element != engine::Element::f64 && field.element != engine::Element::f32;
   if (fits && is_whole) fits = py::module_::import("numpy").attr("array_equal")(made, given).cast<bool>();
+  if (fits && field.is_bool)
+    fits = std::ranges::all_of(const_bytes_of(made), [](std::byte part) { return part <= std::byte{1}; });
   if (!fits)
     throw py::value_error(fmt::format("\"{}\" has the type {}, which cannot represent {}", field.name,
-                                      engine::element_name(field.element), short_repr(value)));
+                                      field.is_bool ? "bool" : engine::element_name(field.element),
+                                      short_repr(value)));
   return made;
 }
 

@@ -10,6 +10,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -47,10 +49,13 @@ py::dict read_study(const std::filesystem::path& file, const std::optional<std::
     worldio::check_columns(study, measures, found);
     found.throw_if_errors();
   });
+  const py::cpp_function seed_of([study](std::size_t run, std::uint64_t world_seed) {
+    return study.seed_of(study.run(run), world_seed);
+  });
   return py::dict("world"_a = decoded(study.world.string()), "for_s"_a = study.for_s,
                   "parameters"_a = parameters, "measures"_a = study.measures, "statistics"_a = statistics,
                   "measure_every_s"_a = study.measure_every_s, "series"_a = study.series, "runs"_a = runs,
-                  "check_columns"_a = check);
+                  "check_columns"_a = check, "seed_of"_a = seed_of);
 }
 
 }  // namespace
@@ -68,7 +73,10 @@ void bind_study(py::module_& module) {
       "and the seed. Its\n"
       "item \"check_columns\" is a function of the names of the measures, which raises InputError if "
       "two columns of the results\n"
-      "would have the same name.");
+      "would have the same name. Its item \"seed_of\" is a function of the index of a run and of the seed "
+      "of the world, which\nreturns the seed of the run, or None if the value of the parameter that sets it "
+      "is no "
+      "seed.");
   module.def(
       "_runs_text", [](const std::vector<std::size_t>& runs) { return worldio::runs_text(runs); },
       py::arg("runs"));

@@ -22,6 +22,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <future>
 #include <memory>
@@ -276,18 +277,27 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
 }
 
 void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
-  const auto row = [](std::string_view what, std::string_view ticks, std::string_view result,
-                      std::string_view hash) {
-    fmt::print("{:<42}  {:>7}  {:<9}  {}\n", what, ticks, result, hash);
+  struct Line {
+    std::string what, ticks, result, hash;
   };
-  row("variant", "ticks", "result", "hash");
+  const auto result_of = [](bool differs) { return differs ? "DIFFERS" : "same bits"; };
+  std::vector<Line> lines{{"variant", "ticks", "result", "hash"}};
   for (Variant& variant : variants)
-    row(variant.name, fmt::format("{}", variant.world().tick()), variant.differs ? "DIFFERS" : "same bits",
-        variant.error ? "-" : hex(variant.world().hashes().state));
+    lines.push_back({variant.name, fmt::format("{}", variant.world().tick()), result_of(variant.differs),
+                     variant.error ? "-" : hex(variant.world().hashes().state)});
   if (decisions)
-    row(fmt::format("{} decisions, each made 3 times", decisions->count()),
-        fmt::format("{}", variants.front().simulation.tick()), decisions->differ() ? "DIFFERS" : "same bits",
-        "-");
+    lines.push_back({fmt::format("{} decisions, each made 3 times", decisions->count()),
+                     fmt::format("{}", variants.front().simulation.tick()), result_of(decisions->differ()),
+                     "-"});
+  std::size_t name_width = 0;
+  std::size_t tick_width = 0;
+  for (const Line& line : lines) {
+    name_width = std::max(name_width, line.what.size());
+    tick_width = std::max(tick_width, line.ticks.size());
+  }
+  for (const Line& line : lines)
+    fmt::print("{:<{}}  {:>{}}  {:<9}  {}\n", line.what, name_width, line.ticks, tick_width, line.result,
+               line.hash);
 }
 
 /// Prints a note for each measure of the world that is computed in Python, because the check says nothing

@@ -287,7 +287,7 @@ void add_render_options(CLI::App& command, RenderOptions& options) {
 }
 
 ExitCode render_pictures(const RenderOptions& options) {
-  stop_on_signals();
+  stop_on_signals("troupe render: stopping");
   render_all(options);
   return stop_requested() ? k_stopped : k_finished;
 }

@@ -138,7 +138,9 @@ Runs rehearsed_runs(const RunOptions& options) {
   std::vector<RunOptions> each = one_for_each_world(options);
   check_files(each);
   Runs runs = load(each);
-  stop_on_signals();
+  stop_on_signals(options.quiet           ? ""
+                  : options.is_checkpoint ? "troupe resume: stopping after the current tick"
+                                          : "troupe run: stopping after the current tick");
   std::vector<Input> read;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     each[i] = runs[i]->take_names_from_world();

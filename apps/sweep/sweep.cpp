@@ -205,7 +205,10 @@ void prepare_folder(const SweepOptions& options, bool has_series) {
     check_outputs({}, {csv_file(options.folder), hdf5_file(options.folder), options.folder / "series.csv"});
     check_replaced_tables(options.folder, has_series);
   }
-  stop_on_signals();
+  stop_on_signals(options.quiet
+                      ? ""
+                      : "troupe sweep: stopping; results of finished runs are kept, unfinished runs "
+                        "are dropped");
   const fs::path& made = has_series ? series : options.folder;
   std::error_code error;
   fs::create_directories(made, error);
@@ -273,6 +276,7 @@ ExitCode sweep_on_rank(SweepOptions options, RankDeal& deal) {
         "{}: error: this study, its world, or an image, plug-in or script of it differs from that "
         "of rank 0: give all processes the same files",
         options.study.string()));
+  options.quiet = options.quiet || deal.rank() > 0;
   prepare_folder(options, study.series);
   if (deal.rank() == 0) {
     list = runs_to_make(study, options, identity);
@@ -284,7 +288,6 @@ ExitCode sweep_on_rank(SweepOptions options, RankDeal& deal) {
   if (deal.ranks() > 1) {
     options.part = deal.rank() + 1;
     options.parts = deal.ranks();
-    options.quiet = options.quiet || deal.rank() > 0;
   }
   SweepJournal journal(journal_file(options.folder, options.part, options.parts), identity.text,
                        identity.facts);

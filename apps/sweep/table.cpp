@@ -59,15 +59,6 @@ Column column_of(const std::string& name, const Texts& values) {
   return {name, std::move(texts)};
 }
 
-/// Returns the seed of a run: that of the study or, if it gives no seeds, of a parameter or of the world.
-/// std::nullopt if the value of the parameter is no seed; the run has then failed.
-std::optional<std::uint64_t> seed_of_run(const SweepTable& table, const worldio::Study::Run& run) {
-  if (run.seed) return run.seed;
-  for (std::size_t p = 0; p < table.study.parameters.size(); ++p)
-    if (table.study.parameters[p].pointer == "/seed") return number_of<std::uint64_t>(run.values[p]);
-  return table.world_seed;
-}
-
 /// Returns the column of the seeds. std::nullopt stands for an unknown seed.
 Column seed_column(const std::vector<std::optional<std::uint64_t>>& seeds) {
   Counts known;
@@ -100,7 +91,7 @@ std::vector<Column> columns_of(const SweepTable& table) {
     const auto failed = table.results.failed.find(r);
     const bool is_there = found != table.results.outcomes.end();
     index.push_back(r);
-    seeds.push_back(is_there ? found->second.seed : seed_of_run(table, run));
+    seeds.push_back(is_there ? found->second.seed : table.study.seed_of(run, table.world_seed));
     ticks.push_back(is_there ? found->second.ticks : 0);
     times.push_back(is_there ? rounded_time(found->second.time_s) : k_none);
     conditions.push_back(is_there ? found->second.stopped_by : "");

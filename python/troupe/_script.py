@@ -24,7 +24,7 @@ from ._core import InputError, Robots, Swarm, _units
 
 _ELEMENTS = ("f8", "f4", "i8", "i4", "u8", "u4", "u1")
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-# Results of load(), by the name and the hash of a file, or by classes.
+# Results of load(), by the name and the hash of a file, or by classes and what they declare.
 _loaded: Dict[Tuple[object, ...], Dict[str, Any]] = {}
 
 
@@ -436,8 +436,17 @@ def _of_file(source: Union[str, os.PathLike[str]]) -> Dict[str, Any]:
     return _loaded[key]
 
 
+def _declared(cls: Any, file: str) -> Tuple[object, ...]:
+    """Returns what a description of a class is made from: the class, its function decide, and the text of its other
+    members. A program may change these between two simulations."""
+    line = _line_of(cls)
+    fields, _, start = _row_type(cls, file, line)
+    members = (cls.robots, cls.uses, cls.name, cls.__doc__, fields, start, _params(cls, file, line))
+    return cls, cls.decide, repr(members)
+
+
 def _of_classes(file: str, classes: Sequence[Any]) -> Dict[str, Any]:
-    key = tuple(classes)
+    key = tuple(_declared(each, file) for each in classes)
     if key not in _loaded:
         _loaded[key] = {"file": file, "controllers": [_controller(each, file) for each in classes], "measures": []}
     return _loaded[key]

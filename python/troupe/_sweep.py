@@ -127,18 +127,6 @@ def _make(world: Any, name: str, study: Dict[str, Any], index: int, options: Dic
     return row, series
 
 
-def _seed_of(study: Dict[str, Any], index: int) -> Optional[int]:
-    """Returns the seed of a failed run: that of the study or, if it gives no seeds, of a parameter or of the world.
-    None if the value of the parameter is no seed."""
-    texts, seed = study["runs"][index]
-    if seed is None:
-        seed = study["world_seed"]
-        for (_, pointer), text in zip(study["parameters"], texts):
-            if pointer == "/seed":
-                seed = int(text) if text.isdecimal() else None
-    return None if seed is None else int(seed)
-
-
 def _check_failures(failed: Dict[int, Exception], runs: int) -> None:
     """Raises the exception of the first failed run if all runs of a series have failed, and warns if some have."""
     if not failed:
@@ -209,7 +197,7 @@ def _make_all(world: Any, name: str, read: Any, options: Dict[str, Any], runs_at
                     failed[index] = error
                     texts, _ = read["runs"][index]
                     values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}
-                    rows.append({"run": index, **values, "seed": _seed_of(read, index), "ticks": 0, "stopped_by": "",
+                    rows.append({"run": index, **values, "seed": read["seed_of"](index, read["world_seed"]), "ticks": 0, "stopped_by": "",
                                  "state_hash": "", "error": str(error)})
         except BaseException:
             has_ended.set()  # else Ctrl-C would wait for the end of the running runs

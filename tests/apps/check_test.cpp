@@ -56,6 +56,18 @@ TEST_F(CheckProgram, ComparesEveryVariantAndWritesNothing) {
   EXPECT_THAT(files(), ElementsAre("room.world"));
 }
 
+TEST_F(CheckProgram, TheColumnsOfItsTableAreAsWideAsTheirLongestEntry) {
+  write("room.world", k_room);
+  const Outcome outcome = troupe({"check", "room.world", "--for", "0.2", "--threads", "1", "--tile-size",
+                                  "auto", "--amnesia", "--controllers"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  const std::vector<std::string> lines = lines_of(outcome.out);
+  ASSERT_THAT(lines, SizeIs(6));
+  EXPECT_THAT(lines[4], StartsWith("1 thread, automatic tiles, bodies moved in memory      2  same bits  "));
+  for (std::size_t i = 1; i < lines.size(); ++i)
+    EXPECT_EQ(lines[i].find("same bits"), lines[0].find("result")) << lines[i];
+}
+
 TEST_F(CheckProgram, TakesTheOptionsThatChangeResults) {
   write("swarm.json", R"({
     "troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},

@@ -400,12 +400,24 @@ TEST_P(Signals, EndTheRunAfterTheTickWithEverythingWritten) {
   const Outcome outcome =
       troupe_until({"run", "room.world", "--for", "1e9", "--hash-log", "h.log"}, "h.log", 30, GetParam());
   EXPECT_EQ(outcome.code, 3);
+  // A closed terminal, SIGHUP, shows no message.
+  EXPECT_EQ(outcome.err, GetParam() == SIGHUP
+                             ? ""
+                             : "troupe run: stopping after the current tick; a second Ctrl-C or SIGTERM ends "
+                               "the program at once\n");
   EXPECT_THAT(outcome.out, HasSubstr("stopped early at "));
   EXPECT_THAT(lines_of(outcome.out), Contains(MatchesRegex("  state hash +[0-9a-f]{16}")));
   const std::vector<std::string> log = ticks("h.log");
   const std::string& last = log.back();
   EXPECT_THAT(last, MatchesRegex("[0-9]+ [0-9a-f]{16} pose=.* memory=[0-9a-f]{16}"));
   EXPECT_THAT(outcome.out, HasSubstr(last.substr(last.find(' ') + 1, 16)));
+}
+
+TEST_P(Signals, PrintNothingInAQuietRun) {
+  const Outcome outcome = troupe_until(
+      {"run", "room.world", "--for", "1e9", "--quiet", "--hash-log", "h.log"}, "h.log", 30, GetParam());
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_THAT(outcome.err, IsEmpty());
 }
 
 TEST_P(Signals, AreToldInTheJson) {

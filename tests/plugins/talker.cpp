@@ -1,5 +1,6 @@
 // Robots that send their heading, turn to the mean of the headings that they receive, and show the number of
-// these: the controller of tests/python/swarm_devices_test.py, so that a test can compare both.
+// these: the controller of tests/python/swarm_devices_test.py, so that a test can compare both. Also a device
+// for that test whose command is a bool: the commands of Troupe's own devices have none.
 #include <models/devices/led.hpp>
 #include <sensors/radio.hpp>
 #include <troupe/plugin.hpp>
@@ -23,3 +24,16 @@ struct Talker {
   }
 };
 TROUPE_CONTROLLER("talker", Talker)
+
+/// A device without an effect.
+struct Horn {
+  struct Command {
+    float pitch = 0;
+    bool blows = false;
+    TROUPE_FIELDS(pitch, blows)
+  };
+  void act(const troupe::DeviceBatch&) const {}
+};
+
+troupe::DeviceKind horn() { return troupe::make_device_kind<Horn>("horn", "a horn"); }
+TROUPE_DEVICE("horn", horn)

@@ -12,6 +12,7 @@ import sys
 import time
 import traceback
 import unittest
+from unittest import mock
 
 import numpy as np
 import troupe
@@ -703,6 +704,32 @@ class Controllers(InAFolder):
             world = troupe.Simulation("w.json", robots=1, threads=1, controllers=turner)
             world.step(2)
             self.assertEqual(world.swarm("r").speeds()[0, 2] > 0, turn > 0)
+
+    def test_a_class_whose_members_were_changed_is_read_again(self):
+        class turner(troupe.Controller):
+            robots = "r"
+            params = {"turn": 0.25}
+
+            def decide(self, robots):
+                robots.set_speeds(0, robots.params["turn"])
+
+        def world():
+            made = troupe.Simulation("w.json", robots=1, threads=1, controllers=turner)
+            made.step(2)
+            return made
+
+        def turn():
+            return world().swarm("r").speeds()[0, 2]
+
+        self.assertEqual(turn(), 0.25)
+        turner.params = {"turn": 0.5}
+        self.assertEqual(turn(), 0.5)
+        turner.memory = {"count": np.uint32(7)}
+        self.assertEqual(world().table("controllers_test:turner/0")["count"].tolist(), [7])
+        turner.decide = lambda self, robots: robots.set_speeds(0, -0.5)
+        self.assertEqual(turn(), -0.5)
+        with mock.patch("troupe._script._controller", side_effect=AssertionError("read again")):
+            self.assertEqual(turn(), -0.5)
 
     def test_a_decide_whose_statements_would_not_run_is_an_error(self):
         for change, word in (("            yield\n", "yield"), ("", "async")):

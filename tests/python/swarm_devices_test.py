@@ -198,6 +198,34 @@ class Talkers(unittest.TestCase):
         np.testing.assert_array_equal(*shown)
         self.assertGreater(len(np.unique(shown[0][:, 0])), 3)
 
+    # A bool of another value is undefined behaviour in the device, and a checkpoint with it cannot be resumed.
+    def test_a_bool_in_a_command_is_0_or_1(self):
+        class blower(troupe.Controller):
+            def decide(self, robots):
+                robots.command("horn", pitch=5, blows=blows)
+
+        world = {"troupe": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+                                                "devices": [{"name": "horn", "kind": "talker:horn"}]}},
+                 "models": [{"name": "r", "type": "bot"}]}
+        free = troupe.Simulation(world, plugin_path=PLUGINS, threads=1)
+        steered = troupe.Simulation(world, plugin_path=PLUGINS, threads=1, controllers=blower)
+        robot, swarm = free.find("r"), free.swarm()
+        for blows in (0, 1, True, np.uint8(1), 1.0):
+            robot.command("horn", pitch=1, blows=blows)
+            swarm.command("horn", pitch=1, blows=blows)
+            steered.step()
+            self.assertEqual(swarm.commands("horn")["blows"].tolist(), [blows])
+            self.assertEqual(steered.swarm().commands("horn")["blows"].tolist(), [blows])
+        for blows in (2, 255, -1, 0.5):
+            for call in (robot.command, swarm.command):
+                with self.subTest(blows=blows, call=call), self.assertRaisesRegex(
+                        ValueError, f'"blows" has the type bool, which cannot represent {blows}$'):
+                    call("horn", pitch=5, blows=blows)
+            self.assertEqual(robot.command("horn"), {"pitch": 1, "blows": 1}, "no field has changed")
+            with self.assertRaisesRegex(troupe.StepError, f'"blows" has the type bool, which cannot represent {blows}$'):
+                steered.step()
+            steered.reset()
+
     def test_python_is_called_as_often_for_a_thousand_robots_as_for_ten(self):
         calls = []
         for count in (10, 1000):

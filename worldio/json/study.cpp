@@ -592,6 +592,13 @@ Study::Run Study::run(std::size_t index) const {
   return run;
 }
 
+std::optional<std::uint64_t> Study::seed_of(const Run& run, std::uint64_t world_seed) const {
+  if (run.seed) return run.seed;
+  for (std::size_t p = 0; p < parameters.size(); ++p)
+    if (parameters[p].pointer == "/seed") return number_of<std::uint64_t>(run.values[p]);
+  return world_seed;
+}
+
 std::vector<std::pair<std::string, std::string>> Study::settings(const Run& run) const {
   std::vector<std::pair<std::string, std::string>> set;
   for (std::size_t p = 0; p < parameters.size(); ++p) set.emplace_back(parameters[p].pointer, run.values[p]);

@@ -99,6 +99,10 @@ struct Study {
   /// parameters. There is one exception: several parameters may have the same pointer if it appends to a
   /// list, as `/models/-` does. Their values also depend on the order of these parameters.
   Run run(std::size_t index) const;
+  /// Returns the seed with which a run is made: Run::seed or, if the study gives no seeds, the value of the
+  /// parameter with the pointer `/seed`, or else `world_seed`, the seed of the world. Empty if the value of
+  /// the parameter is no seed; the run then fails.
+  std::optional<std::uint64_t> seed_of(const Run& run, std::uint64_t world_seed) const;
   /// Returns the values of a run as arguments of the option --set: for each parameter, a pair of its JSON
   /// pointer and its value. The seed is not included.
   std::vector<std::pair<std::string, std::string>> settings(const Run& run) const;
