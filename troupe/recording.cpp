@@ -103,6 +103,17 @@ std::unique_ptr<worldio::PartialFile> turn_to_create(const std::filesystem::path
       file.string()));
 }
 
+/// Throws InputError if the file is open elsewhere. HDF5 locks each file that it opens, also one that a
+/// program only reads. To replace such a file, HDF5 would first cut off its content, and then fail because of
+/// the lock.
+void check_not_open(const std::filesystem::path& file) {
+  if (is_locked(file))
+    throw InputError(
+        fmt::format("{}: error: the file is open elsewhere, for example in a notebook: close it there, or "
+                    "choose another file",
+                    file.string()));
+}
+
 /// Throws InputError if the file of a new recording must not be created or replaced, or if the world lacks
 /// a requested field. Returns the recorded components.
 std::vector<worldio::RecordedComponent> checked_components(const std::filesystem::path& file,
@@ -123,6 +134,7 @@ std::vector<worldio::RecordedComponent> checked_components(const std::filesystem
           "{}: error: process {} is still writing the file: choose another file, or wait until the "
           "process has ended",
           file.string(), *writer));
+  check_not_open(file);
   return components_of(file, simulation, fields_of(simulation, options), options);
 }
 
@@ -247,6 +259,7 @@ void Recording::check_resume(const std::filesystem::path& file, const Simulation
                              const RecordingOptions& options) {
   check_interval(options);
   const bool is_whole = worldio::frames_without_repair(file).has_value();
+  check_not_open(file);
   std::optional<worldio::RecordingReader> recording;
   try {
     recording.emplace(file);
