@@ -5,9 +5,11 @@
 #include <GL/osmesa.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
@@ -48,20 +50,44 @@ Function symbol(void* library, const char* name) {
   return reinterpret_cast<Function>(address);
 }
 
+// Address space that Mesa 22 takes for its first picture, measured with and without threads. Of the memory of
+// a thread, most is what glibc reserves for its allocations.
+constexpr std::size_t k_picture_bytes = std::size_t{176} << 20;
+constexpr std::size_t k_thread_bytes = std::size_t{72} << 20;
+
+/// Whether the process may use so many bytes of address space in addition to those in use.
+bool has_room_for(std::size_t bytes) {
+  void* const room = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  return room != MAP_FAILED && munmap(room, bytes) == 0;
+}
+
+/// Throws std::runtime_error if the address space is too small for a picture (`ulimit -v`). Mesa does not
+/// check whether it gets memory, so the program would crash.
+void require_room_for_picture() {
+  if (!has_room_for(k_picture_bytes))
+    throw std::runtime_error(
+        fmt::format("cannot draw: OSMesa needs {} MiB more memory (raise the limits on memory of this "
+                    "process); maps as .svg or .pdf do not need OSMesa",
+                    k_picture_bytes >> 20));
+}
+
 /// Lets Mesa draw without threads if the system does not allow all those that Mesa starts with the first
-/// context: Mesa 22 would wait for ever for the others. The pixels are the same.
+/// context, or not the memory of so many: Mesa 22 would wait for ever for the others, or crash. The pixels
+/// are the same.
 void draw_without_threads_if_too_few() {
   // Threads that draw and threads for compute shaders, each one per processor. Mesa 22 starts at most 16 of
   // each, Mesa 23 at most 32.
   constexpr long k_most_per_kind = 32;
   const long per_kind = std::clamp(sysconf(_SC_NPROCESSORS_ONLN), 1L, k_most_per_kind);
-  if (!partition::try_threads(static_cast<std::size_t>(2 * per_kind))) return;
+  const auto threads = static_cast<std::size_t>(2 * per_kind);
+  if (!partition::try_threads(threads) && has_room_for(k_picture_bytes + threads * k_thread_bytes)) return;
   setenv("LP_NUM_THREADS", "0", 1);  // NOLINT(concurrency-mt-unsafe): Mesa has no other way to set this
 }
 
 const Osmesa& osmesa() {
   static const Osmesa functions = [] {
     void* const library = open_osmesa(k_library_names);
+    require_room_for_picture();
     draw_without_threads_if_too_few();
     return Osmesa{symbol<decltype(Osmesa::create)>(library, "OSMesaCreateContextAttribs"),
                   symbol<decltype(Osmesa::destroy)>(library, "OSMesaDestroyContext"),

@@ -4,17 +4,23 @@
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/effective_options.hpp"
+#include "worldio/file_lock.hpp"
 #include "worldio/files.hpp"
 #include "worldio/json/spec_json.hpp"
+#include "worldio/partial_file.hpp"
+#include "worldio/results/descriptor.hpp"
 #include "worldio/results/recording_reader.hpp"
 #include "worldio/results/recording_repair.hpp"
 #include "worldio/results/recording_writer.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 namespace troupe {
@@ -72,6 +78,42 @@ std::vector<worldio::RecordedComponent> components_of(const std::filesystem::pat
   }
 }
 
+/// Whether a file is locked through another file descriptor.
+bool is_locked(const std::filesystem::path& file) {
+  const worldio::Descriptor descriptor(file, O_WRONLY | O_NONBLOCK);
+  return descriptor.get() >= 0 && worldio::lock_file(descriptor.get()) == worldio::FileLock::held;
+}
+
+/// Gives this process the turn to create a recording, until the result is destroyed. Otherwise two runs that
+/// start at the same time could both find that no process writes the file: both would create it and write to
+/// it, and the frames of one of them would be lost without an error. The turn is the lock of a partial file.
+/// Throws InputError if another process has the turn. The result is null if the system does not allow a
+/// partial file, for example because there is no such folder, which the caller then reports.
+std::unique_ptr<worldio::PartialFile> turn_to_create(const std::filesystem::path& file) {
+  try {
+    auto turn = std::make_unique<worldio::PartialFile>(file);
+    const std::filesystem::path first = std::filesystem::path(turn->target()).concat(".partial");
+    if (turn->path() == first || !is_locked(first)) return turn;
+  } catch (const std::system_error&) {
+    return nullptr;
+  }
+  throw InputError(fmt::format(
+      "{}: error: another process is creating the file: choose another file, or wait until the process has "
+      "ended",
+      file.string()));
+}
+
+/// Throws InputError if the file is open elsewhere. HDF5 locks each file that it opens, also one that a
+/// program only reads. To replace such a file, HDF5 would first cut off its content, and then fail because of
+/// the lock.
+void check_not_open(const std::filesystem::path& file) {
+  if (is_locked(file))
+    throw InputError(
+        fmt::format("{}: error: the file is open elsewhere, for example in a notebook: close it there, or "
+                    "choose another file",
+                    file.string()));
+}
+
 /// Throws InputError if the file of a new recording must not be created or replaced, or if the world lacks
 /// a requested field. Returns the recorded components.
 std::vector<worldio::RecordedComponent> checked_components(const std::filesystem::path& file,
@@ -92,6 +134,7 @@ std::vector<worldio::RecordedComponent> checked_components(const std::filesystem
           "{}: error: process {} is still writing the file: choose another file, or wait until the "
           "process has ended",
           file.string(), *writer));
+  check_not_open(file);
   return components_of(file, simulation, fields_of(simulation, options), options);
 }
 
@@ -167,6 +210,7 @@ struct Recording::Impl {
 
 Recording::Recording(const std::filesystem::path& file, const Simulation& simulation,
                      const RecordingOptions& options) {
+  const std::unique_ptr<worldio::PartialFile> turn = turn_to_create(file);
   std::vector<worldio::RecordedComponent> components = checked_components(file, simulation, options);
   const worldio::RecordingHead head = head_of(simulation, options);
   try {
@@ -215,6 +259,7 @@ void Recording::check_resume(const std::filesystem::path& file, const Simulation
                              const RecordingOptions& options) {
   check_interval(options);
   const bool is_whole = worldio::frames_without_repair(file).has_value();
+  check_not_open(file);
   std::optional<worldio::RecordingReader> recording;
   try {
     recording.emplace(file);

@@ -53,9 +53,9 @@ class Recording {
  public:
   /// Creates the file. The current state is the first frame if its tick is a multiple of the recording
   /// interval. Throws InputError if the world lacks one of the requested fields, if the file exists and
-  /// `replace` is false, if another process is writing the file, if the ending of the file name is that of
-  /// another format than HDF5 (.csv, .html, .json, .mp4, .pdf, .png or .svg), if the file cannot be written,
-  /// and in builds without HDF5.
+  /// `replace` is false, if another process is creating or writing the file or has locked it (HDF5 locks each
+  /// file that a program reads), if the ending of the file name is that of another format than HDF5 (.csv,
+  /// .html, .json, .mp4, .pdf, .png or .svg), if the file cannot be written, and in builds without HDF5.
   Recording(const std::filesystem::path& file, const Simulation& simulation,
             const RecordingOptions& options = {});
   /// Continues a recording after its run was resumed from a checkpoint. The recording keeps its fields and

@@ -339,6 +339,22 @@ TEST_F(HostileUsage, TooLittleMemoryForOsmesaDoesNotMeanThatItIsMissing) {
       HasSubstr("cannot draw: OSMesa cannot be loaded (raise the limits on memory of this process): "));
 }
 
+// Mesa would crash where it gets too little memory.
+TEST_F(HostileUsage, TooLittleMemoryForAPictureIsAnError) {
+  if (!can_limit_threads())
+    GTEST_SKIP() << "the limits cannot be set, or sanitizers reserve more address space";
+  const std::vector<std::string> render{"render", "room.world", "-o", "right.png", "--threads", "1"};
+  if (const Outcome outcome = troupe(render); lacks_pictures(outcome)) GTEST_SKIP() << outcome.err;
+  for (int most_kilobytes = 200'000; most_kilobytes <= 600'000; most_kilobytes += 50'000) {
+    const int code = shell("--version >/dev/null; ulimit -v " + std::to_string(most_kilobytes) +
+                           " || exit 9; timeout -s KILL 240 '" TROUPE_PROGRAM
+                           "' render room.world -o limited.png --for 0.1 --threads 1 2>err.txt");
+    if (code == 0) continue;
+    EXPECT_EQ(code, 1) << most_kilobytes;
+    EXPECT_THAT(read("err.txt"), HasSubstr("(raise the limits on memory of this process)")) << most_kilobytes;
+  }
+}
+
 TEST_F(HostileUsage, FilmsHaveRatesThatCanBePlayed) {
   for (const auto& [option, value] :
        {std::pair("--fps", "1e-300"), std::pair("--film-speed", "1e-300"), std::pair("--fps", "nan")}) {

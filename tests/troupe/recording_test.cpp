@@ -8,13 +8,17 @@
 #include "troupe/recorded_run.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/swarm.hpp"
+#include "worldio/partial_file.hpp"
+#include "worldio/results/descriptor.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "worldio/results/recording_reader.hpp"
 #include "worldio/results/recording_writer.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 
 #include <cmath>
 #include <cstddef>
@@ -261,6 +265,50 @@ TEST_F(RecordingTest, RefusesWhatIsThereAndWhatTheWorldDoesNotHave) {
       message_of<InputError>([&] { Recording(folder_ / "new.h5", simulation, {.fields = {"rangs"}}); }),
       HasSubstr("new.h5: error: unknown field \"rangs\"; known: "));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "new.h5"));
+}
+
+// Two runs that start at the same time may both find that the file does not exist.
+TEST_F(RecordingTest, OnlyOneProcessAtATimeCreatesAFile) {
+  Simulation simulation(world_);
+  const std::filesystem::path file = folder_ / "run.h5";
+  for (const bool replace : {false, true}) {
+    {
+      const worldio::PartialFile turn_of_another(file);
+      EXPECT_EQ(message_of<InputError>([&] { Recording(file, simulation, {.replace = replace}); }),
+                file.string() +
+                    ": error: another process is creating the file: choose another file, or wait until "
+                    "the process has ended");
+    }
+    EXPECT_EQ(std::filesystem::exists(file), replace);
+    Recording(file, simulation, {.replace = replace}).close();
+  }
+  EXPECT_EQ(RecordingReader(file).frames(), 1u);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "run.h5.partial"));
+  std::filesystem::remove(file);
+  std::filesystem::create_directory(folder_ / "run.h5.partial");
+  Recording(file, simulation).close();
+  EXPECT_EQ(RecordingReader(file).frames(), 1u);
+}
+
+// h5py locks the files that it reads.
+TEST_F(RecordingTest, AFileThatAnotherProgramReadsIsNotChanged) {
+  Simulation simulation(world_);
+  const std::filesystem::path file = folder_ / "run.h5";
+  Recording(file, simulation).close();
+  const std::string before = content(file);
+  {
+    const worldio::Descriptor reader(file, O_RDONLY);
+    ASSERT_EQ(flock(reader.get(), LOCK_SH), 0);
+    const std::string error =
+        file.string() +
+        ": error: the file is open elsewhere, for example in a notebook: close it there, or "
+        "choose another file";
+    EXPECT_EQ(message_of<InputError>([&] { Recording(file, simulation, {.replace = true}); }), error);
+    EXPECT_EQ(message_of<InputError>([&] { Recording::check_resume(file, simulation); }), error);
+    EXPECT_EQ(content(file), before);
+  }
+  Recording::check_resume(file, simulation);
+  Recording(file, simulation, {.replace = true}).close();
 }
 
 TEST_F(RecordingTest, HasNoNameOfAnotherFormat) {

@@ -2,9 +2,12 @@
 
 #include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"
+#include "worldio/results/descriptor.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 
 #include <cmath>
 #include <cstring>
@@ -205,6 +208,19 @@ TEST_F(Hdf5, AUserBlockIsLeftAlone) {
   { Hdf5File::create(file_, 512).write("v", std::span<const float>(counted<float>(3))); }
   std::fstream(file_, std::ios::binary | std::ios::in | std::ios::out) << "troupe";
   EXPECT_THAT(Hdf5File::open(file_).dataset("v").read<float>(), ElementsAre(0, 1, 2));
+}
+
+TEST_F(Hdf5, AFileThatIsOpenElsewhereIsLocked) {
+  Hdf5File::create(file_).close();
+  const Descriptor other(file_, O_RDONLY);
+  const std::string locked = file_.string() +
+                             ": error: is locked, because it is open elsewhere, for example "
+                             "in a notebook: close it there";
+  ASSERT_EQ(flock(other.get(), LOCK_SH), 0);  // as a reader
+  Hdf5File::open(file_).close();
+  EXPECT_EQ(error_of([&] { Hdf5File::open_to_write(file_); }), locked);
+  ASSERT_EQ(flock(other.get(), LOCK_EX), 0);  // as a writer
+  EXPECT_EQ(error_of([&] { Hdf5File::open(file_); }), locked);
 }
 
 TEST_F(Hdf5, ErrorsNameTheFileAndTheReason) {

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -901,6 +902,9 @@ Hdf5File Hdf5File::opened(const fs::path& file, unsigned flags) {
   Hdf5Id found(H5Fopen(file.c_str(), flags, access.get()), H5Fclose);
   if (!found.valid()) {
     const std::string why = reason();  // before other calls of the library
+    // HDF5 locks the files that it opens.
+    if (why == std::generic_category().message(EAGAIN))
+      fail_with(file, "is locked, because it is open elsewhere, for example in a notebook: close it there");
     std::error_code error;
     const std::uintmax_t bytes = fs::file_size(file, error);
     if (const auto head = read_superblock(file); head && !error && bytes < head->end)
