@@ -74,9 +74,8 @@ void bind_study(py::module_& module) {
       "item \"check_columns\" is a function of the names of the measures, which raises InputError if "
       "two columns of the results\n"
       "would have the same name. Its item \"seed_of\" is a function of the index of a run and of the seed "
-      "of the world, which\nreturns the seed of the run, or None if the value of the parameter that sets it "
-      "is no "
-      "seed.");
+      "of the world,\n"
+      "which returns the seed of the run, or None if the value of the parameter that sets it is no seed.");
   module.def(
       "_runs_text", [](const std::vector<std::size_t>& runs) { return worldio::runs_text(runs); },
       py::arg("runs"));

@@ -288,9 +288,8 @@ struct Waypoints {
     if (before.at_s > 0 && turn > turn_max * time_s * (1 + 1e-9))
       return Error{fmt::format(
           "its heading differs by {:g} rad from that of the goal before it, and the robot has {:g} s for "
-          "this "
-          "turn, from the `at` plus `wait` of the goal before it to its own `at`, but the drive reaches {:g} "
-          "rad/s to its slower side: give this goal a later `at`",
+          "this turn, from the `at` plus `wait` of the goal before it to its own `at`, but the drive reaches "
+          "{:g} rad/s to its slower side: give this goal a later `at`",
           turn, std::max(time_s, 0.0), turn_max)};
     return {};
   }

@@ -197,8 +197,9 @@ def _make_all(world: Any, name: str, read: Any, options: Dict[str, Any], runs_at
                     failed[index] = error
                     texts, _ = read["runs"][index]
                     values = {parameter: json.loads(text) for (parameter, _), text in zip(read["parameters"], texts)}
-                    rows.append({"run": index, **values, "seed": read["seed_of"](index, read["world_seed"]), "ticks": 0, "stopped_by": "",
-                                 "state_hash": "", "error": str(error)})
+                    seed = read["seed_of"](index, read["world_seed"])
+                    rows.append({"run": index, **values, "seed": seed, "ticks": 0, "stopped_by": "", "state_hash": "",
+                                 "error": str(error)})
         except BaseException:
             has_ended.set()  # else Ctrl-C would wait for the end of the running runs
             for future in futures:
