@@ -206,11 +206,15 @@ void take_shades(const engine::World& world, std::span<const std::uint32_t> plac
     }
   }
   constexpr double k_shades = 254;
-  const double scale = color.most > color.least ? k_shades / (color.most - color.least) : 0;
+  // Half the differences, because the difference of two finite values can be infinite.
+  const auto above_least = [&color](double value) { return 0.5 * value - 0.5 * color.least; };
+  const double range = above_least(color.most);
   shades.assign(robots, 0);
   for (std::size_t r = 0; r < robots; ++r)
-    if (!std::isnan(values[r]))
-      shades[r] = static_cast<std::uint8_t>(1 + std::lround((values[r] - color.least) * scale));
+    if (!std::isnan(values[r])) {
+      const double fraction = range > 0 ? above_least(values[r]) / range : 0;
+      shades[r] = static_cast<std::uint8_t>(1 + std::lround(fraction * k_shades));
+    }
 }
 
 std::vector<std::string_view> layers_of(const engine::World& world) {

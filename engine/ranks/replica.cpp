@@ -121,7 +121,7 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
   observer_error_ = nullptr;
   std::ranges::fill(failed_, std::nullopt);
   phase_ = Phase::intervene;
-  beams_before_ = parts_.beams;
+  is_replaced_ = false;
   if (leads()) {
     has_callback_ = has_callback;
     MessageWriter message = message_of(Order::step);
@@ -199,15 +199,19 @@ void Replica::agree(const std::function<void()>& callback) {
   if (has_callback_) {
     if (leads()) {
       MessageWriter message = message_of(Order::agree);
+      message.put(is_replaced_);
       put_changes(message);
       transport_.send_to_all(std::move(message));
     } else {
       ReceivedOrder received = expect(Order::agree, 0);
       if (received.order == Order::failed) throw OtherFailed();
-      get_changes(received.rest, true);
+      // The interventions of a state with which the callback has replaced the world's are not yet applied.
+      const bool is_replaced = received.rest.get<bool>();
+      get_changes(received.rest, !is_replaced);
     }
     rows_->redistribute(false);
   }
+  beams_before_ = parts_.beams;  // not earlier: the callback may reset the world, and with it this count
 }
 
 std::span<const std::uint32_t> Replica::own_of(std::span<const std::uint32_t> order) {

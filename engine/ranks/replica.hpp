@@ -266,6 +266,7 @@ class Replica {
 
   // The program has changed the state of rank 0 since the other ranks received it.
   std::atomic<bool> is_touched_ = false;
+  bool is_replaced_ = false;              // in this tick, the program has replaced the state: replace()
   bool is_read_ = false;                  // the program has read the state
   std::atomic<bool> is_written_ = false;  // the program has changed the state
   bool is_in_tick_ = false;               // the program cannot read or change the state
@@ -273,7 +274,7 @@ class Replica {
   bool is_exchanged_ = false;          // in this tick, the messages of all ranks were received
   std::exception_ptr observer_error_;  // what the callback of observe() has thrown in this tick
   Phase phase_ = Phase::intervene;
-  std::uint64_t beams_before_ = 0;  // at the beginning of the tick
+  std::uint64_t beams_before_ = 0;  // before the phase sense of the tick
   // Times at which the phases of this tick began on this rank, s. The time of on_rank_0() is added to that of
   // `decide`, so that it does not count as work.
   std::array<double, k_phases> began_s_{};

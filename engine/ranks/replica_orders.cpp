@@ -144,6 +144,7 @@ void Replica::take_all() {
 void Replica::replace() {
   take_all();
   is_touched_ = true;
+  is_replaced_ = true;
 }
 
 void Replica::reset() {

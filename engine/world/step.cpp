@@ -112,6 +112,8 @@ void World::make_tick() {
   }
   is_in_tick_ = true;
   require_whole();  // the callback may have caught an exception that left the state incomplete
+  // If the callback has replaced the state, for example by reset(), the interventions of that state are due.
+  if (state_.now.tick >= experiment_.due) intervene();
   ++state_.now.tick;
   begin_placing();
   begin(Phase::sense);

@@ -273,8 +273,10 @@ class World {
   /// Sets the callback that each step calls in the phase `intervene`, after it has applied the interventions
   /// and faults of the world file, and before any sensor runs. The callback may change the world in all ways
   /// that are allowed between two steps, except that step() and before_tick() throw std::logic_error there.
-  /// The exceptions of the callback propagate from step(). A second call of before_tick() replaces the
-  /// callback. Call before_tick() between steps.
+  /// If it replaces the state, with reset(), restart() or restore(), the step continues from the new state:
+  /// it first applies the interventions and faults that are due in that state. The exceptions of the callback
+  /// propagate from step(). A second call of before_tick() replaces the callback. Call before_tick() between
+  /// steps.
   void before_tick(std::function<void()> callback) {
     require_outside_step("before_tick()");  // in its own callback, it would destroy the callback
     before_tick_ = std::move(callback);

@@ -11,7 +11,9 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace troupe::live {
 namespace {
@@ -51,6 +53,23 @@ TEST(LinesOf, DevicesOfOtherKindsThatReceiveMessagesHaveLinks) {
   EXPECT_THAT(layers_of(simulation.world()), testing::ElementsAre("radio"));
   simulation.run_for(0.5);
   EXPECT_EQ(links(simulation), 6u);
+}
+
+// The difference of the largest and the smallest value is infinite.
+TEST(TakeShades, ValuesFarApartHaveDifferentShades) {
+  Simulation simulation = Simulation::from_text(k_radios, "w.json", {.threads = 1});
+  simulation.find("a").set_speed(1.5e308, 0);
+  simulation.find("b").set_speed(-1.5e308, 0);
+  constexpr std::size_t k_robots = 3;
+  const std::array<std::uint32_t, 4> places{k_robots, 0, 1, 2};  // body 0 is the ground
+  ColorValue color{.component = "command", .field = "x", .column = {}};
+  std::vector<std::uint8_t> shades;
+  take_shades(simulation.world(), places, k_robots, color, shades);
+  EXPECT_THAT(shades, testing::ElementsAre(255, 1, 128));
+  for (const char* name : {"a", "b"}) simulation.find(name).set_speed(0, 0);
+  color = {.component = "command", .field = "x", .column = {}};
+  take_shades(simulation.world(), places, k_robots, color, shades);
+  EXPECT_THAT(shades, testing::ElementsAre(1, 1, 1));
 }
 
 // If each field were sought among all fields so far, this would take minutes.

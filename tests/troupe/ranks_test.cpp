@@ -3,6 +3,7 @@
 
 #include "base/hash.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/observing/remade_world.hpp"
 #include "engine/ranks/sharing.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
@@ -30,6 +31,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -233,6 +235,84 @@ TEST_F(RanksOfAProgram, TakeOverChangedParameters) {
     if (simulation.tick() == 3) simulation.find("w1").set_pose({0.5, 0.1, 0, 1});
     if (simulation.tick() == 9) simulation.reset();
   });
+}
+
+/// Replaces the state of a world by that of another world with the same bodies.
+bool restore_from(engine::World& from, engine::World& world) {
+  return world.restore(from.tick(), from.counters(), from.hashes().state,
+                       [&](std::span<engine::StateTable> tables) {
+                         for (std::size_t t = 0; t < tables.size(); ++t)
+                           for (std::size_t r = 0; r < tables[t].rows(); ++r) {
+                             const engine::StateTable& saved = from.tables()[t];
+                             const std::size_t at = from.row_in(saved, from.row(tables[t].ids()[r]));
+                             for (std::size_t f = 0; f < saved.fields().size(); ++f)
+                               std::memcpy(tables[t].cell<std::byte>(r, f).data(),
+                                           saved.cell<std::byte>(at, f).data(), saved.fields()[f].bytes());
+                           }
+                       });
+}
+
+// The callback of before_tick() goes back to an earlier state, and later to tick 0. Interventions are due at
+// both ticks: the step with the callback must apply them on all ranks.
+TEST_F(RanksOfAProgram, ContinueFromTheStateWithWhichACallbackReplacesTheirs) {
+  std::string text(k_wanderers);
+  text.insert(text.rfind('}'), R"(, "at": [
+    {"time_s": 0, "disable": {"population": "w", "count": 7}},
+    {"time_s": 0.2, "set": {"type": "wanderer", "drive": {"velocity_max_x_mps": 0.05}}},
+    {"time_s": 0.2, "enable": {"population": "w", "count": 5}},
+    {"time_s": 0.4, "remove": {"population": "w", "count": 9}}])");
+  const fs::path file = write("changes.json", text);
+  const auto load_team = [&](const Team& team) {
+    SimulationOptions options;
+    options.threads = team.threads;
+    options.ranks = team.ranks;
+    options.rank_seed = team.seed;
+    options.distribute = team.distribute;
+    return Simulation(file, options);
+  };
+  constexpr std::uint64_t k_kept = 2;
+  constexpr std::uint64_t k_last = 6;
+  const auto line_of = [](const Simulation& simulation) {
+    return simulation.hash_log_line() + " beams " + std::to_string(simulation.statistics().beams);
+  };
+  std::vector<std::string> expected;
+  Simulation straight = load_team({});
+  for (std::uint64_t tick = 0; tick <= k_last; ++tick) {
+    expected.push_back(line_of(straight));
+    straight.step();
+  }
+  for (const Team& team : {Team{}, Team{3, 1, 4, false}, Team{3, 1, 4, true}}) {
+    Simulation simulation = load_team(team);
+    std::unique_ptr<engine::World> kept;
+    const auto step_to = [&](std::uint64_t end) {
+      while (simulation.tick() < end) {
+        if (simulation.tick() == k_kept && !kept)
+          kept = engine::remade_world(simulation.world(), simulation.registry(), {.threads = 1});
+        simulation.step();
+        EXPECT_EQ(line_of(simulation), expected[simulation.tick()])
+            << team.ranks << " ranks, distributed " << team.distribute;
+      }
+    };
+    step_to(k_last);
+    bool replaces = true;
+    simulation.before_tick([&](Simulation& now) {
+      if (std::exchange(replaces, false)) {
+        EXPECT_TRUE(restore_from(*kept, now.world()));
+      }
+    });
+    simulation.step();
+    EXPECT_EQ(simulation.tick(), k_kept + 1);
+    EXPECT_EQ(line_of(simulation), expected[k_kept + 1]);
+    step_to(k_last);
+    simulation.before_tick([&](Simulation& now) {
+      if (now.tick() == k_last) now.world().reset();
+    });
+    simulation.step();
+    EXPECT_EQ(simulation.tick(), 1u);
+    EXPECT_EQ(line_of(simulation), expected[1]);
+    simulation.before_tick(nullptr);
+    step_to(k_last);
+  }
 }
 
 TEST_F(RanksOfAProgram, StartAgain) {
