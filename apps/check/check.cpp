@@ -277,11 +277,11 @@ std::vector<std::string> step_to_end(std::vector<Variant>& variants, Decisions* 
 }
 
 void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
-  struct Line {
+  struct TableLine {
     std::string what, ticks, result, hash;
   };
   const auto result_of = [](bool differs) { return differs ? "DIFFERS" : "same bits"; };
-  std::vector<Line> lines{{"variant", "ticks", "result", "hash"}};
+  std::vector<TableLine> lines{{"variant", "ticks", "result", "hash"}};
   for (Variant& variant : variants)
     lines.push_back({variant.name, fmt::format("{}", variant.world().tick()), result_of(variant.differs),
                      variant.error ? "-" : hex(variant.world().hashes().state)});
@@ -291,11 +291,11 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
                      "-"});
   std::size_t name_width = 0;
   std::size_t tick_width = 0;
-  for (const Line& line : lines) {
+  for (const TableLine& line : lines) {
     name_width = std::max(name_width, line.what.size());
     tick_width = std::max(tick_width, line.ticks.size());
   }
-  for (const Line& line : lines)
+  for (const TableLine& line : lines)
     fmt::print("{:<{}}  {:>{}}  {:<9}  {}\n", line.what, name_width, line.ticks, tick_width, line.result,
                line.hash);
 }

@@ -38,7 +38,7 @@ std::string text_of(const std::string& text) {
   return out + '"';
 }
 
-std::string number_of(double x) {
+std::string json_number(double x) {
   if (!std::isfinite(x))
     throw std::runtime_error(
         fmt::format("a number in the world is {}, which JSON cannot represent: give a finite number", x));
@@ -89,7 +89,7 @@ class Printer {
     if (const bool* x = std::get_if<bool>(&node.value)) return *x ? "true" : "false";
     if (const auto* x = std::get_if<std::int64_t>(&node.value)) return std::to_string(*x);
     if (const auto* x = std::get_if<std::uint64_t>(&node.value)) return std::to_string(*x);
-    if (const auto* x = std::get_if<double>(&node.value)) return number_of(*x);
+    if (const auto* x = std::get_if<double>(&node.value)) return json_number(*x);
     if (const std::string* x = node.text()) return text_of(*x);
     return "null";
   }
