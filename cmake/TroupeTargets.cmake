@@ -15,9 +15,9 @@ if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3" AND (NOT CMAKE_BUILD_TYPE OR CMAKE_BUIL
   set(troupe_brief_option $<$<CONFIG:Release>:-Og>)
 endif()
 
-# Headers that nearly every source includes (standard library, Eigen, fmt) are precompiled: by base for the libraries that are
-# compiled at -O3, and by worldio for those that are compiled at -Og: with a header that was precompiled at -O3, gcc makes
-# larger code of a source at -Og than with one at -Og.
+# Headers that nearly every source includes (standard library, Eigen, fmt) are precompiled by base. Code at -Og uses no
+# precompiled header: with this one, which is compiled at -O3, gcc makes larger code of it, and one at -Og would take longer to
+# make than its few large units gain.
 # -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON turns precompiled headers off. Our own headers, which would save 2 % more, are
 # not precompiled: ccache reuses a precompiled header in another checkout, whose headers `#pragma once` does not
 # recognise as the same files.
@@ -90,10 +90,6 @@ function(troupe_add_library folder)
                         PRIVATE $<BUILD_INTERFACE:troupe_warnings> ${arg_PRIVATE_LINK})
   if(${folder} STREQUAL base)
     target_precompile_headers(troupe_base PRIVATE ${troupe_precompiled_headers})
-  elseif(${folder} STREQUAL worldio AND troupe_brief_option)
-    target_precompile_headers(troupe_worldio PRIVATE ${troupe_precompiled_headers} <filesystem>)
-  elseif(${folder} MATCHES "^(troupe|live)$" AND troupe_brief_option)
-    target_precompile_headers(troupe_${folder} REUSE_FROM troupe_worldio)
   else()
     target_precompile_headers(troupe_${folder} REUSE_FROM troupe_base)
   endif()
@@ -103,8 +99,8 @@ function(troupe_add_library folder)
 endfunction()
 
 # troupe_compile_together(TARGET GROUP SOURCES...): makes TARGET a unity build unless -DCMAKE_UNITY_BUILD is set, in which the
-# sources of a group are compiled in units of equal size, of at most 32 sources. Sources of no group are compiled alone.
-set(troupe_unit_size 32)
+# sources of a group are compiled in units of equal size, of at most 40 sources. Sources of no group are compiled alone.
+set(troupe_unit_size 40)
 function(troupe_compile_together target group)
   if(DEFINED CMAKE_UNITY_BUILD)
     return()
@@ -120,7 +116,28 @@ function(troupe_compile_together target group)
   endforeach()
 endfunction()
 
-# Compiles together the sources of a target that are in no group and need not be compiled alone.
+# troupe_divide_sources(HEADER INCLUDING OTHERS SOURCES...): sets the variable INCLUDING to the list of those sources that include
+# <HEADER>, and OTHERS to the list of the others.
+function(troupe_divide_sources header including others)
+  set(list_including)
+  set(list_others)
+  foreach(source ${ARGN})
+    set(includes)
+    if(NOT IS_ABSOLUTE ${source})  # those of troupe_embed_text() are absolute, and do not exist yet
+      file(STRINGS ${source} includes REGEX "^#include <${header}>" LIMIT_COUNT 1)
+    endif()
+    if(includes)
+      list(APPEND list_including ${source})
+    else()
+      list(APPEND list_others ${source})
+    endif()
+  endforeach()
+  set(${including} ${list_including} PARENT_SCOPE)
+  set(${others} ${list_others} PARENT_SCOPE)
+endfunction()
+
+# Compiles together the sources of a target that are in no group and need not be compiled alone. Those that include
+# nlohmann/json.hpp, which takes two seconds to compile, are in the last unit.
 function(troupe_compile_rest_together target)
   set(rest)
   get_target_property(sources ${target} SOURCES)
@@ -132,7 +149,8 @@ function(troupe_compile_rest_together target)
       list(APPEND rest ${source})
     endif()
   endforeach()
-  troupe_compile_together(${target} others ${rest})
+  troupe_divide_sources(nlohmann/json.hpp json others ${rest})
+  troupe_compile_together(${target} others ${others} ${json})
 endfunction()
 
 # troupe_compile_as(OPTION TARGET GROUP SOURCES...): compiles the units of a group of sources with an additional option, which
@@ -160,8 +178,9 @@ endfunction()
 function(troupe_compile_briefly target)
   if(ARGN)
     troupe_compile_as("${troupe_brief_option}" ${target} brief ${ARGN})
-  else()
+  elseif(troupe_brief_option)
     target_compile_options(${target} PRIVATE ${troupe_brief_option})
+    set_target_properties(${target} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)
   endif()
 endfunction()
 function(troupe_compile_optimised target)
@@ -169,8 +188,9 @@ function(troupe_compile_optimised target)
 endfunction()
 
 # troupe_compile_hot(TARGET SOURCES...): for sources in which a tick spends its time. Those of a folder are compiled together, and
-# apart from all other sources, so that other sources do not change how the compiler inlines them. In unity builds of the whole
-# project (CMAKE_UNITY_BUILD), they are compiled as all others.
+# apart from all other sources, so that other sources do not change how the compiler inlines them. The sources of all folders
+# with a single one are compiled together. In unity builds of the whole project (CMAKE_UNITY_BUILD), hot sources are compiled as
+# all others.
 function(troupe_compile_hot target)
   foreach(source ${ARGN})
     cmake_path(GET source PARENT_PATH room)
@@ -178,9 +198,18 @@ function(troupe_compile_hot target)
     list(APPEND rooms "hot_${room}")
   endforeach()
   list(REMOVE_DUPLICATES rooms)
+  set(single)
   foreach(room ${rooms})
-    troupe_compile_together(${target} ${room} ${${room}})
+    list(LENGTH ${room} count)
+    if(count EQUAL 1)
+      list(APPEND single ${${room}})
+    else()
+      troupe_compile_together(${target} ${room} ${${room}})
+    endif()
   endforeach()
+  if(single)
+    troupe_compile_together(${target} hot_single ${single})
+  endif()
 endfunction()
 
 # For sources that a unity build (such as the preset dev, which takes a quarter of the time) must compile separately:

@@ -258,13 +258,18 @@ constexpr bool takes(std::index_sequence<I...>) {
 /// Returns the number of members of an aggregate T (a struct without constructors): the largest number of
 /// initialisers that T accepts. A base class counts as one member.
 ///
-/// Any: a type that converts to the type of each member
-template <class T, class Any = Anything, std::size_t N = 0>
+/// Any       a type that converts to the type of each member
+/// Low       a number of initialisers that T accepts
+/// High      a number that T does not accept, or 0: not known yet
+template <class T, class Any = Anything, std::size_t Low = 0, std::size_t High = 0>
 constexpr std::size_t member_count() {
-  if constexpr (takes<T, Any>(std::make_index_sequence<N + 1>{}))
-    return member_count<T, Any, N + 1>();
+  constexpr std::size_t n = High == 0 ? 2 * Low + 4 : (Low + High) / 2;
+  if constexpr (n == Low)
+    return Low;
+  else if constexpr (takes<T, Any>(std::make_index_sequence<n>{}))
+    return member_count<T, Any, n, High>();
   else
-    return N;
+    return member_count<T, Any, Low, n>();
 }
 
 /// Whether an aggregate T has N members. For a known N, this is much less work than member_count().

@@ -637,8 +637,8 @@ void check_block(const BlockDocument& block, const JsonCursor& at) {
 /// Checks the name of the column that a measure has in tables of results. Only letters, digits and the
 /// characters _ - . : are allowed, because the name is part of the header of CSV tables and users type it.
 void check_measure(const MeasureDocument& measure, const JsonCursor& at) {
-  constexpr std::string_view k_plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.:";
-  if (measure.name.find_first_not_of(k_plain) == measure.name.npos) return;
+  constexpr std::string_view k_allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.:";
+  if (measure.name.find_first_not_of(k_allowed) == measure.name.npos) return;
   JsonCursor(at, "name", *at.node().find("name"))
       .error(fmt::format("\"{}\" is not a column name: only letters, digits and _ - . : are allowed",
                          measure.name));
