@@ -263,8 +263,19 @@ void World::build_conditions() {
 void World::derive_experiment() {
   Experiment& e = experiment_;
   swap_settings_back(std::exchange(e.next, 0));
-  for (; e.next < e.interventions.size() && e.interventions[e.next].tick < state_.now.tick; ++e.next)
-    if (Experiment::Intervention& due = e.interventions[e.next]; is_setting(due)) swap_setting(due);
+  const auto apply_settings_before = [&](std::size_t end) {
+    for (; e.next < end; ++e.next)
+      if (Experiment::Intervention& due = e.interventions[e.next]; is_setting(due)) swap_setting(due);
+  };
+  const auto first_of = [&](std::uint64_t tick) {
+    return static_cast<std::size_t>(
+        std::ranges::lower_bound(e.interventions, tick, {}, &Experiment::Intervention::tick) -
+        e.interventions.begin());
+  };
+  apply_settings_before(first_of(state_.now.tick));
+  // If other interventions of this tick are due, the next step applies them and, after them, the settings.
+  const std::size_t end = first_of(state_.now.tick + 1);
+  if (e.present.tick == state_.now.tick && e.present.settings == end - e.next) apply_settings_before(end);
   e.fault_events = e.first_fault_events;
   while (!e.fault_events.empty() && e.fault_events.front().tick < state_.now.tick) take_fault_event();
   find_due();

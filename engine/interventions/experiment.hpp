@@ -64,6 +64,13 @@ struct Experiment {
   /// Number of interventions that World::set() has added since construction, World::reset() or
   /// World::restart(). Their specs are the last elements of ExperimentSpec::at.
   std::size_t made = 0;
+  /// The changes that World::set() has made since the last step. They are in force before the next step,
+  /// unlike the other interventions of the same tick. They are the last interventions of this tick.
+  struct Present {
+    std::uint64_t tick = 0;      ///< the tick in which they were made
+    std::uint64_t settings = 0;  ///< their number
+  };
+  Present present;
   /// A copy of `interventions` as they were before World::set() added the first one, with none of them
   /// applied. World::reset() and World::restart() restore this copy. Empty while World::set() has added no
   /// intervention.

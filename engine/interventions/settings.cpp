@@ -373,6 +373,8 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
   // If interventions of this tick are still due, the next step applies them and, after them, the setting.
   // Otherwise the setting is applied now.
   if (place == e.next) swap_setting(e.interventions[e.next++]);
+  if (e.present.tick != state_.now.tick) e.present = {state_.now.tick, 0};
+  ++e.present.settings;
   find_due();
   return {};
 }
@@ -402,6 +404,7 @@ Result<std::vector<std::pair<std::size_t, Experiment::Intervention>>> World::bui
 void World::forget_settings() {
   Experiment& e = experiment_;
   swap_settings_back(std::exchange(e.next, 0));
+  e.present = {};
   if (e.made == 0) return;
   e.interventions = std::exchange(e.declared, {});
   std::vector<InterventionSpec>& at = state_.spec.experiment.at;

@@ -401,6 +401,11 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   }
 }
 
+World::Counters World::counters() const {
+  const Experiment::Present& present = experiment_.present;
+  return {beams_, conflict_rounds_, present.tick == state_.now.tick ? present.settings : 0};
+}
+
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
                     const Fill& fill) {
   require_unfrozen();
@@ -433,6 +438,7 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
   state_.now.tick = tick;
   beams_ = counters.beams;
   conflict_rounds_ = counters.conflict_rounds;
+  experiment_.present = {tick, counters.settings};
   derive();
   return true;
 }

@@ -182,12 +182,13 @@ class World {
   ///            kinds read the spec, are called again, and the hooks `prepare` before them
   /// registry   the registry that was passed to the constructor
   void restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry);
-  /// Counts of work since tick 0. They are not part of the state.
+  /// Counts that are not part of the state: of work since tick 0, and of changes.
   struct Counters {
     std::uint64_t beams = 0;            ///< rays cast by all sensors
     std::uint64_t conflict_rounds = 0;  ///< rounds of conflict resolution in all ticks: Conflicts::rounds()
+    std::uint64_t settings = 0;         ///< changes by set() since the last step
   };
-  Counters counters() const { return {beams_, conflict_rounds_}; }  ///< the present counts
+  Counters counters() const;  ///< the present counts
   /// A callback that restore() calls to write a saved state into the tables. The callback must set every
   /// field of every row. Before the call, restore() sets every byte of the tables to 0.
   using Fill = std::function<void(std::span<StateTable>)>;

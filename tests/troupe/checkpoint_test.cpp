@@ -354,6 +354,26 @@ TEST_F(Checkpoint, WhatIsSetReplacesEarlierInterventions) {
   }
 }
 
+TEST_F(Checkpoint, HoldsWhichChangesOfItsTickAreInForce) {
+  Simulation straight = Simulation::from_text(R"({
+    "troupe": 1,
+    "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+                      "devices": [{"kind": "power_pack", "name": "pack", "capacity_J": 100, "stored_J": 50}]}},
+    "populations": [{"name": "bots", "type": "bot", "count": 2, "reserve": 3,
+                     "place": {"rule": "grid", "region_m": [[0, 0], [3, 3]], "pitch_m": 1}}]})",
+                                              "bots.json");
+  straight.step(3);
+  straight.set("bot", R"({"device": {"name": "pack", "stored_J": 5}})");
+  straight.save(file_);
+  Simulation resumed = Simulation::resume(file_);
+  EXPECT_EQ(resumed.parameters("bot"), straight.parameters("bot"));
+  for (Simulation* each : {&straight, &resumed}) {
+    each->spawn("bots", {5, 5, 0});
+    each->step();
+  }
+  EXPECT_EQ(resumed.world().hashes().state, straight.world().hashes().state);
+}
+
 TEST_F(Checkpoint, RefusesChangesOfTheShapeOfTheState) {
   Simulation straight(write("room.json", k_room));
   straight.save(file_);

@@ -79,6 +79,8 @@ void write_meta(Hdf5File& file, engine::World& world, const FileHeader& header) 
   meta.set_text("state_hash", hex(world.hashes().state));
   meta.set_integer("beams", static_cast<std::int64_t>(counters.beams));
   meta.set_integer("conflict_rounds", static_cast<std::int64_t>(counters.conflict_rounds));
+  // Left out if 0, so that the bytes of most files are those of former versions.
+  if (counters.settings > 0) meta.set_integer("settings", static_cast<std::int64_t>(counters.settings));
   meta.set_integer("stalled", static_cast<std::int64_t>(world.stalled_count()));
   meta.set_integer("held_at_bounds", static_cast<std::int64_t>(world.out_of_bounds_count()));
   meta.set_number("mean_displacement_m", world.mean_displacement());
@@ -243,11 +245,19 @@ Checkpoint::Checkpoint(const fs::path& file)
       })) {
   reading([this] {
     const Hdf5Group meta = hdf5_.group("meta");
-    constexpr std::array<std::string_view, 8> k_numbers{
-        "layout",          "tick",    "time_s",         "beams",
-        "conflict_rounds", "stalled", "held_at_bounds", "mean_displacement_m"};
-    for (const std::string& key : meta.attributes())
+    constexpr std::array<std::string_view, 9> k_numbers{"layout",
+                                                        "tick",
+                                                        "time_s",
+                                                        "beams",
+                                                        "conflict_rounds",
+                                                        "settings",
+                                                        "stalled",
+                                                        "held_at_bounds",
+                                                        "mean_displacement_m"};
+    for (const std::string& key : meta.attributes()) {
+      if (key == "settings") counters_.settings = static_cast<std::uint64_t>(meta.integer(key));
       if (std::ranges::find(k_numbers, key) == k_numbers.end()) header_[key] = meta.text(key);
+    }
     tick_ = static_cast<std::uint64_t>(meta.integer("tick"));  // a negative number becomes very large
     if (tick_ > engine::k_most_ticks)
       meta.fail(fmt::format(
