@@ -362,7 +362,7 @@ TEST_F(Checkpoint, HoldsWhichChangesOfItsTickAreInForce) {
     "populations": [{"name": "bots", "type": "bot", "count": 2, "reserve": 3,
                      "place": {"rule": "grid", "region_m": [[0, 0], [3, 3]], "pitch_m": 1}}]})",
                                               "bots.json");
-  straight.step(3);
+  straight.run_for(0.3);
   straight.set("bot", R"({"device": {"name": "pack", "stored_J": 5}})");
   straight.save(file_);
   Simulation resumed = Simulation::resume(file_);
