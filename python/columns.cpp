@@ -4,8 +4,11 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -51,6 +54,14 @@ bool is_of_bytes(const py::handle& value) {
   if (is_bytes(value)) return true;
   return (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) && py::len(value) > 0 &&
          is_bytes(*py::iter(value));
+}
+
+/// Returns whether no finite number is above the largest float or below the lowest one.
+bool fit_float(const Numbers& numbers) {
+  return std::ranges::all_of(
+      std::span(numbers.data(), static_cast<std::size_t>(numbers.size())), [](double x) {
+        return !std::isfinite(x) || std::abs(x) <= static_cast<double>(std::numeric_limits<float>::max());
+      });
 }
 
 }  // namespace
@@ -115,7 +126,8 @@ py::array converted(const engine::StateField& field, const py::array& given, con
   py::array made;
   bool fits = true;
   try {
-    made = given.attr("astype")(dtype_of(field.element));
+    fits = field.element != engine::Element::f32 || fit_float(Numbers(given));
+    if (fits) made = given.attr("astype")(dtype_of(field.element));
   } catch (const py::error_already_set& error) {  // for an array of Python objects, such as 2**70 or None
     if (error.matches(PyExc_TypeError) || error.matches(PyExc_ValueError))
       throw py::type_error(fmt::format("{}: found {}: give numbers", field.name, short_repr(value)));

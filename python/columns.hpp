@@ -73,7 +73,8 @@ std::span<const std::byte> const_bytes_of(const py::array& array);
 
 /// Converts an array to the element type of a field. value: the Python value that the array was made from,
 /// for the text of the error. Throws ValueError if the field has integers or bools and a number is not
-/// exactly representable, and TypeError if an element is not a number.
+/// exactly representable, or if a finite number is above the largest number of the field's floating-point
+/// type. Throws TypeError if an element is not a number.
 py::array converted(const engine::StateField& field, const py::array& given, const py::handle& value);
 /// Throws ValueError if an element of `rows`, values of a field of a command, is NaN. rows: a contiguous
 /// array with one row per robot, or the row of one robot. mask: as mask_of() returns it; rows of other robots

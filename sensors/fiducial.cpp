@@ -4,6 +4,8 @@
 #include "engine/observing/frame.hpp"
 #include "engine/sensing/visibility_query.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -66,6 +68,8 @@ struct FiducialFinder {
   double least_cos = 0;        // cosine of half the field of view
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
+  /// Returns an error if the finder cannot find anything.
+  Result<> bind_part(const TypeSpec&, std::uint32_t) const;
   std::uint64_t sense(const DeviceBatch& batch) const;
 
   static constexpr engine::FrameLayer layer = engine::FrameLayer::sights;
@@ -234,6 +238,14 @@ DeviceKind::Prepared FiducialFinder::prepare(const Params& params, const Pose& p
                     "pose of each target: x, y, z, heading, world frame"}},
       .reach_m = pose_body_sensor.position().norm() + params.range_max,
       .seeks = engine::SoughtMarks{params.key, params.ignore_zloc}};
+}
+
+Result<> FiducialFinder::bind_part(const TypeSpec&, std::uint32_t) const {
+  if (range_min < params.range_max) return {};
+  return Error{
+      fmt::format("has a range_min of {:g} m, which must be below its range_max of {:g} m, because "
+                  "apply_range_min is true",
+                  params.range_min, params.range_max)};
 }
 
 std::uint64_t FiducialFinder::sense(const DeviceBatch& batch) const {

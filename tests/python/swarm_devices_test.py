@@ -128,6 +128,7 @@ class Devices(unittest.TestCase):
              lambda: self.swarm.command("lamp", red=1, shows=1.5)),
             (ValueError, '"shows" has the type uint8, which cannot represent 1180591620717411303424',
              lambda: self.swarm.command("lamp", red=1, shows=2**70)),
+            (ValueError, '"red" has the type float32, which cannot represent 1e.300', lambda: self.swarm.command("lamp", green=1, red=1e300)),
             (TypeError, "^shows: found None: give numbers$", lambda: self.swarm.command("lamp", red=1, shows=None)),
             (ValueError, '^"red" of row 2 is nan: give a number$',
              lambda: self.swarm.command("lamp", green=1, red=[0, 0, np.nan, 0, 0, 0])),

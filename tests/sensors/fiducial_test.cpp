@@ -151,6 +151,16 @@ TEST(Fiducial, TheLeastRangeIsAppliedOnlyWhereAsked) {
   }
 }
 
+TEST(Fiducial, ALeastRangeThatHidesEverythingIsAnErrorIfItApplies) {
+  FinderScene scene({{"range_min", 8.0}});
+  scene.target(5, {0.5, 0, 0, 0});
+  EXPECT_EQ(Seen(scene).count(), 1u);
+  scene = FinderScene({{"range_min", 8.0}, {"apply_range_min", true}});
+  EXPECT_EQ(scene.error(),
+            "error: device \"finder\" has a range_min of 8 m, which must be below its range_max of 8 m, "
+            "because apply_range_min is true");
+}
+
 TEST(Fiducial, TheNearestComeFirstAndAllAreCounted) {
   FinderScene scene({{"most_targets", 2}, {"fov", 2 * k_pi}});
   scene.target(1, {0, 3, 0, 0});
