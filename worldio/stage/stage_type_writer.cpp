@@ -312,16 +312,15 @@ void TypeText::write_size(const Eigen::Vector3d& size, const engine::ModelKind* 
   text_.numbers("size", std::array{size.x(), size.y(), size.z()});
 }
 
+// check_stage_round_trip() reports members that Stage lacks and that have unusual values.
 void TypeText::write_returns(const engine::Returns& returns) {
   const engine::Returns usual;
-  const auto& [obstacle, ranger, fiducial, fiducial_key, gripper, pushable, blob] = returns;
-  static_cast<void>(pushable);  // Stage has no such property
-  if (obstacle != usual.obstacle) text_.flag("obstacle_return", obstacle);
-  if (ranger != usual.ranger) text_.number("ranger_return", short_number(ranger));
-  if (fiducial != usual.fiducial) text_.number("fiducial_return", fiducial);
-  if (fiducial_key != usual.fiducial_key) text_.number("fiducial_key", fiducial_key);
-  if (gripper != usual.gripper) text_.flag("gripper_return", gripper);
-  if (blob != usual.blob) text_.flag("blob_return", blob);
+  if (returns.obstacle != usual.obstacle) text_.flag("obstacle_return", returns.obstacle);
+  if (returns.ranger != usual.ranger) text_.number("ranger_return", short_number(returns.ranger));
+  if (returns.fiducial != usual.fiducial) text_.number("fiducial_return", returns.fiducial);
+  if (returns.fiducial_key != usual.fiducial_key) text_.number("fiducial_key", returns.fiducial_key);
+  if (returns.gripper != usual.gripper) text_.flag("gripper_return", returns.gripper);
+  if (returns.blob != usual.blob) text_.flag("blob_return", returns.blob);
 }
 
 void TypeText::write_controllers(std::uint32_t p) {
