@@ -100,7 +100,7 @@ void bind_model_motion(ModelClass& model) {
           py::arg("forward"), py::arg("turn"), py::kw_only(), py::arg("left") = 0.0,
           "Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the "
           "steering angle, rad).\nThey apply from the next tick on, until another command replaces them. If "
-          "the robot has a controller, the commands of\nthe controller replace them. Raises RuntimeError if "
+          "the robot has a controller, its next\ndecision replaces them. Raises RuntimeError if "
           "the model has no drive or its body is not in the world, and\nValueError if a number is not "
           "finite.")
       .def(

@@ -254,7 +254,7 @@ class Model {
   Eigen::Vector3d size() const;
   /// Commands speeds in the body frame: forward and left in m/s, turn in rad/s (for a car drive: the steering
   /// angle, rad). They apply from the next tick on, within the limits of the drive, until another command
-  /// replaces them. If the robot has a controller, the controller overrides them. The command also switches
+  /// replaces them. If the robot has a controller, its next decision replaces them. The command also switches
   /// on all devices that the controller has switched off, until the controller decides again.
   ///
   /// The command goes to the drive of the body. For a part that has a drive of its own (a device `wheels`),
@@ -385,7 +385,7 @@ class Model {
   /// no such device.
   std::span<const engine::StateField> fields(std::string_view device) const;
   /// Returns a reference to the command of a device. A program may write the command between two steps; it
-  /// applies from the next step on. If a controller of the robot uses the device, the controller overrides
+  /// applies from the next step on. If a controller of the robot uses the device, its next decision replaces
   /// the command. The reference is valid while the simulation lives, also after reset(). If the body is not
   /// yet born after a reset(), writing has no effect: a body is born with commands of 0.
   ///
