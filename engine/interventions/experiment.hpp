@@ -70,7 +70,7 @@ struct Experiment {
     std::uint64_t tick = 0;      ///< the tick in which they were made
     std::uint64_t settings = 0;  ///< their number
   };
-  Present present;
+  Present present;  ///< the changes of the present tick, or of the tick in which World::set() was last called
   /// A copy of `interventions` as they were before World::set() added the first one, with none of them
   /// applied. World::reset() and World::restart() restore this copy. Empty while World::set() has added no
   /// intervention.
