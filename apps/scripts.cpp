@@ -2,7 +2,6 @@
 
 #include "apps/options.hpp"
 #include "base/diagnostics.hpp"
-#include "troupe/launcher.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -73,12 +72,15 @@ void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Scri
 
 bool python_is_wanted() { return g_wants_python; }
 
+void refuse_scripts(const Launcher& launcher) {
+  throw InputError(
+      fmt::format("troupe: error: --controller works only in one process, but {} started {} processes: "
+                  "start the program without the launcher",
+                  launcher.name, launcher.ranks));
+}
+
 void run_in_python(int argc, const char* const* argv) {
-  if (const std::optional<Launcher> launcher = find_launcher())
-    throw InputError(
-        fmt::format("troupe: error: --controller works only in one process, but {} started {} processes: "
-                    "start the program without the launcher",
-                    launcher->name, launcher->ranks));
+  if (const std::optional<Launcher> launcher = find_launcher()) refuse_scripts(*launcher);
   add_package_path();
   const std::string python = python_interpreter();
   std::vector<const char*> arguments{python.c_str(), "-c", k_run_package};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/cli_app.hpp"
+#include "troupe/launcher.hpp"
 #include "troupe/script.hpp"
 
 #include <filesystem>
@@ -29,9 +30,15 @@ void add_controller_option(CLI::App& app, std::vector<std::shared_ptr<const Scri
 /// Whether the parsed command line has --controller but this process cannot read scripts, because
 /// set_script_reader() was not called. The caller must then call run_in_python().
 bool python_is_wanted();
+
 /// Returns the Python interpreter to execute: the one that the environment variable TROUPE_PYTHON names, else
 /// the one for which the package was built, if it exists, else the first python3 on PATH.
 std::string python_interpreter();
+
+/// Throws InputError, with a text which says that scripts work only in one process. Call it if a command that
+/// one process would run has --controller, and `launcher` started this process.
+[[noreturn]] void refuse_scripts(const Launcher& launcher);
+
 /// Replaces this process by python_interpreter(), which runs the Python package `troupe` with the arguments
 /// argv[1] to argv[argc - 1]. Python searches modules in the working folder last, so that files there do not
 /// hide modules of Python. Throws InputError if the interpreter cannot be executed, or if a launcher such as

@@ -364,6 +364,15 @@ class OnProcesses:
         self.refused(self.run_on(2, "run", "room.json", "--controller", "my.py"),
                      "--controller works only in one process, but mpirun of")
 
+    def test_controllers_in_python_are_refused_by_the_package(self):
+        scratch = tempfile.TemporaryDirectory()
+        self.addCleanup(scratch.cleanup)
+        script = pathlib.Path(scratch.name) / "my.py"
+        script.write_text("import troupe\n\n\nclass rest(troupe.Controller):\n    def decide(self, robots):\n        pass\n")
+        command = [self.launcher, *self.launcher_options, "-n", "2", *self.python("import troupe"), "-m", "troupe", "run",
+                   "room.json", "--controller", str(script)]
+        self.refused(self.call(command), "--controller works only in one process, but mpirun of")
+
     def test_ranks_in_one_process_are_refused(self):
         self.refused(self.run_on(2, "run", "room.json", "--ranks", 2), "leave out --ranks")
         self.refused(self.run_on(2, "check", "room.json", "--ranks", "1,3"), "leave out --ranks")
@@ -423,15 +432,18 @@ class OnProcesses:
             self.skipTest(f"NOT TESTED: views of programs in C++: {program} is missing; it needs TROUPE_VIEW")
         self.serves_a_view_in_each_process(program)
 
-    def test_each_process_of_a_program_in_python_serves_its_own_view(self):
+    def python(self, test):
+        """Returns a command of Python with the package, after which `test` raises no exception. Skips if there is none."""
         package = pathlib.Path(PROGRAM).parent.parent / "lib" / "python3" / "dist-packages"
-        test = "import troupe; troupe.Simulation.view"
         for interpreter in (sys.executable, "/usr/bin/python3"):
             path = {"PYTHONPATH": str(package)}
             if package.exists() and self.call([interpreter, "-c", test], **path).returncode == 0:
-                return self.serves_a_view_in_each_process("env", f"PYTHONPATH={package}", interpreter,
-                                                          pathlib.Path(__file__).with_name("served_view.py"))
-        self.skipTest(f"NOT TESTED: views of programs in Python: no interpreter can load the package in {package}")
+                return ["env", f"PYTHONPATH={package}", interpreter]
+        self.skipTest(f"NOT TESTED: programs in Python: no interpreter can load the package in {package}")
+
+    def test_each_process_of_a_program_in_python_serves_its_own_view(self):
+        self.serves_a_view_in_each_process(*self.python("import troupe; troupe.Simulation.view"),
+                                           pathlib.Path(__file__).with_name("served_view.py"))
 
     def test_a_missing_module_is_an_error(self):
         self.refused(self.run_on(3, "run", "room.json", "--hash-log", "log", TROUPE_MPI="none"),

@@ -3,6 +3,7 @@
 #include "apps/interrupt.hpp"
 #include "apps/messages.hpp"
 #include "apps/ranks/rank_place.hpp"
+#include "apps/scripts.hpp"
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "base/number_text.hpp"
@@ -431,6 +432,7 @@ ExitCode on_ranks(const WorldOptions& options,
           fmt::format("troupe: error: --ranks is for ranks in one process, but {} started {} "
                       "processes, each of which is a rank: leave out --ranks",
                       launcher->name, launcher->ranks));
+    if (!options.simulation.scripts.empty()) refuse_scripts(*launcher);
     return with_others(*launcher, options.rank_limit_s, [&](MpiTransport& transport, const Peers& peers) {
       return on_processes(transport, peers, options, run);
     });

@@ -18,9 +18,9 @@ namespace troupe::apps {
 /// With several processes, exceptions are handled as follows:
 ///
 /// - If run() throws InputError, rank 0 prints it and returns k_bad_input. The other ranks return k_finished.
-/// - If the connection fails, the ranks run different programs, or --ranks is given, rank 0 prints the error.
-///   All ranks return k_bad_input. The connection may fail on some ranks only: these then print that error
-///   two seconds later, as in print_usage_error().
+/// - If the connection fails, the ranks run different programs, or --ranks or --controller is given, rank 0
+///   prints the error. All ranks return k_bad_input. The connection may fail on some ranks only: these then
+///   print that error two seconds later, as in print_usage_error().
 /// - After any other exception, the process prints the error and ends without returning, because other
 ///   processes may wait for it.
 ///

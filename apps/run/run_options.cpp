@@ -41,8 +41,8 @@ file sets (rate in JSON, speedup in Stage's syntax).
 
 Before the first tick, the program checks that all outputs can be written. Errors and warnings name the file and the
 line, as in maze.world:41: error: ...
-Results depend only on the world, --seed, --raytracer, --robots, --spare, --session and --set. They do not depend on
---threads, --ranks, --tile-size or --simd.
+Results depend only on the world, --seed, --raytracer, --robots, --spare, --set, --controller, --session, and what users
+do with --view. They do not depend on --threads, --ranks, --tile-size or --simd.
 
 With --ranks N, this process runs N ranks, each on threads of its own. A rank computes a part of the robots and
 exchanges messages with the other ranks. It has all robots of the world or, with --distribute, only its own and those
