@@ -23,10 +23,10 @@ if not hasattr(_gymnasium.vector, "AutoresetMode"):
         f"troupe.envs needs Gymnasium 1.1 or later, found {_gymnasium.__version__}: pip install --upgrade gymnasium"
     )
 
-from .batch import Batch
+from .batch import Batch, Task
 from .single import Env
-from .task import Task, Team
 from .tasks import TASKS, Aggregation, Dispersion, Flocking, Foraging, Navigation, Pursuit
+from .team import Team
 from .vector import VectorEnv
 
 if TYPE_CHECKING:

@@ -12,10 +12,9 @@ from gymnasium import spaces
 from gymnasium.utils import EzPickle
 from pettingzoo import ParallelEnv as _ParallelEnv
 
-from .batch import one_copy
+from .batch import Task, one_copy, require_task
 from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer, render_metadata
 from .single import checked, first_of, info_of
-from .task import Task, require_task
 
 _PerAgent = Dict[str, Any]
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from .._core import BatchView, Simulation
 from .batch import Batch
-from .task import is_whole
+from .team import is_whole
 
 RENDER_MODES = ["human", "rgb_array"]
 RENDER_SIZE = (480, 480)

@@ -10,9 +10,8 @@ import numpy.typing as npt
 from gymnasium.utils import EzPickle
 
 from .._core import _seed_of
-from .batch import one_copy
+from .batch import Task, one_copy, require_one_team
 from .render import RENDER_MODES, RENDER_SIZE, OneCopy, Renderer, render_metadata
-from .task import Task, require_one_team
 
 
 def first_of(observations: Any, *index: int) -> Any:

@@ -3,16 +3,14 @@ baseline."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 import numpy.typing as npt
 
 from .. import math
-from .task import Task, Team
-
-if TYPE_CHECKING:
-    from .batch import Batch
+from .batch import Batch, Task
+from .team import Team
 
 Floats = npt.NDArray[np.float64]
 
@@ -194,7 +192,7 @@ class Aggregation(Task):
         near = {"of": "nearest", "name": "r", "count": self.nearest, "range_m": self.reach, "scale": 1 / self.reach}
         self.teams = [Team(robots="r", observation=[lidar(), near], arrays={"near": [near]})]
 
-    def reward(self, batch: "Batch", team: int) -> Optional[Floats]:
+    def reward(self, batch: Batch, team: int) -> Optional[Floats]:
         near = batch.array("near", team).astype(np.float64)
         near = near.reshape(*near.shape[:2], self.nearest, 5)
         distance = np.sqrt(near[..., 0] * near[..., 0] + near[..., 1] * near[..., 1])
@@ -313,23 +311,23 @@ class Foraging(Task):
             )
         ]
 
-    def _loaded(self, batch: "Batch") -> npt.NDArray[np.bool_]:
+    def _loaded(self, batch: Batch) -> npt.NDArray[np.bool_]:
         none = np.zeros((batch.copies, len(batch.names[0])), np.bool_)
         loaded: npt.NDArray[np.bool_] = batch.memory.setdefault("loaded", none)
         return loaded
 
-    def _way(self, batch: "Batch") -> Floats:
+    def _way(self, batch: Batch) -> Floats:
         """Returns the distance of each robot to its destination, m: to the nest if it has a load, else to the
         source."""
         way = np.where(self._loaded(batch), batch.array("nest")[..., 2], batch.array("source")[..., 2])
         return way.astype(np.float64)
 
-    def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
+    def begin(self, batch: Batch, copies: npt.NDArray[np.bool_]) -> None:
         loaded = self._loaded(batch)
         loaded[copies] = False
         batch.memory.setdefault("way", np.zeros(loaded.shape))[copies] = self._way(batch)[copies]
 
-    def reward(self, batch: "Batch", team: int) -> Optional[Floats]:
+    def reward(self, batch: Batch, team: int) -> Optional[Floats]:
         loaded = self._loaded(batch)
         way = self._way(batch)
         arrived = way < self.near
@@ -338,7 +336,7 @@ class Foraging(Task):
         batch.memory["way"] = self._way(batch)
         return reward
 
-    def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
+    def observe(self, batch: Batch, team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
         return np.where(self._loaded(batch), 1.0, -1.0).astype(np.float32)[..., np.newaxis]
 
     def baseline(self, observations: Any, team: int = 0) -> Floats:

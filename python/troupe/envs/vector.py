@@ -12,10 +12,10 @@ from gymnasium.vector import VectorEnv as _VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from .._core import _seed_of
-from .batch import Batch, Flags
+from .batch import Batch, Flags, Task, require_one_team
 from .render import RENDER_SIZE, Copies, Renderer, render_metadata
 from .single import checked
-from .task import Task, is_whole, require_one_team
+from .team import is_whole
 
 
 class VectorEnv(Copies, EzPickle, _VectorEnv[Any, Any, Any]):

@@ -1,24 +1,15 @@
-"""The classes Team and Task, which define what robots learn: world, observations, actions and rewards."""
+"""The class Team: a group of robots that learn one policy, and its observations, actions and rewards."""
 
 from __future__ import annotations
 
 import dataclasses
 import numbers
-import os
-import sys
-import warnings
-from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
+from typing import Any, Dict, List, Optional, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
-from .._script import misspelt_members
-
-if TYPE_CHECKING:
-    from .batch import Batch
-
-World = Union[str, "os.PathLike[str]", Dict[str, Any]]
 Part = Dict[str, Any]
 Parts = List[Part]
 
@@ -63,127 +54,12 @@ class Team:
     name: str = ""
 
 
-class Task:
-    """A world, the robots that learn in it, and the length of an episode.
-
-    To define a task, set these members, or derive a class that overrides some of the functions below. The functions are
-    called with the whole Batch: one call is for all copies of the world, and arrays have the shape copies x robots x
-    columns. The parameter `team` is the index of a team in `teams`.
-    """
-
-    world: World = {}
-    teams: List[Team] = []
-    ticks = 1  #: ticks of the world per step
-    seconds = 60.0  #: simulated time after which an episode is truncated, s
-    measures: List[str] = []  #: names of measures that are computed for each copy, and that rewards and ends may use
-    #: Names of models, populations and types whose bodies place() may place.
-    starts: List[str] = []
-    max_return: Optional[float] = None  #: the largest possible sum of rewards of an episode, if known
-
-    def place(self, batch: "Batch", copies: npt.NDArray[np.bool_], seeds: npt.NDArray[np.uint64]) -> None:
-        """Called before some copies begin an episode, to choose where bodies begin it: writes x, y (m) and the heading
-        (rad) of these bodies to batch.starts(name), for an entry `name` of the member `starts`. Rows that it does not
-        write keep the poses of the previous episode; NaN means the place that the world gives. copies: one bool per
-        copy, True for the copies that begin an episode. seeds: one seed per copy, that of the episode that it begins
-        next; if poses are drawn from numpy.random.default_rng(seed), episodes with equal seeds are equal. batch.options
-        has the options that reset() of the environment was given. Placed bodies may overlap others. A pose outside the
-        bounds of the world makes the reset or step raise ValueError. By default it does nothing."""
-
-    def begin(self, batch: "Batch", copies: npt.NDArray[np.bool_]) -> None:
-        """Called after some copies have begun an episode. copies: one bool per copy, True for the copies that have
-        begun one. batch.options has the options that reset() of the environment was given; it is empty if a step has
-        begun the episodes. By default the function does nothing."""
-
-    def act(self, batch: "Batch", team: int, actions: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Converts the actions of the policies to commands. Actions and commands are numbers from -1 to 1, copies x
-        robots x commands; the index of a discrete action has already been replaced by the numbers of Team.choices or
-        Team.levels. By default the actions are the commands. The function may change the array `actions`, which is a
-        copy. A result of another shape makes the step raise ValueError."""
-        return actions
-
-    def reward(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.float64]]:
-        """Returns rewards that are added to those of Team.rewards, copies x robots, or None for no rewards. Called once
-        per step, after the step. Rewards for robots that were finished before the step or are not in the world are
-        ignored. A result of another shape, and any other reward that is not finite, makes the step raise ValueError."""
-        return None
-
-    def terminated(self, batch: "Batch", team: int) -> Optional[npt.NDArray[np.bool_]]:
-        """Returns which robots are finished in addition to those of Team.ends: bools, copies x robots, or None for no
-        robots. Called once per step, after reward(). True for a robot that is not in the world has no effect. A result
-        of another shape, or of another type than bool, makes the step raise ValueError."""
-        return None
-
-    def observe(self, batch: "Batch", team: int, name: str) -> Optional[npt.NDArray[np.float32]]:
-        """Returns columns to append to the observed array `name` (a key of Team.observation, or "observation" if that
-        is a list), copies x robots x columns, or None for no columns. In the observation space, these columns have the
-        bounds -1 and 1. In the rows of robots that are not in the world, the columns are replaced by 0. Also called
-        before the first episode, to find the number of columns, which must not change later. A result of another shape,
-        and any result but None for an array whose part has a "shape", raises ValueError."""
-        return None
-
-    def info(self, batch: "Batch", team: int) -> Optional[Dict[str, npt.NDArray[Any]]]:
-        """Returns values that the environments return in their infos, such as the terms of a reward: a dict from names
-        to arrays of numbers or bools, copies x robots or copies x robots x further axes, or None for no values. Called
-        by each reset, after begin(), and by each step, after terminated(). Robots that are not in the world also have
-        elements. A result of another shape or type makes the reset or the step raise ValueError or TypeError, and so
-        does a name that the environments use themselves: `finished`, `alive`, `final_obs`, `final_info` and names that
-        begin with an underscore."""
-        return None
-
-    def baseline(self, observations: Any, team: int = 0) -> npt.NDArray[np.float64]:
-        """Returns the actions of a hand-written policy, with which learned policies can be compared: one row of actions
-        per row of the observations. Raises NotImplementedError if the task defines no such policy."""
-        raise NotImplementedError(f"{type(self).__name__} has no baseline: define the method baseline()")
-
-
 _LISTS = (list, tuple, np.ndarray)
 
 
 def is_whole(value: Any) -> bool:
     """Whether a value is a whole number of Python or NumPy above 0."""
     return isinstance(value, numbers.Integral) and not isinstance(value, bool) and int(value) > 0
-
-
-def require_task(task: Any) -> None:
-    """Raises TypeError if the argument `task` of an environment is not a Task, or if its teams are not a list of
-    Teams."""
-    if not isinstance(task, Task):
-        raise TypeError(f"task: must be a troupe.envs.Task, found {task!r}")
-    if task.teams and not (isinstance(task.teams, (list, tuple)) and all(isinstance(team, Team) for team in task.teams)):
-        raise TypeError(f"{type(task).__name__}.teams: must be a list of troupe.envs.Team, found {task.teams!r}")
-
-
-def require_one_team(task: Any, environment: str) -> None:
-    """Raises TypeError if the argument `task` of an environment is not a Task, and ValueError if the task has several
-    teams. environment: the class, for the error text."""
-    require_task(task)
-    if task.teams and len(task.teams) != 1:
-        raise ValueError(
-            f"{environment} needs a task with one team, but {type(task).__name__} has {len(task.teams)}: "
-            "set its member `teams` to a list of one Team, or use ParallelEnv for several teams"
-        )
-
-
-def check_task(task: Task) -> None:
-    """Raises TypeError if Task.seconds is not a number, or if Task.measures is not a list of texts. Warns of attributes
-    of a task that Task does not have but whose names are similar to those of its members, such as `second`."""
-    if not isinstance(task.seconds, numbers.Real):
-        raise TypeError(f"{type(task).__name__}.seconds: must be a number of seconds, found {task.seconds!r}")
-    if not isinstance(task.measures, (list, tuple)) or not all(isinstance(name, str) for name in task.measures):
-        raise TypeError(f"{type(task).__name__}.measures: must be a list of names of measures, found {task.measures!r}")
-    own = {name for cls in type(task).__mro__ if issubclass(cls, Task) for name in vars(cls)} | set(vars(task))
-    for name, near in misspelt_members(Task, own):
-        warnings.warn(f'{type(task).__name__} has the attribute "{name}", which Task does not use: did you mean "{near}"?',
-                      stacklevel=_level_of_the_program())
-
-
-def _level_of_the_program() -> int:
-    """Returns the stack level, for warnings of the function that calls this one, of the code that called this
-    package."""
-    level, frame = 1, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("troupe."):
-        level, frame = level + 1, frame.f_back
-    return level
 
 
 def check_team(team: Team) -> None:
