@@ -82,7 +82,8 @@ struct SimulationOptions {
   std::vector<std::pair<std::string, std::size_t>> robots = {};
   /// Values of the world file to replace: pairs of a JSON pointer (a path in the file, RFC 6901) and a JSON
   /// value, such as {"/populations/0/count", "500"}. A pointer that ends in `/-` appends the value to a list.
-  /// For a `.world` file, the pointers refer to the JSON world that Troupe makes of it.
+  /// For a `.world` file, the pointers refer to the JSON world that Troupe makes of it. Loading the world
+  /// throws InputError if `seed`, `ranging` or `robots` gives a value that is also in this list.
   std::vector<std::pair<std::string, std::string>> set = {};
   /// Directories in which Troupe searches for a world file that does not exist at the given path. It searches
   /// them in their order, for a file of the same name. In the same way it searches for files that a `.world`

@@ -275,6 +275,25 @@ void check_replaced_settings(const SimulationOptions& options, const engine::Wor
   }
 }
 
+/// Reports an error for each setting of a value that another option also gives. populations: the names of the
+/// populations of the world.
+void check_doubled_settings(const SimulationOptions& options, const std::vector<std::string>& populations,
+                            Diagnostics& diagnostics) {
+  std::vector<std::pair<std::string, std::string_view>> given;  // pointers and options
+  if (options.seed) given.emplace_back("/seed", "--seed");
+  if (options.ranging) given.emplace_back("/ranging", "--raytracer");
+  for (const auto& [name, count] : options.robots)
+    for (std::size_t p = 0; p < populations.size(); ++p)
+      if (name.empty() || name == populations[p])
+        given.emplace_back(fmt::format("/populations/{}/count", p), "--robots");
+  for (const auto& [pointer, value] : options.set)
+    for (const auto& [same, option] : given)
+      if (pointer == same)
+        diagnostics.error(
+            {diagnostics.files()->add("--set " + pointer), 0},
+            fmt::format("has no effect, because {} gives this value: omit one of them", option));
+}
+
 }  // namespace
 
 /// Loads a world with `read`, which parses it. file: the name of the world. files: the source files that a
@@ -295,6 +314,7 @@ Simulation Simulation::load(const std::filesystem::path& file, const SimulationO
   how.populations = &populations;
   engine::WorldSpec spec = read(*impl->registry, how, diagnostics);
   explain_settings(options, diagnostics);
+  check_doubled_settings(options, populations, diagnostics);
   diagnostics.throw_if_errors();
   const std::vector<std::vector<std::string>> named = controllers_of_types(spec);
   assign_controllers(options.scripts, spec, diagnostics);

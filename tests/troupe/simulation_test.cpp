@@ -294,6 +294,22 @@ TEST_F(SimulationTest, SetChangesAValueOfTheWorld) {
   EXPECT_THAT(message_of<InputError>([&] { population(options); }), HasSubstr("/populations/7"));
 }
 
+TEST_F(SimulationTest, AValueIsGivenByOneOptionOnly) {
+  const auto error_of = [&](const SimulationOptions& options) {
+    return message_of<InputError>([&] { population(options); });
+  };
+  EXPECT_THAT(
+      error_of({.seed = 7, .set = {{"/seed", "8"}}}),
+      HasSubstr("--set /seed: error: has no effect, because --seed gives this value: omit one of them"));
+  EXPECT_THAT(error_of({.ranging = RangingEngine::grid, .set = {{"/ranging", "\"exact\""}}}),
+              HasSubstr("--set /ranging: error: has no effect, because --raytracer gives this value"));
+  for (const char* name : {"", "r"})
+    EXPECT_THAT(
+        error_of({.robots = {{name, 4}}, .set = {{"/populations/0/count", "3"}}}),
+        HasSubstr("--set /populations/0/count: error: has no effect, because --robots gives this value"));
+  EXPECT_EQ(population({.seed = 7, .robots = {{"", 4}}, .set = {{"/title", "\"Other\""}}}).robots(), 4u);
+}
+
 TEST_F(SimulationTest, ThreadsAndTilesAreNoOptionsOfTheResult) {
   SimulationOptions options;
   options.threads = 4;
