@@ -255,6 +255,7 @@ TEST_F(SimulationTest, TheRayEngineOfTheWorldHoldsUnlessAnotherIsGiven) {
   Simulation coarse = json(options);
   EXPECT_THAT(coarse.effective_options(), Contains(Pair("resolution_m", "0.1")));
   options.ranging = RangingEngine::exact;
+  options.set = {{"/resolution_m", "0.1"}};
   Simulation exact = json(options);
   EXPECT_THAT(exact.effective_options(), Contains(Pair("ranging", "exact")));
   coarse.step();
