@@ -1,5 +1,5 @@
-"""The classes Task, which defines what robots learn in a world, and Batch: many copies of the world of a task, which step
-together. All environments of this package use a Batch."""
+"""The classes Task, which defines what robots learn in a world, and Batch: many copies of the world of a task, which
+step together. All environments of this package use a Batch."""
 
 from __future__ import annotations
 
