@@ -130,41 +130,113 @@ std::size_t keep_met(std::size_t count, const Fan& fan, const float* limits, flo
   return kept;
 }
 
-/// Copies to `kept` the circles in [begin, end) whose nearest point is from `low` to `high` (m) away from the
-/// reference, with a margin, and makes their coordinates relative to the reference. Returns their number.
-/// Pads them with one vector of circles that no beam hits, so `kept` needs room for two more vectors than
-/// there are circles.
-HWY_INLINE std::size_t keep_between(const CircleArrays& circles, std::size_t begin, std::size_t end,
-                                    const Vec2& reference, float low, float high, MetCircles& kept) {
+/// A rectangle with sides along the axes, relative to the reference.
+struct Rectangle {
+  float x, y;            // centre
+  float half_x, half_y;  // half the width, half the height
+};
+
+/// The smallest rectangle that contains the reference and the beams whose limits are at least `low` away from
+/// it. Beams are not cut at the end of a search: a beam can hit a circle farther away than the nearest point
+/// of this circle, after which the circle is searched.
+template <bool kCommonOrigin>
+HWY_INLINE Rectangle around_beams(const Fan& fan, const float* limits, float low) {
+  Floats low_x = Zero(k_f), low_y = low_x, high_x = low_x, high_y = low_x;
+  for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
+    const Floats dx = LoadU(k_f, fan.dx + i);
+    const Floats dy = LoadU(k_f, fan.dy + i);
+    const Floats limit = LoadU(k_f, limits + i);
+    if constexpr (kCommonOrigin) {
+      const Floats length = IfThenElseZero(Ge(limit, Set(k_f, low)), limit);
+      const Floats x = Mul(dx, length);
+      const Floats y = Mul(dy, length);
+      low_x = Min(low_x, x);
+      low_y = Min(low_y, y);
+      high_x = Max(high_x, x);
+      high_y = Max(high_y, y);
+    } else {
+      const Floats ox = LoadU(k_f, fan.ox + i);
+      const Floats oy = LoadU(k_f, fan.oy + i);
+      const Floats farthest = Add(limit, Add(Abs(ox), Abs(oy)));
+      const Floats length = IfThenElseZero(Ge(farthest, Set(k_f, low)), limit);
+      const Floats x = Add(ox, Mul(dx, length));
+      const Floats y = Add(oy, Mul(dy, length));
+      low_x = Min(low_x, Min(ox, x));
+      low_y = Min(low_y, Min(oy, y));
+      high_x = Max(high_x, Max(ox, x));
+      high_y = Max(high_y, Max(oy, y));
+    }
+  }
+  const float left = GetLane(MinOfLanes(k_f, low_x));
+  const float right = GetLane(MaxOfLanes(k_f, high_x));
+  const float bottom = GetLane(MinOfLanes(k_f, low_y));
+  const float top = GetLane(MaxOfLanes(k_f, high_y));
+  return {(left + right) / 2, (bottom + top) / 2, (right - left) / 2, (top - bottom) / 2};
+}
+
+/// A margin, m, for tests of circles up to `distance` (m) away from the reference. It is ten times the bound
+/// on the rounding errors of the distances of circles from beams, which grow with |x| + |y|.
+float margin_at(float distance, const Vec2& reference) {
+  const auto shift = static_cast<float>(0x1p-23 * (std::abs(reference.x()) + std::abs(reference.y())));
+  return k_cull_slack + shift + 3e-6f * distance;
+}
+
+/// Copies to `kept` the circles in [begin, end) for which is_near(x, y, radius, wider) holds, and makes their
+/// coordinates relative to the reference. (x, y) are the relative centres, `radius` is the radii of the
+/// circles and `wider` the radii that are copied, which are larger by at least `margin`. Returns the number
+/// of circles. Pads them with one vector of circles that no beam hits, so `kept` needs room for two more
+/// vectors than there are circles. The loop has no branch that depends on the data, because such a branch
+/// would be unpredictable.
+template <class IsNear>
+HWY_INLINE std::size_t keep_near(const CircleArrays& circles, std::size_t begin, std::size_t end,
+                                 const Vec2& reference, float margin, IsNear&& is_near, MetCircles& kept) {
   const Floats rx = Set(k_f, static_cast<float>(reference.x()));
   const Floats ry = Set(k_f, static_cast<float>(reference.y()));
-  const auto shift = static_cast<float>(0x1p-23 * (std::abs(reference.x()) + std::abs(reference.y())));
-  // The rounding errors of the distances of circles from beams grow with |x| + |y|; this slack is ten times
-  // their bound. It depends only on the distance, so that searches in adjacent intervals leave no gap.
-  const auto slack = [&](float distance) { return k_cull_slack + shift + 3e-6f * distance; };
-  const Floats margin = Set(k_f, slack(high));
-  const Floats farthest = Set(k_f, high + slack(high));
-  const Floats nearest = Set(k_f, low + slack(low));
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; i += Lanes(k_f)) {
     const Floats x = Sub(LoadU(k_f, &circles.x[i]), rx);
     const Floats y = Sub(LoadU(k_f, &circles.y[i]), ry);
-    const Floats wider = Mul(LoadU(k_f, &circles.radius[i]), Set(k_f, 1 + 1.5e-5f));
-    const Floats radius = Add(wider, margin);
-    const Floats distance2 = Add(Mul(x, x), Mul(y, y));
-    const Floats outer = Max(Add(wider, farthest), Zero(k_f));
-    const Floats inner = Max(Add(wider, nearest), Zero(k_f));
-    const auto here = And(Le(distance2, Mul(outer, outer)), Ge(distance2, Mul(inner, inner)));
-    if (AllFalse(k_f, here)) continue;
-    StoreU(compress(x, here), k_f, &kept.x[count]);
-    StoreU(compress(y, here), k_f, &kept.y[count]);
-    StoreU(compress(radius, here), k_f, &kept.radius[count]);
-    StoreU(compress(LoadU(k_u, &circles.row[i]), RebindMask(k_u, here)), k_u, &kept.row[count]);
-    count += count_true(k_f, here);
+    const Floats radius = LoadU(k_f, &circles.radius[i]);
+    const Floats wider = Add(Mul(radius, Set(k_f, 1 + 1.5e-5f)), Set(k_f, margin));
+    const auto near = is_near(x, y, radius, wider);
+    StoreU(compress(x, near), k_f, &kept.x[count]);
+    StoreU(compress(y, near), k_f, &kept.y[count]);
+    StoreU(compress(wider, near), k_f, &kept.radius[count]);
+    StoreU(compress(LoadU(k_u, &circles.row[i]), RebindMask(k_u, near)), k_u, &kept.row[count]);
+    count += count_true(k_f, near);
   }
   for (std::size_t i = count; i < count + k_circle_padding; ++i)
     kept.radius[i] = -std::numeric_limits<float>::infinity();
   return count;
+}
+
+/// Keeps the circles of keep_near() whose nearest point is at most `high` (m) away from the reference.
+HWY_INLINE std::size_t keep_within(const CircleArrays& circles, std::size_t begin, std::size_t end,
+                                   const Vec2& reference, float high, MetCircles& kept) {
+  const auto is_near = [&](const Floats& x, const Floats& y, const Floats&, const Floats& wider) {
+    const Floats outer = Max(Add(wider, Set(k_f, high)), Zero(k_f));
+    return Le(Add(Mul(x, x), Mul(y, y)), Mul(outer, outer));
+  };
+  return keep_near(circles, begin, end, reference, margin_at(high, reference), is_near, kept);
+}
+
+/// Keeps the circles of keep_near() whose nearest point is at least `low` (m) away from the reference and
+/// that reach into the rectangle around the beams that are so long. If few beams are so long, this rectangle
+/// is much smaller than a disc.
+HWY_INLINE std::size_t keep_beyond(const CircleArrays& circles, std::size_t begin, std::size_t end,
+                                   const Vec2& reference, const Fan& fan, const float* limits, float low,
+                                   float high, MetCircles& kept) {
+  // Twice the margin, because a circle has a larger radius than what it encloses (enclosing_circle()).
+  const float nearest = std::max(0.0f, low - 2 * margin_at(low, reference));
+  const Rectangle beams = fan.common_origin ? around_beams<true>(fan, limits, nearest)
+                                            : around_beams<false>(fan, limits, nearest);
+  const auto is_near = [&](const Floats& x, const Floats& y, const Floats& radius, const Floats& wider) {
+    const Floats inner = Add(Mul(radius, Set(k_f, 1 - 1e-5f)), Set(k_f, nearest));
+    const auto in_x = Le(Abs(Sub(x, Set(k_f, beams.x))), Add(wider, Set(k_f, beams.half_x)));
+    const auto in_y = Le(Abs(Sub(y, Set(k_f, beams.y))), Add(wider, Set(k_f, beams.half_y)));
+    return And(And(in_x, in_y), Ge(Add(Mul(x, x), Mul(y, y)), Mul(inner, inner)));
+  };
+  return keep_near(circles, begin, end, reference, margin_at(high, reference), is_near, kept);
 }
 
 std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* limits, MetCircles& met) {
@@ -226,7 +298,9 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
 std::size_t fan_may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end,
                          const Vec2& reference, const Fan& fan, const float* limits, float low, float high,
                          MetCircles& met) {
-  const std::size_t count = keep_between(circles, begin, end, reference, low, high, met);
+  const std::size_t count = low < 0
+                                ? keep_within(circles, begin, end, reference, high, met)
+                                : keep_beyond(circles, begin, end, reference, fan, limits, low, high, met);
   if (fan.scan != nullptr) return keep_met_by_scan(count, fan, limits, met);
   if (!fan.common_origin)
     return fan.mirrored ? keep_met<Shape{false, true}>(count, fan, limits, high, met)

@@ -183,8 +183,7 @@ class EdgeBlock {
   /// met_by         the beams that may hit one of the edges
   void add(const Vec2& first, const Vec2* rest, std::size_t edges, float ranger_return, BeamSet met_by) {
     double* out = &xy_[2 * vertices_];
-    out[0] = first.x();
-    out[1] = first.y();
+    std::memcpy(out, first.data(), 2 * sizeof(double));
     std::size_t done = 0;
     do {
       // Copying the exact number of vertices would cost an unpredictable branch. The next piece overwrites
@@ -256,18 +255,19 @@ struct MetCircles : CircleArrays {
 
 /// The arguments `begin` and `end` of may_meet() must be multiples of this number.
 inline constexpr std::size_t k_circle_padding = 16;
-/// Finds the circles that the beams of a fan may hit. Selects a circle if it passes two tests: some beam may
-/// hit it within the limit of this beam, and the distance from the reference point to the circle is from
-/// `low` to `high`. Writes the member `row` of the selected circles, and the beams that may hit them, to the
-/// first entries of `met`. Returns the number of selected circles. The tests have margins far above rounding
-/// errors, so that no circle that a beam hits is lost.
+/// Finds the circles that the beams of a fan may hit. Selects every circle whose distance from the reference
+/// point is from `low` to `high` and which some beam hits within the limit of this beam. Writes the member
+/// `row` of the selected circles, and the beams that may hit them, to the first entries of `met`. Returns the
+/// number of selected circles. The tests have margins far above rounding errors, so some other circles are
+/// selected too.
 /// circles     the circles, world frame, metres; a circle with a radius of minus infinity is never selected
 /// begin, end  the circles to test have the indices `begin` to `end` - 1 in `circles`; `begin` and `end` must
 ///             be multiples of k_circle_padding
 /// reference   the reference point of the fan, world frame, metres
 /// limits      array that limits_of() has written
 /// low, high   bounds on the distance from the reference point to the nearest point of a circle, metres. If
-///             the reference point is inside the circle, this distance is negative
+///             the reference point is inside the circle, this distance is negative. `high` is not negative;
+///             `low` may be minus infinity
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met);
 

@@ -59,8 +59,8 @@ HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& 
   const std::size_t end = edges.pieces().back().first + EdgeBlock::k_piece + 1;
   for (std::size_t i = 0; i < end; i += Lanes(k_d)) {
     Vec<Full<double>> from_x, from_y, to_x, to_y;
-    LoadInterleaved2(k_d, edges.xy() + 2 * i, from_x, from_y);
-    LoadInterleaved2(k_d, edges.xy() + 2 * (i + 1), to_x, to_y);
+    load_points(k_d, edges.xy() + 2 * i, from_x, from_y);
+    load_points(k_d, edges.xy() + 2 * (i + 1), to_x, to_y);
     const auto ax = Sub(from_x, rx);
     const auto ay = Sub(from_y, ry);
     const auto bx = Sub(to_x, rx);

@@ -79,6 +79,7 @@ using hn::VecFromMask;
 using hn::Xor;
 
 using hn::MaxOfLanes;
+using hn::MinOfLanes;
 
 // On targets without a compress instruction, Highway 1.0.3 keeps the permutations of its Compress in an array
 // inside the function. gcc 12 copies this array, up to a kilobyte, to the stack at every call, which took
@@ -129,6 +130,22 @@ HWY_INLINE std::size_t count_true(Tag tag, const Mask<Tag>& mask) {
   return k_counts >> (4 * bits_of(tag, mask)) & 0xF;
 #else
   return hn::CountTrue(tag, mask);
+#endif
+}
+
+/// Loads points, whose x and y alternate in memory, into a vector of all x and one of all y.
+template <class Tag>
+HWY_INLINE void load_points(Tag tag, const double* xy, Vec<Tag>& x, Vec<Tag>& y) {
+#if HWY_TARGET == HWY_AVX2
+  // Highway loads whole vectors, whose halves must then be exchanged. Loading halves needs no exchange.
+  const hn::Half<Tag> half;
+  const auto apart = [&](const double* from) { return hn::Combine(tag, LoadU(half, from + 4), LoadU(half, from)); };
+  const auto even = apart(xy);
+  const auto odd = apart(xy + 2);
+  x = hn::InterleaveLower(tag, even, odd);
+  y = hn::InterleaveUpper(tag, even, odd);
+#else
+  LoadInterleaved2(tag, xy, x, y);
 #endif
 }
 

@@ -81,7 +81,7 @@ class Caster {
     if (nearest_shell < farthest_) search(first, nearest_shell, farthest_);
     for (std::size_t band = 1; band < nearby_.bands(); ++band) {
       if (farthest_ <= nearby_.radius(band - 1)) break;
-      search(nearby_.band(band), -std::numeric_limits<float>::infinity(), farthest_);
+      search(nearby_.band(band), static_cast<float>(nearby_.radius(band - 1)), farthest_);
     }
   }
 

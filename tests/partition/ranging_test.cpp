@@ -239,6 +239,44 @@ TEST(Ranging, TheOrderOfEdgesChangesNothing) {
   }
 }
 
+/// A fan of a random kind around a reference point: a ring, beams with origins of their own, or a scan.
+class AnyFan {
+ public:
+  explicit AnyFan(Random& random) : kind_(static_cast<Kind>(random.below(k_kinds))) {
+    count_ = kind_ == k_scan ? 33 + random.below(200) : 2 * (1 + random.below(16));
+    const double fov = kind_ == k_scan ? random.uniform(0.1, k_turn) : k_turn;
+    const double middle = random.uniform(-3, 3);
+    const double step = fov / static_cast<double>(kind_ == k_scan ? count_ - 1 : count_);
+    for (std::size_t i = 0; i < count_; ++i) {
+      const double way = kind_ == k_scan ? middle - fov / 2 + static_cast<double>(i) * step
+                                         : middle + static_cast<double>(i) * step;
+      beams_.add(std::cos(way), std::sin(way),
+                 kind_ == k_apart ? static_cast<float>(random.uniform(-0.3, 0.3)) : 0.0f,
+                 kind_ == k_apart ? static_cast<float>(random.uniform(-0.3, 0.3)) : 0.0f);
+    }
+    for (std::vector<float>* array : {&beams_.dx, &beams_.dy, &beams_.ox, &beams_.oy})
+      array->resize(padded_beams(count_), array->back());
+    scan_ = {direction(middle), static_cast<float>(fov), static_cast<float>(step)};
+    mirrored_ = kind_ == k_ring || (kind_ == k_apart && random.below(2) == 0);
+  }
+
+  Fan fan() const {
+    return {beams_.dx.data(), beams_.dy.data(), beams_.ox.data(), beams_.oy.data(),
+            count_,           kind_ != k_apart, mirrored_,        kind_ == k_scan ? &scan_ : nullptr};
+  }
+  int kind() const { return kind_; }
+  /// An upper bound on the distances of origins from the reference.
+  static constexpr float k_apart_by = 0.5f;
+
+ private:
+  enum Kind { k_ring, k_apart, k_scan, k_kinds };
+  Kind kind_;
+  std::size_t count_ = 0;
+  Beams beams_;
+  Scan scan_;
+  bool mirrored_ = false;
+};
+
 /// Circles about edges, so that an edge that would raise a reading must survive the cull of its circle.
 TEST(Ranging, CullsKeepEveryCircleThatCounts) {
   for_each_simd_target([](const std::string& target) {
@@ -246,32 +284,8 @@ TEST(Ranging, CullsKeepEveryCircleThatCounts) {
     for (std::uint32_t trial = 0; trial < 4000 / k_share; ++trial) {
       Random random(1, 4, 0, trial);
       const Vec2 reference = any_place(random);
-      enum { k_ring, k_apart, k_scanner, k_kinds };
-      const std::uint32_t kind = random.below(k_kinds);
-      const std::size_t count = kind == k_scanner ? 33 + random.below(200) : 2 * (1 + random.below(16));
-      const double fov = kind == k_scanner ? random.uniform(0.1, k_turn) : k_turn;
-      const double middle = random.uniform(-3, 3);
-      const double step = fov / static_cast<double>(kind == k_scanner ? count - 1 : count);
-      Beams beams;
-      for (std::size_t i = 0; i < count; ++i) {
-        const double way = kind == k_scanner ? middle - fov / 2 + static_cast<double>(i) * step
-                                             : middle + static_cast<double>(i) * step;
-        beams.add(std::cos(way), std::sin(way),
-                  kind == k_apart ? static_cast<float>(random.uniform(-0.3, 0.3)) : 0.0f,
-                  kind == k_apart ? static_cast<float>(random.uniform(-0.3, 0.3)) : 0.0f);
-      }
-      const std::size_t padded = padded_beams(count);
-      for (std::vector<float>* array : {&beams.dx, &beams.dy, &beams.ox, &beams.oy})
-        array->resize(padded, array->back());
-      const Scan scan{direction(middle), static_cast<float>(fov), static_cast<float>(step)};
-      const Fan fan{beams.dx.data(),
-                    beams.dy.data(),
-                    beams.ox.data(),
-                    beams.oy.data(),
-                    count,
-                    kind != k_apart,
-                    kind == k_ring || (kind == k_apart && random.below(2) == 0),
-                    kind == k_scanner ? &scan : nullptr};
+      const AnyFan any(random);
+      const Fan fan = any.fan();
 
       const std::size_t circles_count = k_circle_padding * (1 + random.below(4));
       std::vector<Edge> edges;
@@ -285,14 +299,14 @@ TEST(Ranging, CullsKeepEveryCircleThatCounts) {
         circles.set(c, enclosing_circle(center, radius, c));
       }
       // Readings of earlier edges, which shorten the beams.
-      std::vector<float> inverse(padded), limits(padded), range_max(padded, 8.0f);
+      std::vector<float> inverse(fan.padded()), limits(fan.padded()), range_max(fan.padded(), 8.0f);
       for (float& value : inverse)
         value = random.below(3) ? static_cast<float>(1 / random.uniform(0.1, 10)) : 0;
       const float farthest = limits_of(fan, inverse.data(), range_max.data(), limits.data());
       const float near = static_cast<float>(random.uniform(0, 5));
       std::vector<std::optional<BeamSet>> survives(circles_count);
       MetCircles met;
-      const float from_reference = farthest + 0.5f;  // origins lie apart by less
+      const float from_reference = farthest + AnyFan::k_apart_by;
       for (const auto& [low, high] :
            {std::pair(-std::numeric_limits<float>::infinity(), near), std::pair(near, from_reference)}) {
         const std::size_t n =
@@ -303,15 +317,54 @@ TEST(Ranging, CullsKeepEveryCircleThatCounts) {
         const RayEdge e = relative_edge(edges[c].a, edges[c].b, reference, 1);
         ++all;
         kept += survives[c].has_value();
-        for (std::size_t i = 0; i < count; ++i) {
-          const float value = inverse_range(e, beams.dx[i], beams.dy[i], beams.ox[i], beams.oy[i]);
+        for (std::size_t i = 0; i < fan.count; ++i) {
+          const float value = inverse_range(e, fan.dx[i], fan.dy[i], fan.ox[i], fan.oy[i]);
           const bool counts = value > inverse[i] && range_of(value, range_max[i]) < range_max[i];
           ASSERT_TRUE(!counts || (survives[c] && (fan.scan != nullptr || (*survives[c] >> i & 1) != 0)))
-              << target << ", trial " << trial << ", kind " << kind;
+              << target << ", trial " << trial << ", kind " << any.kind();
         }
       }
     }
     EXPECT_LT(kept, all * 7 / 10) << target << ": hardly anything is culled";
+  });
+}
+
+// Of all beams only one is long. Every circle that it reaches must survive the cull, wherever it is along the
+// beam, and also if no part of the circle is nearer than the bound of the search.
+TEST(Ranging, CullsKeepTheCirclesOfASingleLongBeam) {
+  for_each_simd_target([](const std::string& target) {
+    for (std::uint32_t trial = 0; trial < 4000 / k_share; ++trial) {
+      Random random(1, 5, 0, trial);
+      const Vec2 reference = any_place(random);
+      const AnyFan any(random);
+      const Fan fan = any.fan();
+      std::vector<float> inverse(fan.padded(), 50.0f), limits(fan.padded()), range_max(fan.padded(), 8.0f);
+      const std::size_t beam = random.below(static_cast<std::uint32_t>(fan.count));
+      const double range = random.uniform(0.3, 8);
+      inverse[beam] = static_cast<float>(1 / range);
+      if (fan.scan != nullptr) std::fill(inverse.begin() + fan.count, inverse.end(), inverse[fan.count - 1]);
+      const float farthest = limits_of(fan, inverse.data(), range_max.data(), limits.data());
+
+      const double radius = log_uniform(random, 0.001, 1);
+      const Vec2 origin(fan.ox[beam], fan.oy[beam]);
+      const Vec2 heading(fan.dx[beam], fan.dy[beam]);
+      const Vec2 touched = origin + random.uniform(0, 1) * range * heading;
+      const double turned = random.below(2) == 0 ? 0 : random.uniform(0, k_turn);
+      const Vec2 center = touched + 0.99 * radius * direction(std::atan2(heading.y(), heading.x()) + turned);
+      const double nearest = center.norm() - radius;
+      CircleArrays circles;
+      circles.make_room(k_circle_padding);
+      circles.set(0, enclosing_circle(reference + center, radius, 7));
+      for (std::size_t c = 1; c < k_circle_padding; ++c)
+        circles.set(c, {0, 0, -std::numeric_limits<float>::infinity(), 0});
+      const auto low = static_cast<float>(nearest > 0 ? nearest : -std::numeric_limits<double>::infinity());
+      MetCircles met;
+      const std::size_t n = may_meet(circles, 0, k_circle_padding, reference, fan, limits.data(), low,
+                                     farthest + AnyFan::k_apart_by, met);
+      ASSERT_EQ(n, 1u) << target << ", trial " << trial << ", kind " << any.kind();
+      ASSERT_EQ(met.row[0], 7u);
+      ASSERT_TRUE(fan.scan != nullptr || (met.beams[0] >> beam & 1) != 0) << target << ", trial " << trial;
+    }
   });
 }
 
