@@ -137,34 +137,31 @@ struct Rectangle {
 };
 
 /// The smallest rectangle that contains the reference and the beams whose limits are at least `low` away from
-/// it. Beams are not cut at the end of a search: a beam can hit a circle farther away than the nearest point
-/// of this circle, after which the circle is searched.
+/// it. A beam counts with its whole length, even if the search ends nearer: the distance of the nearest point
+/// of a circle decides in which search the circle is tested, but a beam may hit the circle farther away.
 template <bool kCommonOrigin>
 HWY_INLINE Rectangle around_beams(const Fan& fan, const float* limits, float low) {
   Floats low_x = Zero(k_f), low_y = low_x, high_x = low_x, high_y = low_x;
+  const auto include = [&](const Floats& x, const Floats& y) {
+    low_x = Min(low_x, x);
+    low_y = Min(low_y, y);
+    high_x = Max(high_x, x);
+    high_y = Max(high_y, y);
+  };
   for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
     const Floats dx = LoadU(k_f, fan.dx + i);
     const Floats dy = LoadU(k_f, fan.dy + i);
     const Floats limit = LoadU(k_f, limits + i);
     if constexpr (kCommonOrigin) {
       const Floats length = IfThenElseZero(Ge(limit, Set(k_f, low)), limit);
-      const Floats x = Mul(dx, length);
-      const Floats y = Mul(dy, length);
-      low_x = Min(low_x, x);
-      low_y = Min(low_y, y);
-      high_x = Max(high_x, x);
-      high_y = Max(high_y, y);
+      include(Mul(dx, length), Mul(dy, length));
     } else {
       const Floats ox = LoadU(k_f, fan.ox + i);
       const Floats oy = LoadU(k_f, fan.oy + i);
       const Floats farthest = Add(limit, Add(Abs(ox), Abs(oy)));
       const Floats length = IfThenElseZero(Ge(farthest, Set(k_f, low)), limit);
-      const Floats x = Add(ox, Mul(dx, length));
-      const Floats y = Add(oy, Mul(dy, length));
-      low_x = Min(low_x, Min(ox, x));
-      low_y = Min(low_y, Min(oy, y));
-      high_x = Max(high_x, Max(ox, x));
-      high_y = Max(high_y, Max(oy, y));
+      include(ox, oy);
+      include(Add(ox, Mul(dx, length)), Add(oy, Mul(dy, length)));
     }
   }
   const float left = GetLane(MinOfLanes(k_f, low_x));
