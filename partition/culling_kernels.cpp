@@ -31,7 +31,7 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
   // only serve to discard edges that are too far away, so their last bits do not matter.
   Floats farthest = Zero(k_f);
   for (std::size_t i = 0; i < fan.padded(); i += Lanes(k_f)) {
-    const Floats range = Min(Div(Set(k_f, 1.0f), LoadU(k_f, inverse + i)), LoadU(k_f, range_max + i));
+    const Floats range = Min(divide(Set(k_f, 1.0f), LoadU(k_f, inverse + i)), LoadU(k_f, range_max + i));
     const Floats limit =
         Add(Mul(range, Set(k_f, 1 + static_cast<float>(k_range_slack))), Set(k_f, k_cull_slack));
     StoreU(limit, k_f, limits + i);
@@ -251,7 +251,7 @@ std::size_t keep_met_by_scan(std::size_t count, const Fan& fan, const float* lim
     const Floats angle = angles.of(x, y);
     // The circle subtends the angles up to asin(radius / distance) on each side of its centre. An upper bound
     // is asin(q) <= q + (pi/2 - 1) q^3 for q in [0, 1].
-    const Floats q = Div(radius, distance);
+    const Floats q = divide(radius, distance);
     const Floats width = Add(q, Mul(Set(k_f, 0.5708f), Mul(Mul(q, q), q)));
     const Floats from = Sub(angle, width);
     const Floats to = Add(angle, width);

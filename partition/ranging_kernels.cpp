@@ -85,7 +85,7 @@ HWY_INLINE void relate(const EdgeBlock& edges, const Vec2& reference, Relative& 
     const Floats area = Load(k_f, out.area + i);
     const auto tiny = Le(Abs(area), Mul(Set(k_f, k_tiny), Mul(m, m)));
     Store(IfThenElse(tiny, Set(k_f, std::numeric_limits<float>::quiet_NaN()), grazing), k_f, out.grazing + i);
-    Store(Div(Set(k_f, 1.0f), area), k_f, out.area + i);
+    Store(divide(Set(k_f, 1.0f), area), k_f, out.area + i);
   }
 }
 
@@ -132,7 +132,7 @@ HWY_INLINE Vec<Tag> inverse_apart(Tag tag, const EdgeVector<Vec<Tag>>& e, const 
   const auto crosses = And(Le(Min(ca, cb), zero), Ge(Max(ca, cb), zero));
   const auto met = AndNot(tiny, And(crosses, Ge(Abs(across), e.grazing)));
   unsure = Or(unsure, Or(tiny, Xor(crosses, met)));
-  return IfThenElseZero(met, Mul(across, Div(Set(tag, 1.0f), area)));
+  return IfThenElseZero(met, Mul(across, divide(Set(tag, 1.0f), area)));
 }
 
 /// Whether the beams of a fan start at the reference or at different points.
@@ -444,7 +444,7 @@ void ranges_of_fan(const Fan& fan, const float* inverse, const float* range_max,
     const Floats most = LoadU(k_f, range_max + i);
     const Floats value = LoadU(k_f, inverse + i);
     const Floats one = Set(k_f, 1.0f);
-    return IfThenElse(Gt(value, Div(one, most)), Min(Div(one, value), most), most);
+    return IfThenElse(Gt(value, divide(one, most)), Min(divide(one, value), most), most);
   };
   const std::size_t whole = fan.count / Lanes(k_f) * Lanes(k_f);
   for (std::size_t i = 0; i < whole; i += Lanes(k_f)) StoreU(range(i), k_f, ranges + i);

@@ -27,7 +27,7 @@ constexpr float k_quarter = 1.57079633f;  // a quarter of a turn, rad
 HWY_INLINE Floats angle_of(const Floats& x, const Floats& y) {
   const Floats across = Min(Abs(x), Abs(y));
   const Floats along = Max(Max(Abs(x), Abs(y)), Set(k_f, 1e-30f));
-  const Floats q = Div(across, along);
+  const Floats q = divide(across, along);
   const Floats q2 = Mul(q, q);
   Floats sum = Set(k_f, 0.0208351f);
   for (const float c : {-0.0851330f, 0.1801410f, -0.3302995f, 0.9998660f})

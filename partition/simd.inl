@@ -49,7 +49,6 @@ using hn::Ceil;
 using hn::ConvertTo;
 using hn::CopySign;
 using hn::DemoteTo;
-using hn::Div;
 using hn::Floor;
 using hn::Max;
 using hn::Min;
@@ -80,6 +79,24 @@ using hn::Xor;
 
 using hn::MaxOfLanes;
 using hn::MinOfLanes;
+
+/// a / b of IEEE 754. Highway's Div is not that on its portable target EMU128: from Highway 1.2 on, it gives
+/// 0 where b is 0.
+template <class V>
+HWY_INLINE V divide(const V& a, const V& b) {
+#if HWY_TARGET == HWY_EMU128
+  using T = hn::TFromV<V>;
+  constexpr hn::DFromV<V> k_tag;
+  alignas(16) T quotients[16 / sizeof(T)];
+  alignas(16) T divisors[16 / sizeof(T)];
+  Store(a, k_tag, quotients);
+  Store(b, k_tag, divisors);
+  for (std::size_t i = 0; i < Lanes(k_tag); ++i) quotients[i] /= divisors[i];
+  return Load(k_tag, quotients);
+#else
+  return hn::Div(a, b);
+#endif
+}
 
 // On targets without a compress instruction, Highway 1.0.3 keeps the permutations of its Compress in an array
 // inside the function. gcc 12 copies this array, up to a kilobyte, to the stack at every call, which took

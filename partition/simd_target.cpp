@@ -2,6 +2,7 @@
 
 #include "partition/simd_target.hpp"
 
+#include "partition/kernel_check.hpp"
 #include "partition/kernel_target.hpp"
 
 #include <fmt/format.h>
@@ -32,17 +33,46 @@ std::vector<std::int64_t> each_of(std::int64_t targets) {
   return list;
 }
 
-/// The set of targets that are compiled in and that this processor supports. hwy::SupportedTargets() also
-/// chooses the target on which kernels run, and does so before it removes the targets that may not be used.
-/// Therefore it is called only once, and the choice is then corrected.
-std::int64_t usable() {
-  static const std::int64_t targets = [] {
-    const std::int64_t found = hwy::SupportedTargets() & HWY_TARGETS;
-    hwy::GetChosenTarget().Update(found);
-    return found;
-  }();
-  return targets;
-}
+/// The targets that are compiled in and that this processor supports, and the one on which the kernels run.
+/// There is one object per process.
+class Targets {
+ public:
+  static Targets& get() {
+    static Targets targets;
+    return targets;
+  }
+
+  std::int64_t usable() const { return usable_; }
+  std::int64_t asked() const { return asked_; }  ///< the last argument of choose(); at first the best target
+
+  /// Makes kernels run on the target, or, if it computes wrong results, on the best target that does not.
+  void choose(std::int64_t target) {
+    std::vector<std::int64_t> candidates = each_of(usable_);
+    std::ranges::stable_partition(candidates, [&](std::int64_t candidate) { return candidate == target; });
+    if (std::ranges::none_of(candidates, [&](std::int64_t candidate) { return runs_on(candidate); }))
+      throw std::runtime_error(
+          "every instruction set computes wrong ranges in this build of Troupe, because of an error of the "
+          "compiler or of the library Highway: build Troupe with other versions of them");
+    asked_ = target;
+  }
+
+ private:
+  /// hwy::SupportedTargets() also chooses the target on which kernels run, and does so before it removes the
+  /// targets that may not be used. Therefore it is called only once, and the choice is then corrected.
+  Targets() : usable_(hwy::SupportedTargets() & HWY_TARGETS) { choose(each_of(usable_).front()); }
+
+  /// Makes kernels run on the target. Returns whether it computes right results.
+  bool runs_on(std::int64_t target) {
+    hwy::GetChosenTarget().Update(target);
+    if ((checked_ & target) == 0 && kernels_are_right()) right_ |= target;
+    checked_ |= target;
+    return (right_ & target) != 0;
+  }
+
+  std::int64_t usable_;
+  std::int64_t asked_ = 0;
+  std::int64_t checked_ = 0, right_ = 0;
+};
 
 std::string list_of(const std::vector<std::string>& names) {
   std::string text = names.front();
@@ -57,18 +87,31 @@ const SimdTargets& simd_targets() {
   static const SimdTargets targets = [] {
     SimdTargets out;
     for (const std::int64_t target : each_of(HWY_TARGETS))
-      ((usable() & target) != 0 ? out.usable : out.missing).push_back(name_of(target));
+      ((Targets::get().usable() & target) != 0 ? out.usable : out.missing).push_back(name_of(target));
     return out;
   }();
   return targets;
 }
 
-std::string simd_target() { return name_of(kernel_target()); }
+std::string simd_target() {
+  Targets::get();
+  return name_of(kernel_target());
+}
+
+std::optional<std::string> simd_warning() {
+  const std::int64_t asked = Targets::get().asked();
+  if (kernel_target() == asked) return std::nullopt;
+  return fmt::format(
+      "the instruction set {} computes wrong ranges in this build of Troupe, because of an error of the "
+      "compiler "
+      "or of the library Highway; {}, which computes the right ranges, is used instead",
+      name_of(asked), simd_target());
+}
 
 void use_simd_target(std::string_view name) {
-  for (const std::int64_t target : each_of(usable())) {
+  for (const std::int64_t target : each_of(Targets::get().usable())) {
     if (name_of(target) != name) continue;
-    hwy::GetChosenTarget().Update(target);
+    Targets::get().choose(target);
     return;
   }
   const SimdTargets& targets = simd_targets();

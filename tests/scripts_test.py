@@ -62,13 +62,17 @@ class Errors(unittest.TestCase):
         return pathlib.Path(made.name)
 
     def test_wrong_arguments(self):
+        """Also where the tools of the scripts are not installed: arguments are checked first."""
+        bare = self.folder()
+        for tool in ("bash", "dirname", "env", "git", "python3", "sed", "uname"):
+            (bare / tool).symlink_to(shutil.which(tool))
         wrong = {"build": [(), ("--fast",)], "check-package": [("all",)], "format": [("--all",)], "fuzz": [(), ("0",), ("9", "xml")],
                  "reference": [("--all",)], "replay-page": [("all",)], "setup": [("--all",)], "sysroot": [("arm64",)],
                  "wheel": [("--all",)]}
         for script, calls in wrong.items():
             for arguments in calls:
                 with self.subTest(script=script, arguments=arguments):
-                    done = call(ROOT / "scripts" / script, *arguments)
+                    done = call(ROOT / "scripts" / script, *arguments, env={**os.environ, "PATH": str(bare)})
                     self.assertEqual((done.returncode, done.stdout), (2, ""))
                     self.assertRegex(done.stderr, rf"^(usage: scripts/{script}|scripts/{script}: error: .*allowed are )")
                     self.assertEqual(done.stderr.count("\n"), 1)
@@ -170,9 +174,12 @@ class Errors(unittest.TestCase):
         self.assertEqual(installed[:2], ["apt-get", "install"])
         self.assertLessEqual({"cmake", "dpkg-dev", "file", "mpich", "slurmd"}, set(installed))
 
-    def test_quickstart_builds_the_python_package_if_it_can(self):
-        for targets, built, said in (("troupe troupe_python", ["bin/troupe", "troupe_python"], ""),
-                                     ("troupe", ["bin/troupe"], "The Python package is not built, because pybind11 ")):
+    def test_quickstart_builds_the_python_package_and_draws_if_it_can(self):
+        picture = " --snapshot out/hospital.png"
+        for targets, built, drawn, said in (
+                ("troupe troupe_python troupe_render", ["bin/troupe", "troupe_python"], picture, "Picture of the final state: "),
+                ("troupe troupe_render", ["bin/troupe"], picture, "The Python package is not built, because pybind11 "),
+                ("troupe troupe_python", ["bin/troupe", "troupe_python"], "", "No picture was drawn, because the headers of OSMesa ")):
             with self.subTest(targets=targets):
                 folder = self.folder()
                 (folder / "scripts").mkdir()
@@ -185,7 +192,7 @@ class Errors(unittest.TestCase):
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
                 self.assertEqual(re.findall(r"(?m)^build (.*)", done.stdout), built)
                 self.assertIn(said, done.stdout)
-                self.assertIn("troupe run worlds/hospital.json --for 60 --snapshot out/hospital.png --threads 1\n", done.stdout)
+                self.assertIn(f"troupe run worlds/hospital.json --for 60{drawn} --threads 1\n", done.stdout)
 
     @unittest.skipUnless(shutil.which("doxygen"), "no Doxygen (scripts/setup --checks installs it)")
     def test_check_of_the_reference_writes_nothing_into_the_clone(self):

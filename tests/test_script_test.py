@@ -42,7 +42,7 @@ class Arguments(unittest.TestCase):
             done = call(*arguments)
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             wrong = next(argument for argument in arguments if argument not in ("--all", "release"))
-            self.assertEqual(done.stderr, f'scripts/test: error: unknown argument "{wrong}"; allowed are --all, '
+            self.assertEqual(done.stderr, f'scripts/test: error: unknown argument "{wrong}"; allowed are --all, --bare, '
                                           f"--folders=NAME,..., --help, and the presets {allowed}\n")
 
     def test_folders_without_tests_are_errors(self):
@@ -69,6 +69,7 @@ class Arguments(unittest.TestCase):
 
     def test_ci_tests_what_is_shipped_wholly_and_with_sanitizers(self):
         self.assertIn("\nscripts/test --all release\n"
+                      "scripts/test --bare release\n"
                       "scripts/test --folders=base,partition,engine,sensors,models,worldio,fuzz dev\n",
                       (ROOT / ".ci/run").read_text())
 

@@ -1,5 +1,7 @@
 #include "engine/world/world.hpp"
 
+#include "partition/simd_target.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -306,6 +308,7 @@ void add_type_tables(BodyType& type, const std::vector<BodyId>& bodies, std::vec
 World::World(WorldSpec spec, const Registry& registry, const WorldOptions& options, Diagnostics& diagnostics)
     : parallel_(options.threads), links_(state_, parallel_), movement_(state_, parallel_) {
   state_.spec = std::move(spec);
+  if (const auto warning = partition::simd_warning()) diagnostics.warning({}, *warning);
   check_rules(state_.spec, [&](Where where, const std::string& text) { diagnostics.error(where, text); });
   diagnostics.throw_if_errors();
   double beams = 0;

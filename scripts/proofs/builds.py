@@ -63,6 +63,17 @@ def with_planted(name):
                   ["bin/troupe", "bin/troupe_shuffled", "troupe_mpi"])
 
 
+def warns_of_an_instruction_set(program):
+    """Whether the program finds that one of its instruction sets computes wrong ranges, and warns that it uses another one."""
+    version = subprocess.run([program, "--version"], check=True, capture_output=True, text=True).stdout
+    for name in re.search(r"\(available: (.*)\)", version)[1].split():
+        done = subprocess.run([program, "run", ROOT / "worlds" / "hospital.json", "--robots", "10", "--for", "1", "--simd", name],
+                              check=True, capture_output=True, text=True)
+        if f"the instruction set {name} computes wrong ranges" in done.stdout + done.stderr:
+            return True
+    return False
+
+
 def accepts_a_world_of_one(program):
     """Whether the program, which has a planted fault, accepts a wrong MPI module. With the module of another MPI than that of
     the launcher, each of three processes behaves as the only one. Runs the tests in tests/mpi_test.py that expect an error in

@@ -157,11 +157,31 @@ Outcome ProgramTest::troupe_until(const std::vector<std::string>& arguments, con
                              {{signal, [&] { return lines_of(content(folder_ / file)).size() >= lines; }}});
 }
 
-Outcome ProgramTest::troupe_on_terminal(const std::vector<std::string>& arguments) const {
+namespace {
+
+/// A new pseudo-terminal: its two sides, or -1 and -1 if the system has none.
+std::pair<int, int> open_terminal() {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0)
-    throw std::runtime_error("no terminal");
-  const int program_side = open(ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0)
+    if (const int program_side = open(ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC); program_side >= 0)
+      return {terminal, program_side};
+  if (terminal >= 0) close(terminal);
+  return {-1, -1};
+}
+
+}  // namespace
+
+bool ProgramTest::has_terminals() {
+  const auto [terminal, program_side] = open_terminal();
+  if (terminal < 0) return false;
+  close(terminal);
+  close(program_side);
+  return true;
+}
+
+Outcome ProgramTest::troupe_on_terminal(const std::vector<std::string>& arguments) const {
+  const auto [terminal, program_side] = open_terminal();
+  if (terminal < 0) throw std::runtime_error("no terminal");
   const int out = create(streams_ / "out");
   const int process = start(arguments, out, program_side);
   close(out);

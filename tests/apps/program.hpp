@@ -62,6 +62,8 @@ class ProgramTest : public ::testing::Test {
   /// Runs `troupe ARGUMENTS...` with at most `bytes` of address space. Not for builds with the address
   /// sanitizer, which reserves more.
   Outcome troupe_with_memory_limit(const std::vector<std::string>& arguments, std::size_t bytes) const;
+  /// Whether the system has pseudo-terminals, for troupe_on_terminal(). Some containers have none.
+  static bool has_terminals();
   /// Runs `troupe ARGUMENTS...` with a pseudo-terminal as its standard error. The result's member `err`
   /// contains all bytes that the terminal received.
   Outcome troupe_on_terminal(const std::vector<std::string>& arguments) const;

@@ -24,7 +24,7 @@ class StageWorlds : public ProgramTest, public ::testing::WithParamInterface<Sta
 
 TEST_P(StageWorlds, RunUnmodified) {
   const std::filesystem::path world = std::filesystem::path(TROUPE_SOURCE_DIR) / GetParam().file;
-  if (!std::filesystem::exists(world)) GTEST_SKIP() << "Stage's worlds are not here: " << world;
+  if (!std::filesystem::exists(world)) GTEST_SKIP() << "Stage's data are not in " << world;
   const Outcome outcome = troupe({"run", world, "--for", GetParam().seconds, "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);

@@ -67,6 +67,7 @@ TEST_F(Watch, TheClockIsThereForWhoAsksForIt) {
 }
 
 TEST_F(Watch, LinesAndAProgressBarDoNotMix) {
+  if (!has_terminals()) GTEST_SKIP() << "the system has no pseudo-terminals (/dev/pts)";
   write_world("w.world", "");
   // Held back, it takes 2.5 s, in which a progress bar is shown without --clock.
   const Outcome outcome = troupe_on_terminal({"run", "w.world", "--for", "5", "--rate", "2", "--clock"});

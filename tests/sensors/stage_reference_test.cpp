@@ -127,7 +127,7 @@ constexpr auto k_grid = engine::RangingEngine::grid;
 class StageReference : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!std::filesystem::exists(k_folder)) GTEST_SKIP() << "Stage's readings are not in " << k_folder;
+    if (!std::filesystem::exists(k_folder)) GTEST_SKIP() << "Stage's data are not in " << k_folder;
   }
   static Readings of(const std::string& name, engine::RangingEngine ranging) {
     return {k_folder / (name + ".world"), k_folder / (name + ".jsonl"), ranging};

@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(World, CheckpointOf, ::testing::ValuesIn(all_scenes()),
                          [](const auto& scene) { return scene.param.name; });
 
 TEST_P(CheckpointOf, GoesOnAsIfTheRunHadNeverStopped) {
-  if (!fs::exists(GetParam().world)) GTEST_SKIP() << "there is no " << GetParam().world.string();
+  if (!fs::exists(GetParam().world)) GTEST_SKIP() << "Stage's data are not in " << GetParam().world.string();
   const int before = test::k_slow_build ? 3 : 21;
   const int after = test::k_slow_build ? 3 : 25;
   SimulationOptions options = GetParam().options;

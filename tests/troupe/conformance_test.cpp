@@ -323,7 +323,7 @@ void expect_one_result(const fs::path& world, int ticks) {
 
 TEST_F(Conformance15, StagesCaveOverRunsAndThreads) {
   const fs::path cave = fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds/benchmark/cave.world";
-  if (!fs::exists(cave)) GTEST_SKIP() << "Stage's worlds are not here: " << cave;
+  if (!fs::exists(cave)) GTEST_SKIP() << "Stage's data are not in " << cave;
   expect_one_result(cave, test::k_slow_build ? 2 : 100);
 }
 

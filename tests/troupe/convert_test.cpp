@@ -70,7 +70,7 @@ class ConvertedWorlds : public ConvertTest, public ::testing::WithParamInterface
 
 TEST_P(ConvertedWorlds, RunWithTheSameHashes) {
   const fs::path world = k_source / GetParam().file;
-  if (!fs::exists(world)) GTEST_SKIP() << "Stage's worlds are not here: " << world.string();
+  if (!fs::exists(world)) GTEST_SKIP() << "Stage's data are not in " << world.string();
   const int ticks = test::k_slow_build ? 1 : GetParam().ticks;
   const std::vector<std::string> log = hash_log(world, ticks);
   const fs::path json = convert(world, "first.json");
@@ -84,7 +84,7 @@ TEST_P(ConvertedWorlds, RunWithTheSameHashes) {
 
 TEST_P(ConvertedWorlds, ComeBackFromJsonAsWorldsOfStage) {
   const fs::path world = k_source / GetParam().file;
-  if (!fs::exists(world)) GTEST_SKIP() << "Stage's worlds are not here: " << world.string();
+  if (!fs::exists(world)) GTEST_SKIP() << "Stage's data are not in " << world.string();
   if (world.extension() != ".world") GTEST_SKIP() << "is no world of Stage";
   const int ticks = test::k_slow_build ? 1 : GetParam().ticks;
   const fs::path back = convert(convert(world, "w.json"), "w.world");

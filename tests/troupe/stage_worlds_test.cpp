@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 const fs::path k_stage_worlds = fs::path(TROUPE_SOURCE_DIR) / ".." / "shared" / "stage-worlds";
 
 #define SKIP_WITHOUT_STAGE_WORLDS() \
-  if (!fs::exists(k_stage_worlds)) GTEST_SKIP() << "Stage's worlds are not at " << k_stage_worlds.string()
+  if (!fs::exists(k_stage_worlds)) GTEST_SKIP() << "Stage's data are not in " << k_stage_worlds.string()
 
 struct StageWorld {
   const char* file;

@@ -303,7 +303,7 @@ const auto k_stage_bitmaps = std::to_array<Counted>({
 
 TEST(Conformance13, PolygonsVerticesAndBoxesOfStagesBitmaps) {
   const fs::path bitmaps = fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds/bitmaps";
-  if (!fs::exists(bitmaps)) GTEST_SKIP() << "Stage's bitmaps are not in " << bitmaps;
+  if (!fs::exists(bitmaps)) GTEST_SKIP() << "Stage's data are not in " << bitmaps;
   std::size_t tried = 0;
   for (const Counted& expected : k_stage_bitmaps) {
     const fs::path file = bitmaps / (std::string(expected.name) + ".png");

@@ -88,7 +88,7 @@ TEST(StageColors, EveryNameOfX11IsKnown) {
   const std::filesystem::path file =
       std::filesystem::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds/rgb.txt";
   std::ifstream in(file);
-  if (!in) GTEST_SKIP() << "X11's colours are not in " << file;
+  if (!in) GTEST_SKIP() << "Stage's data are not in " << file;
   std::size_t names = 0;
   for (std::string line; std::getline(in, line);) {
     std::istringstream fields(line);

@@ -1063,7 +1063,7 @@ class StageOwnWorld : public StageTest {
   }
 
   void SetUp() override {
-    if (!std::filesystem::exists(worlds)) GTEST_SKIP() << "Stage's worlds are not in " << worlds;
+    if (!std::filesystem::exists(worlds)) GTEST_SKIP() << "Stage's data are not in " << worlds;
   }
 };
 
