@@ -100,9 +100,8 @@ HWY_INLINE V divide(const V& a, const V& b) {
 
 // On targets without a compress instruction, Highway 1.0.3 keeps the permutations of its Compress in an array
 // inside the function. gcc 12 copies this array, up to a kilobyte, to the stack at every call, which took
-// three quarters of the time of the kernel may_meet(). Highway's CountTrue is a function call on SSSE3, the
-// one target without popcnt.
-#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_NEON
+// three quarters of the time of the kernel may_meet(). Highway's CountTrue is a function call on the targets
+// without popcnt: SSSE3 and, from Highway 1.1 on, SSE2.
 
 /// The bits of a mask of at most eight lanes.
 template <class Tag>
@@ -111,6 +110,8 @@ HWY_INLINE std::uint8_t bits_of(Tag tag, const Mask<Tag>& mask) {
   hn::StoreMaskBits(tag, mask, &bits);
   return bits;
 }
+
+#if HWY_TARGET == HWY_SSSE3 || HWY_TARGET == HWY_SSE4 || HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_NEON
 
 /// Moves the lanes where the mask holds to the front, in their order. The lanes after them are arbitrary.
 /// Works only for whole vectors of 32-bit lanes.
@@ -142,7 +143,7 @@ HWY_INLINE V compress(const V& v, const Mask<hn::DFromV<V>>& mask) {
 /// The number of lanes where the mask holds.
 template <class Tag>
 HWY_INLINE std::size_t count_true(Tag tag, const Mask<Tag>& mask) {
-#if HWY_TARGET == HWY_SSSE3
+#if HWY_TARGET == HWY_SSSE3 || (defined(HWY_SSE2) && HWY_TARGET == HWY_SSE2)
   constexpr std::uint64_t k_counts = 0x4332'3221'3221'2110;  // one digit per mask of four lanes
   return k_counts >> (4 * bits_of(tag, mask)) & 0xF;
 #else

@@ -6,6 +6,7 @@
 #include "engine/conflicts/conflicts.hpp"
 #include "engine/world/world.hpp"
 #include "partition/ranging.hpp"
+#include "tests/support/paths.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
 
@@ -158,7 +159,7 @@ BENCHMARK(resolve_conflicts)->Arg(1000)->Arg(100000)->Name("move/resolve a dense
 engine::WorldSpec load(const std::string& world, std::size_t robots, const engine::Registry& registry) {
   Diagnostics diagnostics;
   engine::WorldSpec spec = worldio::load_world(
-      std::string(TROUPE_SOURCE_DIR "/worlds/") + world, registry,
+      test::source_dir().string() + "/worlds/" + world, registry,
       {.seed = {}, .robots = {{"", robots}}, .set = {}, .search_path = {}, .threads = 1}, diagnostics);
   diagnostics.throw_if_errors();
   return spec;
@@ -174,8 +175,8 @@ void load_population(benchmark::State& state) {
                  {"/populations/0/place/region_m", "[[-278, -118], [278, 118]]"}};
   for (auto _ : state) {
     Diagnostics diagnostics;
-    benchmark::DoNotOptimize(
-        worldio::load_world(TROUPE_SOURCE_DIR "/worlds/hospital-10cm.json", registry, options, diagnostics));
+    benchmark::DoNotOptimize(worldio::load_world(test::source_dir() / "worlds/hospital-10cm.json", registry,
+                                                 options, diagnostics));
     diagnostics.throw_if_errors();
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));

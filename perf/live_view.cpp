@@ -2,6 +2,7 @@
 // the thread of the simulation, `encode` computes the differences for one viewer on the thread of the server.
 
 #include "live/picture.hpp"
+#include "tests/support/paths.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/results/replay_header.hpp"
 
@@ -23,7 +24,7 @@ struct Shown {
 };
 
 Shown hospital(std::size_t robots) {
-  Simulation simulation(TROUPE_SOURCE_DIR "/worlds/hospital-10cm.json",
+  Simulation simulation(test::source_dir() / "worlds/hospital-10cm.json",
                         {.threads = 1, .robots = {{"", robots}}});
   worldio::LivePage page = worldio::live_page(simulation.world(), simulation.registry());
   return {std::move(simulation), std::move(page)};

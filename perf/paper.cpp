@@ -7,6 +7,7 @@
 #include "base/diagnostics.hpp"
 #include "partition/processors.hpp"
 #include "partition/simd_target.hpp"
+#include "tests/support/paths.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/results/hdf5_file.hpp"
 #include "perf/paper_cases.hpp"
@@ -57,7 +58,7 @@ struct Options {
   std::vector<std::string> simd;  // the first is for most rows; the comparison of instruction sets uses all
   fs::path out;
   fs::path markdown;
-  fs::path hashes = fs::path(TROUPE_SOURCE_DIR) / "perf/paper_hashes.txt";
+  fs::path hashes = test::source_dir() / "perf/paper_hashes.txt";
   std::optional<std::size_t> child;
   fs::path child_world;
 };
@@ -259,7 +260,7 @@ int measure(Options& options) {
   }
 
   const std::vector<Sheet> tables =
-      sheets(report, read_reference(fs::path(TROUPE_SOURCE_DIR) / "perf/paper_reference.json"));
+      sheets(report, read_reference(test::source_dir() / "perf/paper_reference.json"));
   for (const auto& [key, value] : report.machine) fmt::print("{:<20} {}\n", key, value);
   for (const Sheet& sheet : tables) fmt::print("{}", plain_text(sheet));
   std::fflush(stdout);

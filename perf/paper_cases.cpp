@@ -1,5 +1,6 @@
 #include "perf/paper_cases.hpp"
 
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <fmt/format.h>
@@ -43,7 +44,7 @@ constexpr double k_quick_campus_s = 0.2;
 /// s.
 Scene scene_of(const scenes::Benchmark& row, std::size_t robots, double for_s) {
   Scene scene{.name = fmt::format("{}/{}", fs::path(row.world).stem().string(), robots),
-              .world = fs::path(TROUPE_SOURCE_DIR) / "worlds" / row.world,
+              .world = test::source_dir() / "worlds" / row.world,
               .robots = robots,
               .for_s = for_s};
   if (row.populations.empty()) scene.load.robots = {{"", robots}};
@@ -105,7 +106,7 @@ std::vector<Table> make_tables() {
 
 }  // namespace
 
-fs::path stage_worlds() { return fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds"; }
+fs::path stage_worlds() { return test::source_dir() / "../shared/stage-worlds"; }
 
 Result<> has_world(const Scene& scene) {
   if (std::error_code ignored; !fs::exists(scene.world, ignored))
@@ -116,7 +117,7 @@ Result<> has_world(const Scene& scene) {
 Plan make_plan(bool quick, const std::vector<unsigned>& threads, const std::vector<std::string>& simd) {
   Plan plan;
   plan.tables = make_tables();
-  const scenes::Manifest manifest = scenes::read_manifest(fs::path(TROUPE_SOURCE_DIR) / "worlds/scenes.json");
+  const scenes::Manifest manifest = scenes::read_manifest(test::source_dir() / "worlds/scenes.json");
   const auto with_threads = [&](const Scene& scene) {
     std::vector<Run> runs;
     for (const unsigned n : threads) runs.push_back({scene, n, false});

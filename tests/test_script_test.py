@@ -43,7 +43,7 @@ class Arguments(unittest.TestCase):
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             wrong = next(argument for argument in arguments if argument not in ("--all", "release"))
             self.assertEqual(done.stderr, f'scripts/test: error: unknown argument "{wrong}"; allowed are --all, --bare, '
-                                          f"--folders=NAME,..., --help, and the presets {allowed}\n")
+                                          f"--folders=NAME,..., --times, --help, and the presets {allowed}\n")
 
     def test_folders_without_tests_are_errors(self):
         done = call("--folders=base,docs", "dev")

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import sys
 
-from .runs import ROOT, Fault
+from .runs import ROOT, Fault, available_simd
 
 COMPILERS = ("g++", "clang++")
 LEVELS = ("-O0", "-O1", "-O2", "-O3")
@@ -65,8 +65,7 @@ def with_planted(name):
 
 def warns_of_an_instruction_set(program):
     """Whether the program finds that one of its instruction sets computes wrong ranges, and warns that it uses another one."""
-    version = subprocess.run([program, "--version"], check=True, capture_output=True, text=True).stdout
-    for name in re.search(r"\(available: (.*)\)", version)[1].split():
+    for name in available_simd(program):
         done = subprocess.run([program, "run", ROOT / "worlds" / "hospital.json", "--robots", "10", "--for", "1", "--simd", name],
                               check=True, capture_output=True, text=True)
         if f"the instruction set {name} computes wrong ranges" in done.stdout + done.stderr:

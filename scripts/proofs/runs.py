@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import shlex
 import subprocess
 import sys
@@ -40,6 +41,12 @@ class World:
     def arguments(self):
         sizes = [word for size in self.populations for word in ("--robots", size)]
         return [ROOT / "worlds" / self.file, *(["--raytracer", self.ranging] if self.ranging else []), *sizes]
+
+
+def available_simd(program):
+    """Returns the names of the instruction sets on which the kernels of the program can run on this machine."""
+    version = subprocess.run([program, "--version"], check=True, capture_output=True, text=True).stdout
+    return re.search(r"\(available: (.*)\)", version)[1].split()
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "tests/support/paths.hpp"
 
 #include <png.h>
 
@@ -34,7 +35,7 @@ struct Pixels {
 
 class CameraPicturesOf : public ProgramTest {
  protected:
-  const std::string world_ = std::string(TROUPE_SOURCE_DIR) + "/worlds/camera.world";
+  const std::string world_ = test::source_dir().string() + "/worlds/camera.world";
 
   Pixels pixels(const std::string& name) const {
     Pixels out;

@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "tests/support/paths.hpp"
 
 namespace troupe::apps {
 namespace {
@@ -52,7 +53,7 @@ TEST_F(ConvertCommand, SaysInALineWhatItWrote) {
 }
 
 TEST_F(ConvertCommand, WorldsWithHeadingsBeyondHalfATurnHaveOneLogInBothFormats) {
-  const std::string worlds = std::string(TROUPE_SOURCE_DIR) + "/worlds/";
+  const std::string worlds = test::source_dir().string() + "/worlds/";
   ASSERT_EQ(troupe({"convert", worlds + "crowd.json", "crowd.world"}).code, 0);
   EXPECT_EQ(hashes("crowd.world"), hashes(worlds + "crowd.json"));
   const std::vector<std::string> few{"--set", "/populations/0/count=30"};

@@ -2,6 +2,7 @@
 
 #include "tests/apps/program.hpp"
 
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
@@ -32,7 +33,7 @@ class HostileUsage : public ProgramTest {
 
   /// The exit code of a shell that runs `troupe ARGUMENTS REDIRECTIONS` in the folder.
   int shell(const std::string& command) const {
-    const std::string line = "cd '" + path("").string() + "' || exit 9; '" TROUPE_PROGRAM "' " + command;
+    const std::string line = "cd '" + path("").string() + "' || exit 9; '" + test::program() + "' " + command;
     const int status = std::system(line.c_str());
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   }
@@ -41,7 +42,7 @@ class HostileUsage : public ProgramTest {
   /// standard error is in err.txt.
   int limited(int most_kilobytes, const std::string& command) const {
     return shell("--version >/dev/null; ulimit -s 4000000 && ulimit -v " + std::to_string(most_kilobytes) +
-                 " || exit 9; timeout -s KILL 240 '" TROUPE_PROGRAM "' " + command + " 2>err.txt");
+                 " || exit 9; timeout -s KILL 240 '" + test::program() + "' " + command + " 2>err.txt");
   }
   static constexpr int k_no_thread = 3'000'000, k_one_thread = 6'000'000;
   bool can_limit_threads() const {
@@ -270,7 +271,7 @@ TEST_F(HostileUsage, LinksOfOutputsThatLeadNowhereAreRefusedBeforeTheRun) {
 TEST_F(HostileUsage, AnOutputMayBeAnOpenFileWhoseFolderDoesNotExist) {
   ASSERT_EQ(shell("run room.world --for 0.3 --threads 1 --quiet --hash-log right.log"), 0);
   EXPECT_EQ(
-      shell("--version >/dev/null; mkdir gone && exec 5>gone/run.log && rm -r gone && '" TROUPE_PROGRAM
+      shell("--version >/dev/null; mkdir gone && exec 5>gone/run.log && rm -r gone && '" + test::program() +
             "' run room.world --for 0.3 --threads 1 --quiet --hash-log /dev/fd/5 && cp /dev/fd/5 run.log"),
       0);
   EXPECT_EQ(read("run.log"), read("right.log"));
@@ -347,7 +348,7 @@ TEST_F(HostileUsage, TooLittleMemoryForAPictureIsAnError) {
   if (const Outcome outcome = troupe(render); lacks_pictures(outcome)) GTEST_SKIP() << outcome.err;
   for (int most_kilobytes = 200'000; most_kilobytes <= 600'000; most_kilobytes += 50'000) {
     const int code = shell("--version >/dev/null; ulimit -v " + std::to_string(most_kilobytes) +
-                           " || exit 9; timeout -s KILL 240 '" TROUPE_PROGRAM
+                           " || exit 9; timeout -s KILL 240 '" + test::program() +
                            "' render room.world -o limited.png --for 0.1 --threads 1 2>err.txt");
     if (code == 0) continue;
     EXPECT_EQ(code, 1) << most_kilobytes;

@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "tests/support/paths.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <algorithm>
@@ -188,7 +189,7 @@ TEST_F(Info, OfWorlds) {
 }
 
 TEST_F(Info, OfAnExperiment) {
-  const Outcome outcome = troupe({"info", TROUPE_SOURCE_DIR "/worlds/failures.json"});
+  const Outcome outcome = troupe({"info", (test::source_dir() / "worlds/failures.json").string()});
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("covered >= 0.9\n"));
   EXPECT_THAT(outcome.out,

@@ -1,5 +1,6 @@
 #include "apps/observers/profile.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/support/paths.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -18,7 +19,7 @@ using ::testing::MatchesRegex;
 using ::testing::Pair;
 using ::testing::SizeIs;
 
-constexpr const char* k_hospital = TROUPE_SOURCE_DIR "/worlds/hospital.json";
+const std::string k_hospital = (test::source_dir() / "worlds/hospital.json").string();
 const std::vector<std::string> k_phase_names{"intervene", "sense", "actuate", "decide", "move", "index"};
 
 struct Event {

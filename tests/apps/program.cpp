@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "tests/support/paths.hpp"
 
 #include <fcntl.h>
 #include <nlohmann/json.hpp>
@@ -63,7 +64,7 @@ std::vector<std::string> ProgramTest::files() const {
 
 int ProgramTest::start(const std::vector<std::string>& arguments, int out, int err,
                        std::optional<Limit> limit) const {
-  std::vector<std::string> words{TROUPE_PROGRAM};
+  std::vector<std::string> words{test::program()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
@@ -80,7 +81,7 @@ int ProgramTest::start(const std::vector<std::string>& arguments, int out, int e
       setrlimit(limit->resource, &both);
       setenv("ASAN_OPTIONS", "detect_leaks=0", 1);  // HDF5 forgets the chunk that it could not write
     }
-    if (chdir(folder_.c_str()) == 0) execv(TROUPE_PROGRAM, argv.data());
+    if (chdir(folder_.c_str()) == 0) execv(test::program().c_str(), argv.data());
     _exit(127);
   }
   return process;

@@ -1,5 +1,6 @@
 #include "apps/exit_code.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/support/paths.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <algorithm>
@@ -183,7 +184,7 @@ TEST_F(Render, ChargesThatWereRecordedAreThoseOfTheRun) {
 
 TEST_F(Render, ColoursThatAreShownAreThoseOfTheRun) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
-  const std::string world = std::string(TROUPE_SOURCE_DIR) + "/worlds/gradient.json";  // hops by LEDs
+  const std::string world = test::source_dir().string() + "/worlds/gradient.json";  // hops by LEDs
   ASSERT_EQ(troupe({"run", world, "--for", "5", "--quiet", "--record", "g.h5"}).code, 0);
   ASSERT_EQ(draw({world, "--at", "5", "--layers=-stalls"}).code, 0);
   const std::string of_world = pixels("p.png");
@@ -264,7 +265,7 @@ TEST_F(Render, PartsThatAJointHasMovedAreDrawnFarFromTheirBody) {
 
 TEST_F(Render, NamesArePlacedBesideShapesThatJointsHaveMoved) {
   if (!worldio::has_hdf5()) GTEST_SKIP() << "built without HDF5";
-  const std::string world = std::string(TROUPE_SOURCE_DIR) + "/worlds/gripper.json";
+  const std::string world = test::source_dir().string() + "/worlds/gripper.json";
   ASSERT_EQ(troupe({"run", world, "--for", "30", "--quiet", "--record", "g.h5"}).code, 0);
   ASSERT_EQ(draw({world, "--at", "30", "--layers=names,-stalls"}).code, 0);
   const std::string of_world = pixels("p.png");

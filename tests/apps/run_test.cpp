@@ -3,6 +3,7 @@
 #include "apps/numbers.hpp"
 #include "apps/outputs.hpp"
 #include "partition/simd_target.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "worldio/file_lock.hpp"
 
@@ -83,7 +84,7 @@ TEST_F(Run, JsonIsOneFlatObjectAndNothingElse) {
   EXPECT_EQ(lines_of(outcome.out).size(), 1u);
   const auto json = nlohmann::json::parse(outcome.out);
   std::stringstream page;
-  page << std::ifstream(TROUPE_SOURCE_DIR "/docs/measures.md").rdbuf();
+  page << std::ifstream(test::source_dir() / "docs/measures.md").rdbuf();
   const std::string text = page.str();
   const std::size_t begin = text.find("## The summary");
   const std::string documented = text.substr(begin, text.find("## List of measures") - begin);

@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "tests/support/paths.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -23,7 +24,7 @@ void PrintTo(const StageWorld& world, std::ostream* out) {
 class StageWorlds : public ProgramTest, public ::testing::WithParamInterface<StageWorld> {};
 
 TEST_P(StageWorlds, RunUnmodified) {
-  const std::filesystem::path world = std::filesystem::path(TROUPE_SOURCE_DIR) / GetParam().file;
+  const std::filesystem::path world = test::source_dir() / GetParam().file;
   if (!std::filesystem::exists(world)) GTEST_SKIP() << "Stage's data are not in " << world;
   const Outcome outcome = troupe({"run", world, "--for", GetParam().seconds, "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;

@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "tests/support/paths.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <fmt/format.h>
@@ -143,7 +144,7 @@ TEST_F(Tables, EventsAddUpToTheStallsThatAreMeasured) {
 }
 
 TEST_F(Tables, BirthsAndDeathsAreToldAndCounted) {
-  const std::string world = TROUPE_SOURCE_DIR "/worlds/colony.json";
+  const std::string world = (test::source_dir() / "worlds/colony.json").string();
   EXPECT_EQ(troupe({"run", world, "--quiet", "--for", "13", "--events", "e.csv", "--measures", "m.csv"}).code,
             0);
   std::vector<std::string> told;

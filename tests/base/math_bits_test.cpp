@@ -2,6 +2,7 @@
 // reads.
 
 #include "base/math.hpp"
+#include "tests/support/paths.hpp"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +27,7 @@ double value(const std::string& function, double a, double b) {
 }
 
 TEST(MathBits, AreThoseOfTheFile) {
-  std::ifstream file(TROUPE_SOURCE_DIR "/tests/base/math_bits.txt");
+  std::ifstream file(test::source_dir() / "tests/base/math_bits.txt");
   int lines = 0;
   for (std::string line; std::getline(file, line);) {
     if (line.starts_with('#')) continue;

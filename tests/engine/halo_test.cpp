@@ -12,6 +12,7 @@
 #include "partition/job_thread.hpp"
 #include "partition/mailboxes.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -45,7 +46,7 @@ namespace fs = std::filesystem;
 
 using ::testing::HasSubstr;
 
-const fs::path k_halo_worlds = TROUPE_SOURCE_DIR "/worlds";
+const fs::path k_halo_worlds = test::source_dir() / "worlds";
 
 /// How a world is divided.
 struct HaloTeam {

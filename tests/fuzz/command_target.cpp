@@ -4,6 +4,7 @@
 #include "apps/sweep/sweep.hpp"
 #include "apps/view_command.hpp"
 #include "tests/fuzz/targets.hpp"
+#include "tests/support/paths.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
 #include <unistd.h>
@@ -60,7 +61,7 @@ class Scratch {
     // Some commands replace the process by an interpreter of Python, and the target would end silently.
     setenv("TROUPE_PYTHON", "/dev/null", 1);  // NOLINT(concurrency-mt-unsafe): before any thread exists
     enter();
-    const fs::path files = fs::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files";
+    const fs::path files = test::source_dir() / "tests/fuzz/files";
     for (const char* file : {"study_room.json", "room.world", "gate.pgm"}) fs::copy_file(files / file, file);
     fs::rename("study_room.json", "room.json");
     std::ofstream("study.json") << R"({"troupe_study": 1, "world": "room.json", "for_s": 0.2, "seeds": [1, 2],

@@ -3,6 +3,7 @@
 
 #include "engine/world/world.hpp"
 #include "tests/fuzz/targets.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/json_text.hpp"
@@ -23,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path k_folder = fs::path(TROUPE_SOURCE_DIR) / "tests/fuzz";
+const fs::path k_folder = test::source_dir() / "tests/fuzz";
 
 std::vector<fs::path> seeds(const std::string& kind) {
   std::vector<fs::path> files;

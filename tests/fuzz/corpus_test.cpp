@@ -2,6 +2,7 @@
 // findings), in ordinary builds and with the sanitizers of these builds.
 
 #include "tests/fuzz/targets.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 
 #include <fcntl.h>
@@ -77,7 +78,7 @@ class Silence {
 };
 
 TEST_P(Corpus, IsReadToTheEnd) {
-  const std::filesystem::path folder = std::filesystem::path(TROUPE_SOURCE_DIR) / "tests/fuzz";
+  const std::filesystem::path folder = test::source_dir() / "tests/fuzz";
   const auto start = std::chrono::steady_clock::now();
   std::size_t count = 0;
   for (const char* kind : {"corpus", "findings"})

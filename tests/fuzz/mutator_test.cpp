@@ -4,6 +4,7 @@
 #include "tests/fuzz/json_mutator.hpp"
 #include "tests/fuzz/stage_mutator.hpp"
 #include "tests/fuzz/targets.hpp"
+#include "tests/support/paths.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
 #include "worldio/stage/stage_parser.hpp"
@@ -29,7 +30,7 @@ using ::testing::IsSupersetOf;
 constexpr std::uint32_t k_rounds = 400;
 
 std::string content(const char* name) {
-  std::ifstream stream(fs::path(TROUPE_SOURCE_DIR) / "tests/fuzz" / name, std::ios::binary);
+  std::ifstream stream(test::source_dir() / "tests/fuzz" / name, std::ios::binary);
   EXPECT_TRUE(stream) << name;
   return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -47,8 +48,8 @@ std::size_t errors_of(const std::string& world) {
   options.threads = 1;
   options.most_bodies = 200;
   try {
-    worldio::load_world_text(fs::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files/fuzz.json", world,
-                             make_registry(), options, diagnostics);
+    worldio::load_world_text(test::source_dir() / "tests/fuzz/files/fuzz.json", world, make_registry(),
+                             options, diagnostics);
   } catch (const InputError&) {
   }
   return static_cast<std::size_t>(

@@ -2,6 +2,7 @@
 
 #include "engine/world/world.hpp"
 #include "tests/fuzz/hdf5_text.hpp"
+#include "tests/support/paths.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/images/bitmap.hpp"
 #include "worldio/images/ros_map.hpp"
@@ -36,7 +37,7 @@ namespace {
 
 // The folder of the files that worlds may include, and of the images that they may use. Worlds are read as if
 // they were files in this folder.
-const std::filesystem::path k_folder = std::filesystem::path(TROUPE_SOURCE_DIR) / "tests/fuzz/files";
+const std::filesystem::path k_folder = test::source_dir() / "tests/fuzz/files";
 
 constexpr int k_ticks = 5;
 constexpr double k_most_bodies = 200;

@@ -1,5 +1,7 @@
 #include "partition/mpi_transport.hpp"
 
+#include "tests/support/paths.hpp"
+
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -8,7 +10,7 @@ namespace troupe::partition {
 namespace {
 
 TEST(MpiTransport, AMessageThatComesTooLateIsWrittenToMemoryOfItsOwn) {
-  MpiTransport transport(TROUPE_SLOW_MPI);
+  MpiTransport transport((test::binary_dir() / "tests/libslow_mpi.so").string());
   transport.set_limit(2);
   EXPECT_THROW(transport.receive(1), RankError);
   const double then = transport.seconds();  // the module writes the rest of the message
@@ -18,7 +20,7 @@ TEST(MpiTransport, AMessageThatComesTooLateIsWrittenToMemoryOfItsOwn) {
 
 // A job that was suspended goes on, although the clock has moved on by far more than the limit.
 TEST(MpiTransport, TimeInWhichTheProcessIsSuspendedDoesNotCount) {
-  MpiTransport transport(TROUPE_SLOW_MPI);
+  MpiTransport transport((test::binary_dir() / "tests/libslow_mpi.so").string());
   transport.set_limit(10);
   transport.send(1, std::make_shared<const Message>());
   transport.complete_sending();

@@ -6,6 +6,7 @@
 #include "engine/world/world.hpp"
 #include "tests/support/hash_log.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/lint.hpp"
 #include "troupe/plugin_library.hpp"
@@ -50,7 +51,7 @@ using ::testing::MatchesRegex;
 using ::testing::Not;
 using ::testing::Pair;
 
-fs::path folder_of(std::string_view name) { return fs::path(TROUPE_BINARY_DIR) / "plugins" / name; }
+fs::path folder_of(std::string_view name) { return test::binary_dir() / "plugins" / name; }
 
 class PluginsTest : public test::ScratchTest {
  protected:
@@ -105,7 +106,7 @@ TEST(PluginLayout, ChangesOnlyWithTheVersionOfTheInterface) {
 #if !defined(__x86_64__) || defined(_LIBCPP_VERSION) || defined(_GLIBCXX_DEBUG)
   GTEST_SKIP() << "layouts.txt has the layouts of libstdc++ on x86-64";
 #endif
-  const fs::path file = TROUPE_SOURCE_DIR "/tests/plugins/layouts.txt";
+  const fs::path file = test::source_dir() / "tests/plugins/layouts.txt";
   std::ifstream stream(file);
   std::uint32_t version = 0;
   std::string last;
@@ -448,7 +449,7 @@ TEST_F(PluginsTest, OfOneNameHaveParametersOfTheirOwn) {
 
 /// The example of docs/controllers.md.
 TEST_F(PluginsTest, TheExampleFollowsTheWallsOfItsRoom) {
-  Simulation simulation(fs::path(TROUPE_SOURCE_DIR) / "apps/examples/plugin/room.json",
+  Simulation simulation(test::source_dir() / "apps/examples/plugin/room.json",
                         options({folder_of("plugins")}));
   Model robot = simulation.find("r0");
   double farthest_m = 0;

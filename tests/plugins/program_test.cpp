@@ -1,4 +1,5 @@
 #include "tests/apps/program.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
@@ -22,7 +23,7 @@ using ::testing::IsEmpty;
 using ::testing::MatchesRegex;
 using ::testing::StartsWith;
 
-std::string folder_of(const std::string& name) { return std::string(TROUPE_BINARY_DIR) + "/plugins/" + name; }
+std::string folder_of(const std::string& name) { return test::binary_dir().string() + "/plugins/" + name; }
 
 /// An environment variable, for as long as a test.
 class Variable {

@@ -2,6 +2,7 @@
 #include "worldio/load.hpp"
 
 #include "engine/world/world.hpp"
+#include "tests/support/paths.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -17,7 +18,7 @@
 namespace troupe::sensors {
 namespace {
 
-const std::filesystem::path k_source = TROUPE_SOURCE_DIR;
+const std::filesystem::path k_source = test::source_dir();
 
 /// Readings of the robots of a world, as lines of JSON.
 struct Readings {

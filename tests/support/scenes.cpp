@@ -1,4 +1,5 @@
 #include "tests/support/scenes.hpp"
+#include "tests/support/paths.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -154,7 +155,7 @@ Benchmark benchmark_of(const Reader& reader, const std::string& at, const Json& 
 
 }  // namespace
 
-fs::path Run::file() const { return fs::path(TROUPE_SOURCE_DIR) / "worlds" / world; }
+fs::path Run::file() const { return test::source_dir() / "worlds" / world; }
 
 std::string Run::name() const {
   std::string name = fs::path(world).stem().string();
@@ -199,7 +200,7 @@ Manifest read_manifest(const fs::path& file) {
 
 std::vector<Run> runs_of(std::string_view suite) {
   try {
-    const Manifest manifest = read_manifest(fs::path(TROUPE_SOURCE_DIR) / "worlds" / "scenes.json");
+    const Manifest manifest = read_manifest(test::source_dir() / "worlds" / "scenes.json");
     const auto found = manifest.tests.find(suite);
     if (found == manifest.tests.end() || found->second.empty())
       throw std::runtime_error(fmt::format("worlds/scenes.json: error: no runs of the suite \"{}\"", suite));

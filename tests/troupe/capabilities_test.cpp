@@ -1,6 +1,7 @@
 // How the engine and the library treat a kind follows from what the kind declares (engine/kinds/kinds.hpp),
 // never from its name, so that kinds of plug-ins can have all capabilities.
 
+#include "tests/support/paths.hpp"
 #include "troupe/registry.hpp"
 
 #include <fmt/format.h>
@@ -74,7 +75,7 @@ TEST(Capabilities, NoTextOfTheEngineOrTheLibraryIsTheNameOfAKind) {
       R"re(troupe/lint.cpp get(worldio::window_fields(), *spec_.window, "follow")re",
       R"(troupe/recorded_run.cpp "power_pack")"  // what to write behind --record-fields
   };
-  const std::filesystem::path root(TROUPE_SOURCE_DIR);
+  const std::filesystem::path root(test::source_dir());
   const Names names = kind_names();
   std::vector<std::string> found;
   std::size_t files = 0;

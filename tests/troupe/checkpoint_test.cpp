@@ -6,6 +6,7 @@
 #include "engine/world/world.hpp"
 #include "tests/support/hash_log.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -35,9 +36,9 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
-const fs::path k_stage_styles = fs::path(TROUPE_SOURCE_DIR) / "tests/troupe/stage_styles";
-const fs::path k_stage_worlds = fs::path(TROUPE_SOURCE_DIR) / ".." / "shared" / "stage-worlds";
+const fs::path k_worlds = test::source_dir() / "worlds";
+const fs::path k_stage_styles = test::source_dir() / "tests/troupe/stage_styles";
+const fs::path k_stage_worlds = test::source_dir() / ".." / "shared" / "stage-worlds";
 
 void expect_same_statistics(const Statistics& a, const Statistics& b) {
   EXPECT_EQ(a.robots, b.robots);

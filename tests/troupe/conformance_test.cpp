@@ -7,6 +7,7 @@
 #include "sensors/blobfinder.hpp"
 #include "sensors/fiducial.hpp"
 #include "tests/support/hash_log.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -322,18 +323,18 @@ void expect_one_result(const fs::path& world, int ticks) {
 }
 
 TEST_F(Conformance15, StagesCaveOverRunsAndThreads) {
-  const fs::path cave = fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds/benchmark/cave.world";
+  const fs::path cave = test::source_dir() / "../shared/stage-worlds/benchmark/cave.world";
   if (!fs::exists(cave)) GTEST_SKIP() << "Stage's data are not in " << cave;
   expect_one_result(cave, test::k_slow_build ? 2 : 100);
 }
 
 TEST_F(Conformance15, AFlockInStagesSyntaxOverRunsAndThreads) {
-  expect_one_result(fs::path(TROUPE_SOURCE_DIR) / "tests/troupe/stage_styles/flock.world",
+  expect_one_result(test::source_dir() / "tests/troupe/stage_styles/flock.world",
                     test::k_slow_build ? 2 : 100);
 }
 
 TEST_F(Conformance15, OurOwnCaveOverRunsAndThreads) {
-  expect_one_result(fs::path(TROUPE_SOURCE_DIR) / "worlds/cave-simple.json", test::k_slow_build ? 2 : 100);
+  expect_one_result(test::source_dir() / "worlds/cave-simple.json", test::k_slow_build ? 2 : 100);
 }
 
 }  // namespace

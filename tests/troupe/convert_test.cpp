@@ -4,6 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/world/world.hpp"
 #include "tests/support/hash_log.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -28,7 +29,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const fs::path k_source = TROUPE_SOURCE_DIR;
+const fs::path k_source = test::source_dir();
 
 struct World {
   std::string file;  ///< below the source folder

@@ -7,6 +7,7 @@
 #include "engine/observing/remade_world.hpp"
 #include "engine/world/world.hpp"
 #include "tests/support/hash_log.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -130,7 +131,7 @@ TEST_P(SameBits, WithBodiesBeyondReachHidden) {
 /// The file names of all shipped worlds.
 std::vector<std::string> shipped_worlds() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(TROUPE_SOURCE_DIR "/worlds")) {
+  for (const auto& entry : fs::directory_iterator(test::source_dir() / "worlds")) {
     const fs::path& file = entry.path();
     if ((file.extension() == ".json" || file.extension() == ".world") && file.filename() != "scenes.json")
       names.push_back(file.filename());
@@ -162,7 +163,7 @@ class Reach : public ::testing::TestWithParam<std::string> {};
 // The reach test of every shipped world. The time of a tick grows with the square of the number of rows, so
 // large worlds have fewer robots here; `scripts/prove --reach` runs them with more.
 TEST_P(Reach, OfEveryDeviceHoldsInEveryWorld) {
-  const fs::path file = fs::path(TROUPE_SOURCE_DIR) / "worlds" / GetParam();
+  const fs::path file = test::source_dir() / "worlds" / GetParam();
   SimulationOptions options;
   options.threads = 1;
   options.robots = fewer_robots(file, 60);

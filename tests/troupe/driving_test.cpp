@@ -2,6 +2,7 @@
 
 #include "engine/world/world.hpp"
 #include "tests/support/hash_log.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/recording.hpp"
@@ -22,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path k_errands = fs::path(TROUPE_SOURCE_DIR) / "worlds" / "errands.json";
+const fs::path k_errands = test::source_dir() / "worlds" / "errands.json";
 
 class Driving : public test::ScratchTest {
  protected:

@@ -1,6 +1,7 @@
 #include "engine/world/world.hpp"
 #include "models/devices/flags.hpp"
 #include "models/devices/power.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
+const fs::path k_worlds = test::source_dir() / "worlds";
 
 /// The state of the first device of a kind of a body, by its name.
 const engine::BodyType::Device& device_of(const engine::World& world, BodyId body, std::string_view kind) {

@@ -2,6 +2,7 @@
 
 #include "engine/world/world.hpp"
 #include "tests/support/hash_log.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -27,7 +28,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
+const fs::path k_worlds = test::source_dir() / "worlds";
 
 void step(Simulation& simulation, int ticks) {
   for (int tick = 0; tick < ticks; ++tick) simulation.step();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <cstddef>
@@ -40,7 +41,7 @@ inline GoldenRun golden_run(const scenes::Run& run) {
 
 inline std::map<GoldenRun, std::string> golden_hashes() {
   std::map<GoldenRun, std::string> hashes;
-  std::ifstream file(TROUPE_SOURCE_DIR "/worlds/golden_hashes.txt");
+  std::ifstream file(test::source_dir() / "worlds/golden_hashes.txt");
   for (std::string line; std::getline(file, line);) {
     if (line.empty() || line.starts_with('#')) continue;
     std::istringstream words(line);

@@ -3,6 +3,7 @@
 #include "engine/observing/events.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/actuator.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/troupe/golden_hashes.hpp"
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
+const fs::path k_worlds = test::source_dir() / "worlds";
 
 void run_to(Simulation& simulation, std::uint64_t tick) {
   while (simulation.tick() < tick) simulation.step();

@@ -3,6 +3,7 @@
 // a grid.
 
 #include "engine/world/world.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/load.hpp"
@@ -71,8 +72,8 @@ TEST(Hospital, NoRobotIsInAWallAndTheSwarmHasSpread) {
   Diagnostics diagnostics;
   worldio::LoadOptions options;
   if (test::k_slow_build) options.robots = {{"", 150}};
-  engine::WorldSpec spec = worldio::load_world(
-      std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / "hospital.json", registry, options, diagnostics);
+  engine::WorldSpec spec =
+      worldio::load_world(test::source_dir() / "worlds" / "hospital.json", registry, options, diagnostics);
   diagnostics.throw_if_errors();
   engine::World world(std::move(spec), registry, {}, diagnostics);
   EXPECT_TRUE(diagnostics.findings().empty());
@@ -102,8 +103,8 @@ TEST(Hospital, TheCheckFindsRobotsInWallsAndInEachOther) {
   Diagnostics diagnostics;
   worldio::LoadOptions options;
   options.robots = {{"", 3}};
-  engine::WorldSpec spec = worldio::load_world(
-      std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / "hospital.json", registry, options, diagnostics);
+  engine::WorldSpec spec =
+      worldio::load_world(test::source_dir() / "worlds" / "hospital.json", registry, options, diagnostics);
   diagnostics.throw_if_errors();
   const std::size_t last = spec.bodies.size() - 1;
   spec.bodies[last - 2].pose_world_body.x = -70 + 0.05;  // the outer wall

@@ -6,6 +6,7 @@
 #include "models/devices/spawner.hpp"
 #include "tests/support/hash_log.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/recording.hpp"
@@ -29,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-const fs::path k_colony = fs::path(TROUPE_SOURCE_DIR) / "worlds" / "colony.json";
+const fs::path k_colony = test::source_dir() / "worlds" / "colony.json";
 
 // Of walkers, docs/lives.md: one is born every 20 ticks from tick 20 on, and dies 102 ticks later.
 constexpr std::uint64_t k_every = 20;

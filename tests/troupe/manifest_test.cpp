@@ -1,5 +1,6 @@
 // The reader of worlds/scenes.json that tests and benchmarks share: its errors name the line.
 
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 
@@ -95,7 +96,7 @@ TEST_F(ManifestTest, NamesWhatIsWrongAndWhere) {
 }
 
 TEST_F(ManifestTest, OfTheShippedWorldsNamesEveryRunOfASuiteOnce) {
-  const Manifest shipped = read_manifest(std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds/scenes.json");
+  const Manifest shipped = read_manifest(test::source_dir() / "worlds/scenes.json");
   EXPECT_GE(shipped.tests.at("allocations").size(), 20u);
   EXPECT_GE(shipped.perf.size(), 20u);
   for (const auto& [suite, runs] : shipped.tests) {

@@ -5,6 +5,7 @@
 #include "models/devices/power.hpp"
 #include "models/devices/remover.hpp"
 #include "models/devices/spawner.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
@@ -20,7 +21,7 @@
 namespace troupe {
 namespace {
 
-const std::filesystem::path k_pucks = std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / "pucks.json";
+const std::filesystem::path k_pucks = test::source_dir() / "worlds" / "pucks.json";
 
 template <class State>
 const State& state_of(const Simulation& simulation, std::string_view name, std::string_view kind) {

@@ -2,6 +2,7 @@
 
 #include "engine/world/world.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
@@ -241,7 +242,7 @@ TEST_F(Pushing, WhatDrivesIsNotPushed) {
 
 TEST(ClusteringScene, RobotsPushPucksTogether) {
   if (test::k_slow_build) GTEST_SKIP() << "takes too long";
-  Simulation simulation(std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / "clustering.json");
+  Simulation simulation(test::source_dir() / "worlds" / "clustering.json");
   Measures measures(simulation, {R"({"kind": "clusters", "distance_m": 0.08})"});
   EXPECT_EQ(measures.value("clusters"), 81);
   simulation.run_for(1800);

@@ -3,6 +3,7 @@
 #include "engine/world/world.hpp"
 #include "models/controllers/gradient.hpp"
 #include "sensors/radio.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
@@ -20,9 +21,7 @@
 namespace troupe {
 namespace {
 
-std::filesystem::path shipped(const char* name) {
-  return std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / name;
-}
+std::filesystem::path shipped(const char* name) { return test::source_dir() / "worlds" / name; }
 
 /// A number that the controller of this kind keeps for a body.
 template <class T>

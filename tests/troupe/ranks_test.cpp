@@ -10,6 +10,7 @@
 #include "partition/mailboxes.hpp"
 #include "tests/support/hash_log.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -581,7 +582,7 @@ TEST_F(RanksOfAProgram, ShowNewStateThroughOldReferences) {
 // Three stores give energy to a robot whose pack cannot take all of it: the order of the effects decides
 // which of them gives how much.
 TEST(RanksOfAWorld, ApplyEffectsInOneOrder) {
-  const fs::path world = TROUPE_SOURCE_DIR "/tests/planted/rank_effect_order.json";
+  const fs::path world = test::source_dir() / "tests/planted/rank_effect_order.json";
   const auto log = [&](unsigned ranks, std::uint64_t seed) {
     SimulationOptions options;
     options.threads = 1;

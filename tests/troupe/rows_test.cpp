@@ -6,6 +6,7 @@
 #include "engine/observing/remade_world.hpp"
 #include "engine/world/world.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/paths.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/results/recording_fields.hpp"
 
@@ -28,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path k_shipped = TROUPE_SOURCE_DIR "/worlds";
+const fs::path k_shipped = test::source_dir() / "worlds";
 
 /// A shipped world, and measures of what only this world has.
 struct Observed {

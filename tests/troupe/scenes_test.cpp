@@ -2,6 +2,7 @@
 // experiments of docs/scenes.md, each with ten seeds, and single decisions of their controllers.
 
 #include "engine/world/world.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/measures.hpp"
@@ -32,7 +33,7 @@ Simulation scene(const char* name, std::uint64_t seed, Settings settings = {}) {
   options.threads = 1;
   options.seed = seed;
   options.set = std::move(settings);
-  return Simulation(std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / name, options);
+  return Simulation(test::source_dir() / "worlds" / name, options);
 }
 
 /// The means of the world's measures over (from, to], s, looked at every second.

@@ -5,6 +5,7 @@
 #include "sensors/bumper.hpp"
 #include "sensors/camera.hpp"
 #include "sensors/fiducial.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
@@ -24,7 +25,7 @@ using ::testing::ElementsAre;
 class Scene {
  public:
   explicit Scene(const char* file)
-      : simulation_(std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / file, {.threads = 1}),
+      : simulation_(test::source_dir() / "worlds" / file, {.threads = 1}),
         row_(world().row(world().find("r0"))) {}
 
   const engine::World& world() const { return simulation_.world(); }
@@ -166,7 +167,7 @@ TEST(SensorScenes, NoiseAndASonarsCone) {
 
 TEST(SensorScenes, TheLookoutIsTheSameForAnyThreadsAndTiles) {
   const auto hash = [](unsigned threads, double tile) {
-    Simulation simulation(std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds" / "lookout.json",
+    Simulation simulation(test::source_dir() / "worlds" / "lookout.json",
                           {.threads = threads, .tile_size_m = tile});
     simulation.run_for(test::k_slow_build ? 0.2 : 2);
     return simulation.state_hash();

@@ -5,6 +5,7 @@
 #include "engine/world/world.hpp"
 #include "partition/simd_target.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/effective_options.hpp"
@@ -41,7 +42,7 @@ using ::testing::Not;
 using ::testing::Pair;
 using ::testing::StartsWith;
 
-const fs::path k_worlds = fs::path(TROUPE_SOURCE_DIR) / "worlds";
+const fs::path k_worlds = test::source_dir() / "worlds";
 
 /// Two robots before a wall, in JSON; and the same kinds of things in Stage's syntax.
 constexpr std::string_view k_room_json = R"({

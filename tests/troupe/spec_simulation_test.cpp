@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/spec/populations.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
@@ -106,7 +107,7 @@ TEST_F(SpecSimulation, IsSavedAndResumedWithoutAFile) {
 
 TEST_F(SpecSimulation, ALoadedSpecIsTheWorldOfItsFile) {
   for (const char* name : {"crowd.json", "failures.json", "gripper.json", "noise.world", "lift.world"}) {
-    const fs::path file = fs::path(TROUPE_SOURCE_DIR) / "worlds" / name;
+    const fs::path file = test::source_dir() / "worlds" / name;
     EXPECT_EQ(log_of(Simulation(load(file)), 5), log_of(Simulation(file), 5)) << name;
   }
 }

@@ -4,6 +4,7 @@
 #include "base/diagnostics.hpp"
 #include "engine/kinds/sensor_params.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
@@ -23,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-const fs::path k_styles = fs::path(TROUPE_SOURCE_DIR) / "tests/troupe/stage_styles";
+const fs::path k_styles = test::source_dir() / "tests/troupe/stage_styles";
 
 struct Style {
   const char* file;

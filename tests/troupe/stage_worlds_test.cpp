@@ -1,6 +1,7 @@
 // The worlds of Stage, unmodified: they load and run, and in the hospital the swarm disperses as in Stage. If
 // the files are missing, stage_styles_test.cpp and a swarm with a computed dispersion replace them.
 
+#include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/troupe.hpp"
 
@@ -19,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path k_stage_worlds = fs::path(TROUPE_SOURCE_DIR) / ".." / "shared" / "stage-worlds";
+const fs::path k_stage_worlds = test::source_dir() / ".." / "shared" / "stage-worlds";
 
 #define SKIP_WITHOUT_STAGE_WORLDS() \
   if (!fs::exists(k_stage_worlds)) GTEST_SKIP() << "Stage's data are not in " << k_stage_worlds.string()
@@ -78,7 +79,7 @@ TEST(StageHospital, TheSwarmSpreadsAsInStage) {
 // tests/stage_like/readings.py works out each robot's way by other means: readings, Stage's rule, motion.
 // After seconds a last bit of a beam may have turned a robot elsewhere, so then only their mean counts.
 TEST(StageLikeSwarm, SpreadsAsWasWorkedOut) {
-  const fs::path folder = fs::path(TROUPE_SOURCE_DIR) / "tests/stage_like";
+  const fs::path folder = test::source_dir() / "tests/stage_like";
   Simulation simulation(folder / "swarm.world");
   std::ifstream lines(folder / "swarm.jsonl");
   std::size_t read = 0;

@@ -4,6 +4,7 @@
 #include "base/math.hpp"
 #include "engine/kinds/device_kind.hpp"
 #include "tests/support/message_of.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
@@ -32,7 +33,7 @@ using ::testing::ElementsAre;
 using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 
-const std::filesystem::path k_worlds = std::filesystem::path(TROUPE_SOURCE_DIR) / "worlds";
+const std::filesystem::path k_worlds = test::source_dir() / "worlds";
 
 /// Bots and trucks that stand in anything but the order of their ids, one bot that is yet to be born, and a
 /// wall.

@@ -1,5 +1,6 @@
 #include "worldio/images/bitmap.hpp"
 
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "worldio/images/png.hpp"
 
@@ -266,7 +267,7 @@ void expect_counts(const fs::path& file, const Counted& expected) {
 
 // Bitmaps of our own, counted by tests/stage_like/bitmaps.py.
 TEST(Conformance13, PolygonsVerticesAndBoxesOfOurOwnBitmaps) {
-  const fs::path source = TROUPE_SOURCE_DIR;
+  const fs::path source = test::source_dir();
   std::ifstream in(source / "tests/stage_like/bitmaps.txt");
   std::size_t tried = 0;
   for (Counted expected;
@@ -302,7 +303,7 @@ const auto k_stage_bitmaps = std::to_array<Counted>({
 });
 
 TEST(Conformance13, PolygonsVerticesAndBoxesOfStagesBitmaps) {
-  const fs::path bitmaps = fs::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds/bitmaps";
+  const fs::path bitmaps = test::source_dir() / "../shared/stage-worlds/bitmaps";
   if (!fs::exists(bitmaps)) GTEST_SKIP() << "Stage's data are not in " << bitmaps;
   std::size_t tried = 0;
   for (const Counted& expected : k_stage_bitmaps) {

@@ -2,6 +2,7 @@
 // tests/worldio/formats are never changed.
 
 #include "base/hash.hpp"
+#include "tests/support/paths.hpp"
 #include "troupe/registry.hpp"
 #include "troupe/simulation.hpp"
 #include "worldio/json/spec_difference.hpp"
@@ -29,7 +30,7 @@ engine::WorldSpec world_of(const fs::path& file) {
 }
 
 TEST(Formats, FilesOfEveryVersionAreReadAsBefore) {
-  const fs::path folder = TROUPE_SOURCE_DIR "/tests/worldio/formats";
+  const fs::path folder = test::source_dir() / "tests/worldio/formats";
   std::ifstream stream(folder / "hashes.txt");
   std::int64_t versions = 0;
   for (std::string line; std::getline(stream, line);) {

@@ -1,4 +1,5 @@
 #include "worldio/json/json_world.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scratch.hpp"
 #include "tests/support/slow_build.hpp"
 #include "tests/worldio/json_test_world.hpp"
@@ -1120,7 +1121,7 @@ TEST(JsonWorld, AMillionRobotsLoad) {
 
 TEST(JsonWorld, EveryWorldWeShipLoads) {
   std::size_t worlds = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(TROUPE_SOURCE_DIR "/worlds")) {
+  for (const auto& entry : std::filesystem::directory_iterator(test::source_dir() / "worlds")) {
     if (entry.path().extension() != ".json") continue;
     if (entry.path().filename() == "scenes.json") continue;               // the manifest
     if (test::k_slow_build && entry.path().stem() == "campus") continue;  // a million robots

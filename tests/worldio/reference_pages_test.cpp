@@ -1,4 +1,5 @@
 #include "tests/worldio/reference_pages.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/worldio/json_test_world.hpp"
 #include "troupe/registry.hpp"
 
@@ -22,7 +23,7 @@ using reference_pages::world_format_reference;
 using testing::HasSubstr;
 
 std::string document(const char* name = "world-format.md") {
-  std::ifstream file(std::string(TROUPE_SOURCE_DIR "/docs/") + name);
+  std::ifstream file(test::source_dir().string() + "/docs/" + name);
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
@@ -54,7 +55,7 @@ TEST(WorldFormatReference, ShowsKeysLimitsAndDefaults) {
 TEST(WorldFormatReference, StandsInTheDocument) {
   const std::string reference = world_format_reference(make_registry());
   if (document().find(reference) == std::string::npos) {
-    const std::string made = TROUPE_BINARY_DIR "/world-format-reference.md";
+    const std::string made = (test::binary_dir() / "world-format-reference.md").string();
     std::ofstream(made) << reference;
     ADD_FAILURE() << "docs/world-format.md does not hold what the field tables say; put in the contents of "
                   << made;
@@ -64,7 +65,7 @@ TEST(WorldFormatReference, StandsInTheDocument) {
 TEST(WorldFormatReference, TablesOfKeysStandInTheDocument) {
   const std::string page = with_key_tables(document(), document_key_tables(make_registry()));
   if (page != document()) {
-    const std::string made = TROUPE_BINARY_DIR "/world-format.md";
+    const std::string made = (test::binary_dir() / "world-format.md").string();
     std::ofstream(made) << page;
     ADD_FAILURE() << "tables of keys in docs/world-format.md differ from the descriptions in "
                      "worldio/json/world_document.cpp; replace the page by "
@@ -94,7 +95,7 @@ TEST(WorldFormatReference, AMissingHeadingOrTableIsAnError) {
 TEST(MeasuresReference, StandsInTheDocument) {
   const std::string reference = measures_reference(make_registry());
   if (document("measures.md").find(reference) == std::string::npos) {
-    const std::string made = TROUPE_BINARY_DIR "/measures-reference.md";
+    const std::string made = (test::binary_dir() / "measures-reference.md").string();
     std::ofstream(made) << reference;
     ADD_FAILURE() << "docs/measures.md does not hold what the kinds say; put in the contents of " << made;
   }
@@ -109,7 +110,7 @@ TEST(WorldFormatReference, TheDocumentsExampleLoads) {
       text.substr(begin + fence.size(), text.find("```", begin + fence.size()) - begin - fence.size());
   Diagnostics diagnostics;
   const engine::WorldSpec spec =
-      load_json_world(TROUPE_SOURCE_DIR "/worlds/example.json", example, make_registry(), {}, diagnostics);
+      load_json_world(test::source_dir() / "worlds/example.json", example, make_registry(), {}, diagnostics);
   EXPECT_THAT(findings(diagnostics), testing::IsEmpty());
   EXPECT_EQ(spec.bodies.size(), 1u + 1 + 2 + 50 + 10);
 }

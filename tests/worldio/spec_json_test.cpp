@@ -2,6 +2,7 @@
 
 #include "worldio/json/spec_json.hpp"
 #include "engine/kinds/sensor_params.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/slow_build.hpp"
 #include "troupe/registry.hpp"
@@ -270,8 +271,8 @@ TEST_P(ShippedWorld, ComesBackToTheLastBit) {
 }
 
 TEST(SpecJson, ReadsLikeTheWorldFormat) {
-  const auto json = nlohmann::json::parse(
-      spec_to_json(loaded(fs::path(TROUPE_SOURCE_DIR) / "worlds/crowd.json"), make_registry()));
+  const auto json =
+      nlohmann::json::parse(spec_to_json(loaded(test::source_dir() / "worlds/crowd.json"), make_registry()));
   for (const char* key : {"title", "seed", "tick_s", "ranging", "types", "words"})
     EXPECT_TRUE(json.contains(key));
   EXPECT_EQ(json["types"][0]["name"], "ground");

@@ -1,3 +1,4 @@
+#include "tests/support/paths.hpp"
 #include "worldio/colors.hpp"
 
 #include <gtest/gtest.h>
@@ -37,7 +38,7 @@ TEST(StageColors, SuggestionsAreNames) {
 }
 
 TEST(StageColors, NamesAreThoseOfCss) {
-  std::ifstream in(std::string(TROUPE_SOURCE_DIR) + "/tests/worldio/css_colors.txt");
+  std::ifstream in(test::source_dir().string() + "/tests/worldio/css_colors.txt");
   std::size_t names = 0;
   for (std::string line; std::getline(in, line);) {
     if (line.starts_with('#')) continue;
@@ -85,8 +86,7 @@ TEST(StageColors, GraysAreHundredths) {
 }
 
 TEST(StageColors, EveryNameOfX11IsKnown) {
-  const std::filesystem::path file =
-      std::filesystem::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds/rgb.txt";
+  const std::filesystem::path file = test::source_dir() / "../shared/stage-worlds/rgb.txt";
   std::ifstream in(file);
   if (!in) GTEST_SKIP() << "Stage's data are not in " << file;
   std::size_t names = 0;

@@ -1,5 +1,7 @@
 #include "worldio/stage/stage_properties.hpp"
 
+#include "tests/support/paths.hpp"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -55,7 +57,7 @@ TEST(StageProperties, WhatIsHonouredWithAFixOrHasNoEffectSaysHow) {
 /// "Suite.Name" of every test in the folders of tests.
 std::set<std::string> names_of_tests() {
   std::set<std::string> names;
-  for (const auto& entry : fs::recursive_directory_iterator(fs::path(TROUPE_SOURCE_DIR) / "tests")) {
+  for (const auto& entry : fs::recursive_directory_iterator(test::source_dir() / "tests")) {
     if (!entry.path().filename().string().ends_with("_test.cpp")) continue;
     std::ifstream in(entry.path());
     const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
@@ -237,7 +239,7 @@ TEST(StageProperties, TheDocumentShowsTheTable) {
   std::string table = "| in | property | status | notes |\n|---|---|---|---|\n";
   for (const StageRow& row : stage_rows())
     table += fmt::format("| {} | `{}` | {} | {} |\n", row.type, row.name, status_text(row.support), row.note);
-  std::ifstream in(std::string(TROUPE_SOURCE_DIR) + "/docs/stage-worlds.md");
+  std::ifstream in(test::source_dir().string() + "/docs/stage-worlds.md");
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   EXPECT_NE(text.find("\n\n" + table + "\n"), std::string::npos)
       << "the table in docs/stage-worlds.md must be:\n\n"

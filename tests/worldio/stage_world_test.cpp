@@ -1,3 +1,4 @@
+#include "tests/support/paths.hpp"
 #include "tests/worldio/stage_fixture.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/images/png.hpp"
@@ -1052,8 +1053,7 @@ TEST_F(StageWorld, AHundredThousandRobotsLoadQuickly) {
 
 class StageOwnWorld : public StageTest {
  protected:
-  static inline const std::filesystem::path worlds =
-      std::filesystem::path(TROUPE_SOURCE_DIR) / "../shared/stage-worlds";
+  static inline const std::filesystem::path worlds = test::source_dir() / "../shared/stage-worlds";
 
   engine::WorldSpec open(const std::string& name, const engine::Registry& registry = test_registry()) {
     shorten(worlds.lexically_normal());
@@ -1253,7 +1253,7 @@ class StageLikeWorld : public StageTest {
  protected:
   engine::WorldSpec open(const std::string& name) {
     static const engine::Registry registry = make_registry();
-    const std::filesystem::path file = std::filesystem::path(TROUPE_SOURCE_DIR) / "tests" / name;
+    const std::filesystem::path file = test::source_dir() / "tests" / name;
     std::ifstream in(file);
     return read(file, {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()}, {}, registry);
   }
