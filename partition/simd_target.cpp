@@ -47,8 +47,8 @@ class Targets {
 
   /// Makes kernels run on the target, or, if it computes wrong results, on the best target that does not.
   void choose(std::int64_t target) {
-    std::vector<std::int64_t> candidates = each_of(usable_);
-    std::ranges::stable_partition(candidates, [&](std::int64_t candidate) { return candidate == target; });
+    std::vector<std::int64_t> candidates = each_of(usable_ & ~target);
+    candidates.insert(candidates.begin(), target);
     if (std::ranges::none_of(candidates, [&](std::int64_t candidate) { return runs_on(candidate); }))
       throw std::runtime_error(
           "every instruction set computes wrong ranges in this build of Troupe, because of an error of the "
