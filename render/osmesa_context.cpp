@@ -1,5 +1,6 @@
 #include "render/osmesa_context.hpp"
 
+#include "base/sanitizers.hpp"
 #include "partition/job_thread.hpp"
 
 #include <GL/osmesa.h>
@@ -14,7 +15,7 @@
 #include <stdexcept>
 #include <string>
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef TROUPE_ADDRESS_SANITIZER
 #include <sanitizer/lsan_interface.h>
 #endif
 
@@ -24,7 +25,7 @@ namespace {
 /// Mesa 22 leaks about 300 bytes per destroyed context. While an object of this type exists, the
 /// address sanitizer ignores leaks.
 struct ForgiveLeaks {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef TROUPE_ADDRESS_SANITIZER
   __lsan::ScopedDisabler disabler;
 #endif
 };

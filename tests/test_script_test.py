@@ -42,7 +42,7 @@ class Arguments(unittest.TestCase):
             done = call(*arguments)
             self.assertEqual((done.returncode, done.stdout), (2, ""))
             wrong = next(argument for argument in arguments if argument not in ("--all", "release"))
-            self.assertEqual(done.stderr, f'scripts/test: error: unknown argument "{wrong}"; allowed are --all, --bare, '
+            self.assertEqual(done.stderr, f'scripts/test: error: unknown argument "{wrong}"; allowed are --all, --long, --bare, '
                                           f"--folders=NAME,..., --times, --help, and the presets {allowed}\n")
 
     def test_folders_without_tests_are_errors(self):

@@ -13,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <initializer_list>
 #include <limits>
 #include <optional>
@@ -240,7 +241,9 @@ namespace detail {
 /// Stands for an initialiser of any type in member_count(). Its conversion is never executed.
 struct Anything {
   template <class T>
-  operator T() const;
+  operator T() const {
+    std::terminate();
+  }
 };
 
 // A concept, not an expression in takes(): clang's tools walk through the bodies of all templates, and need

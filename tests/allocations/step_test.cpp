@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace troupe {
+namespace troupe::step_test {
 namespace {
 
 using test::allocations_in;
@@ -86,4 +86,4 @@ TEST(Allocations, ARobotThatOverlapsAWallNeedsNone) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::step_test

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace troupe {
+namespace troupe::trials_test {
 namespace {
 
 /// A score of robots that look and wander among pillars, crowded enough that some have to wait for others.
@@ -111,4 +111,4 @@ TEST_F(Reset, AWorldThatCannotBeLoadedLeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::trials_test

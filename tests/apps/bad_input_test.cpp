@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <ostream>
 
-namespace troupe::apps {
+namespace troupe::apps::bad_input_test {
 namespace {
 
 using ::testing::AllOf;
@@ -328,4 +328,4 @@ TEST_F(NoRegularFile, IsNoOutputOfARecordingOrALogEither) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::bad_input_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::camera_pictures_test {
 namespace {
 
 using ::testing::AllOf;
@@ -220,4 +220,4 @@ TEST_F(CameraPicturesOf, WhatCannotBeWrittenIsToldBeforeTheRun) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::camera_pictures_test

@@ -24,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::check_test {
 namespace {
 
 using ::testing::AllOf;
@@ -592,4 +592,4 @@ INSTANTIATE_TEST_SUITE_P(Controllers, CheckRogue,
                          });
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::check_test

@@ -1,7 +1,7 @@
 #include "tests/apps/program.hpp"
 #include "tests/support/paths.hpp"
 
-namespace troupe::apps {
+namespace troupe::apps::convert_test {
 namespace {
 
 using ::testing::AllOf;
@@ -129,4 +129,4 @@ TEST_F(ConvertCommand, SaysWhatItDoes) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::convert_test

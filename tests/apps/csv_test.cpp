@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace troupe::apps {
+namespace troupe::apps::csv_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -152,4 +152,4 @@ TEST_F(GoneOnWith, AnotherTableIsRefusedAndLeftAsItIs) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::csv_test

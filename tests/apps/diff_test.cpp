@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::diff_test {
 namespace {
 
 using ::testing::AllOf;
@@ -218,4 +218,4 @@ TEST_F(Diff, TakesWhatARunWrites) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::diff_test

@@ -7,7 +7,7 @@
 #include <new>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::filled_storage_test {
 namespace {
 
 using ::testing::Each;
@@ -40,4 +40,4 @@ TEST(FilledStorage, FillsWhatNewHandsOutWhileItLives) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::filled_storage_test

@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace troupe::apps {
+namespace troupe::apps::hostile_usage_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -380,4 +380,4 @@ TEST_F(HostileUsage, NamesOfFilmsAreNamesOfFiles) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::hostile_usage_test

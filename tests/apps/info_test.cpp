@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::info_test {
 namespace {
 
 using ::testing::AllOf;
@@ -324,4 +324,4 @@ TEST_F(Info, HelpSaysWhatItTakes) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::info_test

@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-namespace troupe::apps {
+namespace troupe::apps::interrupt_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -102,4 +102,4 @@ TEST_F(Interrupt, AFullPipeDoesNotKeepTheProgramFromStopping) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::interrupt_test

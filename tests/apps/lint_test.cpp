@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace troupe::apps {
+namespace troupe::apps::lint_test {
 namespace {
 
 using ::testing::Contains;
@@ -1054,4 +1054,4 @@ TEST_F(LintTest, HelpTellsWhatIsReportedAndTheExitCodes) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::lint_test

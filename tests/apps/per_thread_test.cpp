@@ -4,7 +4,7 @@
 
 #include <thread>
 
-namespace troupe::apps {
+namespace troupe::apps::per_thread_test {
 namespace {
 
 TEST(PerThread, AThreadThatAsksTwoSetsInTurnHasOneOfEach) {
@@ -22,4 +22,4 @@ TEST(PerThread, AThreadThatAsksTwoSetsInTurnHasOneOfEach) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::per_thread_test

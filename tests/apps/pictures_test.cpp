@@ -16,7 +16,7 @@
 #include <tuple>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::pictures_test {
 namespace {
 
 using ::testing::AllOf;
@@ -372,4 +372,4 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::pictures_test

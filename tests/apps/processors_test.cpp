@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace troupe::apps {
+namespace troupe::apps::processors_test {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -53,4 +53,4 @@ TEST_F(OnOneProcessor, MoreThreadsRunAndNothingWarnsOfThem) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::processors_test

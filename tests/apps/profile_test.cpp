@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-namespace troupe::apps {
+namespace troupe::apps::profile_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -240,4 +240,4 @@ TEST_F(Profiles, StaySmall) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::profile_test

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::rank_place_test {
 namespace {
 
 TEST(RankPlace, RanksShareTheSameProcessorsOfOneComputer) {
@@ -16,4 +16,4 @@ TEST(RankPlace, RanksShareTheSameProcessorsOfOneComputer) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::rank_place_test

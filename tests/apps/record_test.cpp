@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::record_test {
 namespace {
 
 using ::testing::AllOf;
@@ -476,4 +476,4 @@ TEST_F(Record, RepairClosesWhatAKilledRunLeft) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::record_test

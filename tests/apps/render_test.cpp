@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::render_test {
 namespace {
 
 using ::testing::AllOf;
@@ -501,4 +501,4 @@ TEST_F(Render, BadInputIsOneLine) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::render_test

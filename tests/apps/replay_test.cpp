@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::replay_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -147,4 +147,4 @@ TEST_F(ReplayPage, AFullDiskLeavesThePageThatWasThere) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::replay_test

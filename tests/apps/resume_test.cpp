@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::resume_test {
 namespace fs = std::filesystem;
 namespace {
 
@@ -513,4 +513,4 @@ TEST_F(Resume, ManyCheckpointsLeaveOneFile) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::resume_test

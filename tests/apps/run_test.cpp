@@ -21,7 +21,7 @@
 #include <sstream>
 #include <utility>
 
-namespace troupe::apps {
+namespace troupe::apps::run_test {
 namespace {
 
 using ::testing::Contains;
@@ -718,4 +718,4 @@ TEST_F(Run, AFullDiskIsAFailureAndNotASuccess) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::run_test

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <memory>
 
-namespace troupe::apps {
+namespace troupe::apps::shell_test {
 namespace {
 
 using ::testing::AllOf;
@@ -101,4 +101,4 @@ TEST_F(Shell, AnUnknownShellIsRefused) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::shell_test

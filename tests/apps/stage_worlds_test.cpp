@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace troupe::apps {
+namespace troupe::apps::stage_worlds_test {
 namespace {
 
 using ::testing::Each;
@@ -79,4 +79,4 @@ INSTANTIATE_TEST_SUITE_P(InStagesSyntax, StageWorlds,
                          name_of);
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::stage_worlds_test

@@ -22,7 +22,7 @@ extern "C" int flock(int descriptor, int operation) noexcept {
   return -1;
 }
 
-namespace troupe::apps {
+namespace troupe::apps::sweep_test {
 namespace {
 
 using ::testing::AllOf;
@@ -683,4 +683,4 @@ TEST_F(Sweep, WhatIsWrongIsToldBeforeAnythingIsWritten) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::sweep_test

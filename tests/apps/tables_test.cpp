@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::tables_test {
 namespace {
 
 using ::testing::AllOf;
@@ -477,4 +477,4 @@ TEST_F(Tables, DescribeTellsWhatIsMeasured) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::tables_test

@@ -4,7 +4,7 @@
 #include "partition/simd_target.hpp"
 #include "troupe/registry.hpp"
 
-namespace troupe::apps {
+namespace troupe::apps::usage_test {
 namespace {
 
 using ::testing::AllOf;
@@ -450,4 +450,4 @@ TEST_F(Describe, WhatJsonTakesComesBeforeWhatStagesFilesDo) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::usage_test

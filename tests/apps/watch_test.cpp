@@ -7,7 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 
-namespace troupe::apps {
+namespace troupe::apps::watch_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -214,4 +214,4 @@ TEST_F(Worlds, AreAllSavedWhenTheyAreStopped) {
 }
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::watch_test

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace troupe {
+namespace troupe::atomic_maximum_test {
 namespace {
 
 TEST(AtomicMaximum, IsRaisedOnlyByGreaterNumbers) {
@@ -35,4 +35,4 @@ TEST(AtomicMaximum, IsThatOfAllThreads) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::atomic_maximum_test

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace troupe {
+namespace troupe::bearings_test {
 namespace {
 
 TEST(Bearings, AreThoseOfAtan2InFloat) {
@@ -54,4 +54,4 @@ TEST(Bearings, HaveTheirBits) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::bearings_test

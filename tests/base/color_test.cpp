@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace troupe {
+namespace troupe::color_test {
 namespace {
 
 TEST(ToByte, RoundsToTheNearestAndHalvesUpwards) {
@@ -19,4 +19,4 @@ TEST(ToByte, ClampsToTheRange) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::color_test

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe {
+namespace troupe::convex_test {
 namespace {
 
 Ring rectangle(double x0, double y0, double x1, double y1) {
@@ -322,4 +322,4 @@ TEST(ConvexPieces, TheOrderOfPiecesIsFixed) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::convex_test

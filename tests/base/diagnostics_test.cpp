@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace troupe {
+namespace troupe::diagnostics_test {
 namespace {
 
 using testing::ElementsAre;
@@ -289,4 +289,4 @@ TEST(Diagnostics, AFindingThatQuotesTwoPartsIsAboutTheFirst) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::diagnostics_test

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace troupe {
+namespace troupe::exact_sum_test {
 namespace {
 
 using Limits = std::numeric_limits<double>;
@@ -130,4 +130,4 @@ TEST(ExactSum, OfSumsOfMoreTermsThanAnyIntegerCounts) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::exact_sum_test

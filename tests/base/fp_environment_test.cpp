@@ -10,7 +10,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace troupe {
+namespace troupe::fp_environment_test {
 namespace {
 
 class FpEnvironment : public testing::Test {
@@ -62,4 +62,4 @@ TEST_F(FpEnvironment, ErrorsAreListedTogether) {
 #endif
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::fp_environment_test

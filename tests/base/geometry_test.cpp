@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace troupe {
+namespace troupe::geometry_test {
 namespace {
 
 TEST(Cross, IsPositiveCounterClockwise) {
@@ -73,4 +73,4 @@ TEST(Box, IsClosed) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::geometry_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe {
+namespace troupe::hash_test {
 namespace {
 
 // XXH3's own value for the empty input and seed 0, from its specification.
@@ -67,4 +67,4 @@ TEST(Hash, HexHasSixteenLowerCaseDigits) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::hash_test

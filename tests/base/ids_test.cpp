@@ -5,7 +5,7 @@
 #include <concepts>
 #include <unordered_map>
 
-namespace troupe {
+namespace troupe::ids_test {
 namespace {
 
 static_assert(!std::convertible_to<BodyId, TypeId> && !std::constructible_from<BodyId, TypeId>);
@@ -26,4 +26,4 @@ TEST(Id, OrdersAndHashesByNumber) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::ids_test

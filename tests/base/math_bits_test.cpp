@@ -13,7 +13,7 @@
 #include <sstream>
 #include <string>
 
-namespace troupe {
+namespace troupe::math_bits_test {
 namespace {
 
 double value(const std::string& function, double a, double b) {
@@ -47,4 +47,4 @@ TEST(MathBits, AreThoseOfTheFile) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::math_bits_test

@@ -17,7 +17,7 @@
 // The functions are compared with those of glibc for long double, whose error is about an ulp of long double:
 // 1/2048 ulp of double.
 
-namespace troupe {
+namespace troupe::math_test {
 namespace {
 
 constexpr double k_inf = std::numeric_limits<double>::infinity();
@@ -362,4 +362,4 @@ TEST(SumRows, AddsTheTermsOfEachRowFromFirstToLast) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::math_test

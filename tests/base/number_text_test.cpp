@@ -9,7 +9,7 @@
 #include <limits>
 #include <optional>
 
-namespace troupe {
+namespace troupe::number_text_test {
 namespace {
 
 TEST(PlainNumber, HasNoExponent) {
@@ -81,4 +81,4 @@ TEST(NumberOf, MayBeInfiniteUnlessItMustBeFinite) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::number_text_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace troupe {
+namespace troupe::pose_test {
 namespace {
 
 constexpr double k_tolerance = 1e-15;
@@ -40,4 +40,4 @@ TEST(Compose, TheDefaultPoseChangesNothing) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::pose_test

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-namespace troupe {
+namespace troupe::random_test {
 namespace {
 
 using Words = std::array<std::uint32_t, 4>;
@@ -204,4 +204,4 @@ TEST(Mix, SmallArgumentsDoNotCollide) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::random_test

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <variant>
 
-namespace troupe {
+namespace troupe::result_test {
 namespace {
 
 Result<> check(int x) {
@@ -52,4 +52,4 @@ TEST(Result, IsNoNumberAndNoText) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::result_test

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace troupe {
+namespace troupe::room_test {
 namespace {
 
 TEST(Room, AListThatVariesSlightlyKeepsItsMemory) {
@@ -55,4 +55,4 @@ TEST(Room, ThreadsMayReleaseMemoryAtTheSameTime) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::room_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace troupe {
+namespace troupe::sort_test {
 namespace {
 
 using testing::ElementsAre;
@@ -28,4 +28,4 @@ TEST(Sort, OrdersIndicesByTheirKeys) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::sort_test

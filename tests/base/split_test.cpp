@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace troupe {
+namespace troupe::split_test {
 namespace {
 
 using testing::ElementsAre;
@@ -30,4 +30,4 @@ TEST(Joined, PutsTheSeparatorBetweenTexts) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::split_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::add_device_test {
 namespace {
 
 using testing::ElementsAre;
@@ -59,4 +59,4 @@ TEST(AddDeviceBody, RefusesSolidsOnJointsThatTheKindDoesNotHave) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::add_device_test

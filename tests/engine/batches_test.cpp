@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::batches_test {
 namespace {
 
 // Few types, so that many rows share one, types that differ only in their upper bytes, and any others.
@@ -30,4 +30,4 @@ RC_GTEST_PROP(Batches, RowsAreSortedByTypeAndRowsOfOneTypeKeepTheirOrder, ()) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::batches_test

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace troupe::engine {
+namespace troupe::engine::collective_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -170,4 +170,4 @@ TEST(Collective, IsRepeatedAsAWhole) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::collective_test

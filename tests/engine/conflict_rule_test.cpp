@@ -6,7 +6,7 @@
 #include <array>
 #include <string>
 
-namespace troupe::oracle {
+namespace troupe::oracle::conflict_rule_test {
 namespace {
 
 using engine::Conflicts;
@@ -179,4 +179,4 @@ TEST(ConflictRule, WhoIsFirstChangesFromTickToTick) {
 }
 
 }  // namespace
-}  // namespace troupe::oracle
+}  // namespace troupe::oracle::conflict_rule_test

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::oracle {
+namespace troupe::oracle::conflict_ticks_test {
 namespace {
 
 using engine::Conflicts;
@@ -325,7 +325,7 @@ TEST(ConflictTicks, AResolutionThatThrowsIsForgotten) {
     m.moves = true;
   }
   const partition::StaticScene scene = scene_of(crowd, 1);
-  const partition::GridGeometry grid(1, 3);
+  const partition::GridGeometry grid{1, 3};
   partition::Parallel parallel(1);
   Conflicts conflicts;
   std::vector<engine::FreeCircle> free;
@@ -372,4 +372,4 @@ TEST(ConflictTicks, BodiesAreHeldAtTheBounds) {
 }
 
 }  // namespace
-}  // namespace troupe::oracle
+}  // namespace troupe::oracle::conflict_ticks_test

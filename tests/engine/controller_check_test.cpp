@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::controller_check_test {
 namespace {
 
 using ::testing::AllOf;
@@ -344,4 +344,4 @@ TEST(ControllerCheck, OurOwnControllersAreFunctions) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::controller_check_test

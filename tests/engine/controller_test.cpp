@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::controller_test {
 namespace {
 
 using test::message_of;
@@ -289,4 +289,4 @@ TEST(ControllerKind, NeedsNoMemory) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::controller_test

@@ -12,7 +12,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace troupe::engine {
+namespace troupe::engine::description_test {
 namespace {
 
 using testing::ElementsAre;
@@ -506,7 +506,7 @@ struct Lamp {
     double intensity = 2;
     static constexpr void describe(Description<Params>& d) { d.member<&Params::intensity>("intensity"); }
   };
-  using State = engine::State;
+  using State = description_test::State;
   struct Command {
     std::uint8_t on = 0;
     TROUPE_FIELDS(on)
@@ -564,4 +564,4 @@ TEST(DeviceKinds, RefuseDataOfAnotherType) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::description_test

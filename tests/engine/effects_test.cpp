@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::effects_test {
 namespace {
 
 using test::box;
@@ -289,4 +289,4 @@ TEST(Effects, ThatADeviceMustNotEmitEndTheStep) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::effects_test

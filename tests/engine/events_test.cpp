@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::events_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -201,4 +201,4 @@ TEST(Events, AWatchMayBeginWithAnyTickAndTellsNothingOfAReset) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::events_test

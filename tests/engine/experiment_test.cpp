@@ -30,7 +30,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::experiment_test {
 namespace {
 
 using test::box;
@@ -1253,4 +1253,4 @@ TEST(StopConditions, TheFirstThatHoldsIsToldAfterItsTick) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::experiment_test

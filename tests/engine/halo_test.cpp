@@ -39,7 +39,7 @@
 #include <string_view>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::halo_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -1804,4 +1804,4 @@ TEST_F(HaloOfMixers, RefusesAWorldThatMustBeReplicated) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::halo_test

@@ -15,7 +15,7 @@
 #include <ctime>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::links_test {
 namespace {
 
 using test::box;
@@ -548,4 +548,4 @@ TEST(Links, AStoredStateGoesOn) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::links_test

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::lives_test {
 namespace {
 
 using test::box;
@@ -560,4 +560,4 @@ TEST(Lives, AStateThatCannotHaveComeAboutIsRefused) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::lives_test

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::localization_test {
 namespace {
 
 using Params = std::initializer_list<std::pair<std::string_view, Value>>;
@@ -220,4 +220,4 @@ TEST(Localization, AWrongNumberOfNumbersIsAnError) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::localization_test

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::names_test {
 namespace {
 
 TEST(Names, EqualTextsAreEqualNamesAndComeBackWhole) {
@@ -154,4 +154,4 @@ TEST(Names, ManyEqualNamesAreNumberedAtOnce) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::names_test

@@ -11,7 +11,7 @@
 #include <array>
 #include <cmath>
 
-namespace troupe::engine {
+namespace troupe::engine::placement_test {
 namespace {
 
 using testing::ElementsAre;
@@ -414,4 +414,4 @@ RC_GTEST_PROP(CrowdProperty, FindsWhatEveryPairFinds, ()) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::placement_test

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 /// Bodies put elsewhere between ticks.
-namespace troupe::engine {
+namespace troupe::engine::placing_test {
 namespace {
 
 struct Pair {
@@ -150,4 +150,4 @@ TEST(Placing, RefusesAnInvalidPlaceAndThenMovesNoRobot) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::placing_test

@@ -13,7 +13,7 @@
 #include <limits>
 #include <memory>
 
-namespace troupe::engine {
+namespace troupe::engine::populations_test {
 namespace {
 
 using testing::ElementsAre;
@@ -285,4 +285,4 @@ TEST(SpareBodies, TakeATimeThatIsProportionalToTheNumberOfPopulations) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::populations_test

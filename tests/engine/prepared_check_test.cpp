@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::prepared_check_test {
 namespace {
 
 using Prepared = DeviceKind::Prepared;
@@ -153,4 +153,4 @@ TEST(PreparedCheck, RefusesMemoriesThatAreNoStruct) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::prepared_check_test

@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <string>
 
-namespace troupe::oracle {
+namespace troupe::oracle::pushing_rule_test {
 namespace {
 
 using engine::Conflicts;
@@ -324,4 +324,4 @@ TEST_F(PushingRule, NothingOverlapsAndNothingLeavesARoom) {
 }
 
 }  // namespace
-}  // namespace troupe::oracle
+}  // namespace troupe::oracle::pushing_rule_test

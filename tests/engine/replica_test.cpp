@@ -21,7 +21,7 @@
 #include <string>
 #include <utility>
 
-namespace troupe::engine {
+namespace troupe::engine::replica_test {
 namespace {
 
 using partition::Message;
@@ -212,4 +212,4 @@ TEST(RecordMessage, WithAWrongSizeAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::replica_test

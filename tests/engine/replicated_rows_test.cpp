@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::replicated_rows_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -33,4 +33,4 @@ TEST(BalancedCut, StaysWithoutTimes) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::replicated_rows_test

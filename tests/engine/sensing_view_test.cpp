@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::sensing_view_test {
 namespace {
 
 TEST(SensingView, TheRowOfABodyIsHereOrElsewhereOrThereIsNone) {
@@ -31,4 +31,4 @@ TEST(SensingView, TheRowOfABodyIsHereOrElsewhereOrThereIsNone) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::sensing_view_test

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::sight_test {
 namespace {
 
 using test::box;
@@ -245,4 +245,4 @@ TEST(Sight, AColourIsThePartsOrElseTheBodys) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::sight_test

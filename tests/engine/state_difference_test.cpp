@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::state_difference_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -118,4 +118,4 @@ TEST(StateDifferences, TellOfOtherEntities) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::state_difference_test

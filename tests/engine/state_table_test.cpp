@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace troupe::engine {
+namespace troupe::engine::state_table_test {
 namespace {
 
 using Layout = StateTable::Layout;
@@ -331,4 +331,4 @@ TEST(StateTable, ComponentsOfDevicesHaveTheNamesThatTheWorldGives) {
 }
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::state_table_test

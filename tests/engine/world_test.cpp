@@ -25,7 +25,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace troupe::engine {
+namespace troupe::engine::world_test {
 namespace {
 
 using test::box;
@@ -734,4 +734,4 @@ TEST(World, AStepComputesAsPromisedInAThreadSwitchedToFastMaths) {
 #endif
 
 }  // namespace
-}  // namespace troupe::engine
+}  // namespace troupe::engine::world_test

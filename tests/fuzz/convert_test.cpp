@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::fuzz {
+namespace troupe::fuzz::convert_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ TEST(ConvertedSeeds, AreTheSameWorlds) {
 }
 
 }  // namespace
-}  // namespace troupe::fuzz
+}  // namespace troupe::fuzz::convert_test

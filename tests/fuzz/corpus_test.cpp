@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::fuzz {
+namespace troupe::fuzz::corpus_test {
 namespace {
 
 struct Target {
@@ -99,4 +99,4 @@ TEST_P(Corpus, IsReadToTheEnd) {
 }
 
 }  // namespace
-}  // namespace troupe::fuzz
+}  // namespace troupe::fuzz::corpus_test

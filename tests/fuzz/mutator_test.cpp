@@ -20,7 +20,7 @@
 #include <set>
 #include <string>
 
-namespace troupe::fuzz {
+namespace troupe::fuzz::mutator_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -147,4 +147,4 @@ TEST(Mutated, SeedsAreReadToTheEnd) {
 }
 
 }  // namespace
-}  // namespace troupe::fuzz
+}  // namespace troupe::fuzz::mutator_test

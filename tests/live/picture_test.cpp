@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace troupe::live {
+namespace troupe::live::picture_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -57,4 +57,4 @@ TEST(LivePicture, ShowsTheFloorOfAWorldWithoutBodies) {
 }
 
 }  // namespace
-}  // namespace troupe::live
+}  // namespace troupe::live::picture_test

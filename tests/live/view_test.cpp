@@ -39,7 +39,7 @@
 #include <vector>
 
 // Requests whose order in time matters. tests/view_test.py tests `troupe view` as a whole.
-namespace troupe::live {
+namespace troupe::live::view_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -649,4 +649,4 @@ TEST_F(ViewTest, APausedRunOnRanksIsShown) {
 }
 
 }  // namespace
-}  // namespace troupe::live
+}  // namespace troupe::live::view_test

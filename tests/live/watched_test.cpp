@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::live {
+namespace troupe::live::watched_test {
 namespace {
 
 constexpr const char* k_radios = R"({"troupe": 1, "bounds_m": [[-9, -9], [9, 9]],
@@ -91,4 +91,4 @@ TEST(ColorValues, ThoseOfThousandsOfDevicesAreListedQuickly) {
 }
 
 }  // namespace
-}  // namespace troupe::live
+}  // namespace troupe::live::watched_test

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace troupe::models {
+namespace troupe::models::actuator_test {
 namespace {
 
 using engine::World;
@@ -261,4 +261,4 @@ TEST(Actuator, OneOnAnotherMovesWithIt) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::actuator_test

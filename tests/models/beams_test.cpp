@@ -23,7 +23,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::beams_test {
 namespace {
 
 using engine::World;
@@ -463,4 +463,4 @@ TEST(Expand, ALoneRobotBeforeAWallTurnsAway) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::beams_test

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::collector_test {
 namespace {
 
 /// A world with a sink at (-2, 0), a puck at (1, 0), and a robot at the origin. With several sites, the world
@@ -132,4 +132,4 @@ TEST(Collector, BacksOffFromASinkWhereItsPaddlesCannotOpen) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::collector_test

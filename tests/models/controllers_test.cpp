@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::controllers_test {
 namespace {
 
 using engine::Command;
@@ -756,4 +756,4 @@ TEST(Chain, TheNestHasAPathWhereItHearsThePrey) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::controllers_test

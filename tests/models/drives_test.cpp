@@ -14,7 +14,7 @@
 #include <string>
 #include <utility>
 
-namespace troupe::models {
+namespace troupe::models::drives_test {
 namespace {
 
 using engine::Command;
@@ -404,4 +404,4 @@ TEST(Drives, HeadingStaysWithinPi) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::drives_test

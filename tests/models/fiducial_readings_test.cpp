@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace troupe::models {
+namespace troupe::models::fiducial_readings_test {
 namespace {
 
 TEST(FiducialReadings, AreThoseOfTheFinder) {
@@ -70,4 +70,4 @@ TEST(FiducialReadings, MarkedBodiesAreThereFromTheStartAndWhereTheirMarkIs) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::fiducial_readings_test

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::flags_test {
 namespace {
 
 using engine::World;
@@ -167,4 +167,4 @@ TEST(Depots, ASourceFillsUpAndASinkCountsAndEmpties) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::flags_test

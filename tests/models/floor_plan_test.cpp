@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::floor_plan_test {
 namespace {
 
 constexpr int k_cells = FloorPlan::k_cells;
@@ -117,4 +117,4 @@ TEST(FloorPlan, BodiesAreFoundByTheirNamesAndGeneratedOnes) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::floor_plan_test

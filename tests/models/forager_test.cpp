@@ -9,7 +9,7 @@
 
 #include <string>
 
-namespace troupe::models {
+namespace troupe::models::forager_test {
 namespace {
 
 using engine::World;
@@ -149,4 +149,4 @@ TEST(Fasr2, SwitchesItsScannerOffWhileItCharges) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::forager_test

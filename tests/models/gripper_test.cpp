@@ -12,7 +12,7 @@
 #include <cmath>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::gripper_test {
 namespace {
 
 using engine::World;
@@ -425,4 +425,4 @@ TEST(Gripper, CarriesTheSameOnAnyThreadsAndTiles) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::gripper_test

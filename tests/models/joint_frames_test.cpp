@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::joint_frames_test {
 namespace {
 
 using engine::BodyType;
@@ -236,4 +236,4 @@ TEST(JointFrames, ContactsTouchWhereTheirJointIs) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::joint_frames_test

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::light_test {
 namespace {
 
 using test::box;
@@ -110,4 +110,4 @@ TEST(Light, IsStateThatIsHashed) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::light_test

@@ -16,7 +16,7 @@
 #include <set>
 #include <utility>
 
-namespace troupe::models {
+namespace troupe::models::measures_test {
 namespace {
 
 using engine::MeasureSet;
@@ -1035,4 +1035,4 @@ TEST(Measures, SayWhatIsWrongWithThem) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::measures_test

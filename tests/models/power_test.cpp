@@ -10,7 +10,7 @@
 
 #include <string>
 
-namespace troupe::models {
+namespace troupe::models::power_test {
 namespace {
 
 using engine::DeviceSpec;
@@ -315,4 +315,4 @@ TEST(PowerContact, NeedsAPack) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::power_test

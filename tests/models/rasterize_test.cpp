@@ -6,7 +6,7 @@
 
 #include <numeric>
 
-namespace troupe::models {
+namespace troupe::models::rasterize_test {
 namespace {
 
 using test::SceneBuilder;
@@ -58,4 +58,4 @@ TEST(Rasterize, IsInTheFrameOfItsPart) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::rasterize_test

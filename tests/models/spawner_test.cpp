@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::spawner_test {
 namespace {
 
 using engine::BirthStatus;
@@ -400,4 +400,4 @@ TEST(PowerPack, WhoIsChargedInTimeLives) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::spawner_test

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::waypoints_test {
 namespace {
 
 using engine::Record;
@@ -311,4 +311,4 @@ TEST(Movers, ADriveThatAnInterventionMakesTooSlowIsAnError) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::waypoints_test

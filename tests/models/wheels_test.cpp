@@ -9,7 +9,7 @@
 #include <limits>
 #include <vector>
 
-namespace troupe::models {
+namespace troupe::models::wheels_test {
 namespace {
 
 using engine::World;
@@ -167,4 +167,4 @@ TEST(Wheels, HaveNoVelocityWithoutPower) {
 }
 
 }  // namespace
-}  // namespace troupe::models
+}  // namespace troupe::models::wheels_test

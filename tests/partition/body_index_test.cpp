@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::body_index_test {
 namespace {
 
 using oracle::Draw;
@@ -309,4 +309,4 @@ TEST(BodyIndex, IsTheSameOnAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::body_index_test

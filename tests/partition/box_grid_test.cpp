@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::box_grid_test {
 namespace {
 
 using oracle::Draw;
@@ -66,4 +66,4 @@ TEST(BoxGrid, OfNothingFindsNothing) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::box_grid_test

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::closeness_test {
 namespace {
 
 using oracle::rectangle;
@@ -85,4 +85,4 @@ TEST(ComeWithin, EdgesShorterThanTheirRoundingHideNoShapeInside) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::closeness_test

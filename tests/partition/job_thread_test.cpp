@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::job_thread_test {
 namespace {
 
 /// Returns the text of the exception that a call throws; "nothing" if it throws none.
@@ -113,4 +113,4 @@ TEST(TryThreads, TellsWhetherTheSystemAllowsThem) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::job_thread_test

@@ -9,7 +9,7 @@
 #include <limits>
 #include <string>
 
-namespace troupe::partition {
+namespace troupe::partition::kernel_check_test {
 namespace {
 
 TEST(KernelCheck, FindsTheKernelsOfEveryInstructionSetRight) {
@@ -108,4 +108,4 @@ TEST(KernelCheck, FindsACircleThatIsCopiedWrongly) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::kernel_check_test

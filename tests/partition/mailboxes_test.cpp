@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::mailboxes_test {
 namespace {
 
 std::shared_ptr<const Message> number(std::uint64_t value) {
@@ -149,4 +149,4 @@ TEST(Message, ABoolIsTrueIfItsByteIsNot0) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::mailboxes_test

@@ -6,7 +6,7 @@
 
 #include <memory>
 
-namespace troupe::partition {
+namespace troupe::partition::mpi_transport_test {
 namespace {
 
 TEST(MpiTransport, AMessageThatComesTooLateIsWrittenToMemoryOfItsOwn) {
@@ -31,4 +31,4 @@ TEST(MpiTransport, TimeInWhichTheProcessIsSuspendedDoesNotCount) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::mpi_transport_test

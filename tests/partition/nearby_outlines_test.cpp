@@ -9,7 +9,7 @@
 #include <cmath>
 #include <set>
 
-namespace troupe::partition {
+namespace troupe::partition::nearby_outlines_test {
 namespace {
 
 constexpr std::uint32_t k_thrift = test::k_slow_build ? 10 : 1;
@@ -204,4 +204,4 @@ TEST(FixedOutlines, CirclesOfAPieceCoverItsEdges) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::nearby_outlines_test

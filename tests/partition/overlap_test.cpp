@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::overlap_test {
 namespace {
 
 using oracle::Draw;
@@ -245,4 +245,4 @@ TEST(ObstacleShape, MeasuresItsPieces) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::overlap_test

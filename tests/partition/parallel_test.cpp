@@ -29,7 +29,7 @@
 #include <thread>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::parallel_test {
 namespace {
 
 class ParallelOf : public ::testing::TestWithParam<unsigned> {};
@@ -289,4 +289,4 @@ TEST(Parallel, TakesTheProcessorsThatItMayUseByDefault) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::parallel_test

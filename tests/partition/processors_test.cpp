@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-namespace troupe::partition {
+namespace troupe::partition::processors_test {
 namespace {
 
 /// A folder that stands for `/`, with the files of control groups.
@@ -110,4 +110,4 @@ TEST(Processors, AreThoseOfTheAffinityMask) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::processors_test

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::ranging_test {
 namespace {
 
 constexpr double k_turn = 6.283185307179586;
@@ -726,4 +726,4 @@ TEST(Ranging, RangeMaxItselfUnlessSomethingIsNearer) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::ranging_test

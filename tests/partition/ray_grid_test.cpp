@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::ray_grid_test {
 namespace {
 
 using oracle::Draw;
@@ -467,4 +467,4 @@ TEST(RayGrid, CellsThatMemoryCannotHoldAreRefused) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::ray_grid_test

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::separation_test {
 namespace {
 
 using oracle::Draw;
@@ -71,4 +71,4 @@ TEST(WayOut, ComparesOnlyPiecesThatAreNear) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::separation_test

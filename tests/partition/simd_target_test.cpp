@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::simd_target_test {
 namespace {
 
 using ::testing::AllOf;
@@ -102,4 +102,4 @@ TEST(CompressTables, MoveTheLanesThatAreSetToTheFront) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::simd_target_test

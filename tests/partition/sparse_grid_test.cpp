@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-namespace troupe::partition {
+namespace troupe::partition::sparse_grid_test {
 namespace {
 
 TEST(GridGeometry, CellsHoldTheirLowerEdges) {
@@ -106,4 +106,4 @@ TEST(ForEachRun, VisitsEachCellOfTheBoxInATileThatExists) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::sparse_grid_test

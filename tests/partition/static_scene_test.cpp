@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::static_scene_test {
 namespace {
 
 using oracle::Draw;
@@ -306,4 +306,4 @@ TEST(EdgeGrid, FindsEveryEdgeThatMeetsABox) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::static_scene_test

@@ -13,7 +13,7 @@
 #include <map>
 #include <vector>
 
-namespace troupe::partition {
+namespace troupe::partition::tile_owners_test {
 namespace {
 
 using ::testing::Contains;
@@ -181,4 +181,4 @@ TEST(TileOwners, AllRanksAreNearIfTheDistanceIsHuge) {
 }
 
 }  // namespace
-}  // namespace troupe::partition
+}  // namespace troupe::partition::tile_owners_test

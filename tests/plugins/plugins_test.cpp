@@ -36,7 +36,7 @@
 #include <vector>
 
 /// In a program that links troupe::troupe and exports nothing for plug-ins, as a user's does.
-namespace troupe {
+namespace troupe::plugins_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -692,4 +692,4 @@ TEST_F(PluginsResumed, WithoutThemSayWhichIsMissing) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::plugins_test

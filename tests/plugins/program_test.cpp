@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace troupe::apps {
+namespace troupe::apps::program_test {
 namespace {
 
 using ::testing::AllOf;
@@ -334,4 +334,4 @@ INSTANTIATE_TEST_SUITE_P(Controllers, PluginRogue,
                          });
 
 }  // namespace
-}  // namespace troupe::apps
+}  // namespace troupe::apps::program_test

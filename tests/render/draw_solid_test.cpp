@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-namespace troupe::render {
+namespace troupe::render::draw_solid_test {
 namespace {
 
 using engine::Frame;
@@ -527,4 +527,4 @@ TEST(DrawSolid, TenThousandRobots) {
 }
 
 }  // namespace
-}  // namespace troupe::render
+}  // namespace troupe::render::draw_solid_test

@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-namespace troupe::render {
+namespace troupe::render::draw_test {
 namespace {
 
 using engine::Frame;
@@ -624,4 +624,4 @@ TEST(Draw, RefusesRegionsWithoutASize) {
 }
 
 }  // namespace
-}  // namespace troupe::render
+}  // namespace troupe::render::draw_test

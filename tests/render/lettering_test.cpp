@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace troupe::render {
+namespace troupe::render::lettering_test {
 namespace {
 
 Lines written(std::string_view text) {
@@ -58,4 +58,4 @@ TEST(Lettering, ALetterOfSeveralBytesIsOneBox) {
 }
 
 }  // namespace
-}  // namespace troupe::render
+}  // namespace troupe::render::lettering_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace troupe::render {
+namespace troupe::render::map_furniture_test {
 namespace {
 
 TEST(RoundLength, IsTheLargestThatFits) {
@@ -104,4 +104,4 @@ TEST(Furniture, ShowsWhatItIsAskedFor) {
 }
 
 }  // namespace
-}  // namespace troupe::render
+}  // namespace troupe::render::map_furniture_test

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
-namespace troupe::render {
+namespace troupe::render::osmesa_context_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -50,4 +50,4 @@ TEST(OsmesaContext, GivesEntryPointsAgainAndAgain) {
 }
 
 }  // namespace
-}  // namespace troupe::render
+}  // namespace troupe::render::osmesa_context_test

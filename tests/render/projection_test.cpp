@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace troupe::render {
+namespace troupe::render::projection_test {
 namespace {
 
 std::vector<Vec3> corners(const Vec3& min, const Vec3& max) {
@@ -210,4 +210,4 @@ TEST(Projection, WhatIsBehindTheViewerHasNoPlace) {
 }
 
 }  // namespace
-}  // namespace troupe::render
+}  // namespace troupe::render::projection_test

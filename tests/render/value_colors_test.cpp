@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::render {
+namespace troupe::render::value_colors_test {
 namespace {
 
 int lightness(const Rgba& color) { return (299 * color[0] + 587 * color[1] + 114 * color[2]) / 1000; }
@@ -50,4 +50,4 @@ TEST(ValueColors, EqualValuesAndNoneHaveARangeToo) {
 }
 
 }  // namespace
-}  // namespace troupe::render
+}  // namespace troupe::render::value_colors_test

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-namespace troupe::render {
+namespace troupe::render::vector_drawing_test {
 namespace {
 
 using engine::Frame;
@@ -195,4 +195,4 @@ TEST(VectorDrawing, APdfHoldsThePage) {
 }
 
 }  // namespace
-}  // namespace troupe::render
+}  // namespace troupe::render::vector_drawing_test

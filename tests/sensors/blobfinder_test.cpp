@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::blobfinder_test {
 namespace {
 
 using engine::World;
@@ -191,4 +191,4 @@ TEST(Blobfinder, EntriesAfterTheLastBlobAreZero) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::blobfinder_test

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::bumper_test {
 namespace {
 
 using engine::World;
@@ -123,4 +123,4 @@ TEST(Bumper, FeelsNoBodyOnceItIsGone) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::bumper_test

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::camera_test {
 namespace {
 
 using engine::World;
@@ -283,4 +283,4 @@ TEST(Camera, TheSameForAnyThreadsAndTiles) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::camera_test

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::compass_test {
 namespace {
 
 using engine::World;
@@ -116,4 +116,4 @@ TEST(Compass, NoiseIsNormalAndIndependentOfBodiesAndTicks) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::compass_test

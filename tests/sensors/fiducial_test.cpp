@@ -11,7 +11,7 @@
 #include <cmath>
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::fiducial_test {
 namespace {
 
 using engine::World;
@@ -313,4 +313,4 @@ TEST(Fiducial, SightIsMutualInACrowdForAnyThreadsAndTiles) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::fiducial_test

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::ground_test {
 namespace {
 
 using engine::World;
@@ -338,4 +338,4 @@ TEST(Ground, WhatCannotBeIsAnError) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::ground_test

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::light_sensor_test {
 namespace {
 
 using engine::World;
@@ -141,4 +141,4 @@ TEST(LightSensor, SeesUpToItsRangeAndStraightUpWithoutBrightness) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::light_sensor_test

@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::radio_test {
 namespace {
 
 using engine::World;
@@ -772,4 +772,4 @@ TEST(Radio, MayBeOnTheRimOfItsBodyInAnyDirection) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::radio_test

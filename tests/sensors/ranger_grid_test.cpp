@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace troupe::sensors {
+namespace troupe::sensors::ranger_grid_test {
 namespace {
 
 using engine::World;
@@ -108,4 +108,4 @@ TEST(RangerGrid, TheExactEngineHasNoGrid) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::ranger_grid_test

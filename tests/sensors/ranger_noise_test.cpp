@@ -11,7 +11,7 @@
 #include <cmath>
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::ranger_noise_test {
 namespace {
 
 using engine::World;
@@ -266,4 +266,4 @@ TEST(RangerCone, IsTrueToPointsAlongAllEdges) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::ranger_noise_test

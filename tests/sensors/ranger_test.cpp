@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace troupe::sensors {
+namespace troupe::sensors::ranger_test {
 namespace {
 
 using engine::World;
@@ -669,4 +669,4 @@ TEST(Ranger, AScannerOfManyHundredBeamsIsCastWhole) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::ranger_test

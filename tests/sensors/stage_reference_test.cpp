@@ -15,7 +15,7 @@
 #include <sstream>
 #include <vector>
 
-namespace troupe::sensors {
+namespace troupe::sensors::stage_reference_test {
 namespace {
 
 const std::filesystem::path k_source = test::source_dir();
@@ -178,4 +178,4 @@ TEST(StageLikeReadings, YardOfRobotsInALineByTheGridEngine) {
 }
 
 }  // namespace
-}  // namespace troupe::sensors
+}  // namespace troupe::sensors::stage_reference_test

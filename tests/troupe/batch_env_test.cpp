@@ -24,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::batch_env_test {
 namespace {
 
 using testing::HasSubstr;
@@ -784,4 +784,4 @@ TEST(BatchEnv, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::batch_env_test

@@ -18,7 +18,7 @@
 #include <string_view>
 #include <vector>
 
-namespace troupe {
+namespace troupe::capabilities_test {
 namespace {
 
 using testing::ElementsAre;
@@ -111,4 +111,4 @@ TEST(Capabilities, ANameInASourceIsFound) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::capabilities_test

@@ -29,7 +29,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe {
+namespace troupe::checkpoint_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -579,4 +579,4 @@ TEST_F(Checkpoint, ThatHasNoFolderIsAnError) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::checkpoint_test

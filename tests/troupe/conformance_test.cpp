@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe {
+namespace troupe::conformance_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -338,4 +338,4 @@ TEST_F(Conformance15, OurOwnCaveOverRunsAndThreads) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::conformance_test

@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe {
+namespace troupe::convert_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -657,4 +657,4 @@ TEST_F(ConvertTest, TextsInLatin1ComeIntoJson) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::convert_test

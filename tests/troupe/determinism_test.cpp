@@ -36,7 +36,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace troupe {
+namespace troupe::determinism_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -359,4 +359,4 @@ TEST_F(Environment, TheLocaleOfCIsNotState) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::determinism_test

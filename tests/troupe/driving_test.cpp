@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::driving_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -190,4 +190,4 @@ TEST_F(Driving, ARecordingTellsTheModeOfACommand) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::driving_test

@@ -13,7 +13,7 @@
 #include <optional>
 #include <string>
 
-namespace troupe {
+namespace troupe::energy_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -147,4 +147,4 @@ TEST(ForagingScene, FlagsArriveAtTheSink) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::energy_test

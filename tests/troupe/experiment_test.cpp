@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::experiment_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -330,4 +330,4 @@ TEST_F(StopWhen, ThereIsNothingToStopWhereNothingIsSaid) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::experiment_test

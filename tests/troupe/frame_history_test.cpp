@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::frame_history_test {
 namespace {
 
 using engine::Frame;
@@ -129,4 +129,4 @@ TEST(Covered, WhatIsNoRobotCoversNothing) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::frame_history_test

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe {
+namespace troupe::grip_scenes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -163,4 +163,4 @@ TEST(GripScenes, DependOnNeitherThreadsNorTiles) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::grip_scenes_test

@@ -14,7 +14,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace troupe {
+namespace troupe::hospital_test {
 namespace {
 
 double distance(const Vec2& p, const Vec2& a, const Vec2& b) {
@@ -117,4 +117,4 @@ TEST(Hospital, TheCheckFindsRobotsInWallsAndInEachOther) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::hospital_test

@@ -16,7 +16,7 @@
 #include <span>
 #include <type_traits>
 
-namespace troupe {
+namespace troupe::junk_state_test {
 namespace {
 
 using engine::Element;
@@ -90,4 +90,4 @@ INSTANTIATE_TEST_SUITE_P(Worlds, JunkState, ::testing::ValuesIn(scenes::runs_of(
                          [](const auto& run) { return run.param.name(); });
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::junk_state_test

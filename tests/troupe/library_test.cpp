@@ -25,7 +25,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace troupe {
+namespace troupe::library_test {
 namespace {
 
 using test::message_of;
@@ -805,4 +805,4 @@ TEST_F(LibraryFilesTest, ASnapshotTakesTheOptionsOfPictures) {
 #endif
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::library_test

@@ -24,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::lives_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -280,4 +280,4 @@ TEST_F(Lives, WhatIsWrongIsTold) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::lives_test

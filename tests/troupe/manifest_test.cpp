@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace troupe::scenes {
+namespace troupe::scenes::manifest_test {
 namespace {
 
 using ::testing::EndsWith;
@@ -106,4 +106,4 @@ TEST_F(ManifestTest, OfTheShippedWorldsNamesEveryRunOfASuiteOnce) {
 }
 
 }  // namespace
-}  // namespace troupe::scenes
+}  // namespace troupe::scenes::manifest_test

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace troupe {
+namespace troupe::measures_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -173,4 +173,4 @@ TEST_F(MeasuresOfASimulation, ThatAreNotThereAreErrors) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::measures_test

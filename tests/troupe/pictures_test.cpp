@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::pictures_test {
 namespace {
 
 using ::testing::AllOf;
@@ -446,4 +446,4 @@ TEST_F(PicturesTest, WithoutRenderTheyAreAnError) {
 #endif
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::pictures_test

@@ -18,7 +18,7 @@
 #include <string_view>
 #include <utility>
 
-namespace troupe {
+namespace troupe::pucks_test {
 namespace {
 
 const std::filesystem::path k_pucks = test::source_dir() / "worlds" / "pucks.json";
@@ -74,4 +74,4 @@ TEST(PucksScene, DependsOnNeitherThreadsNorTiles) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::pucks_test

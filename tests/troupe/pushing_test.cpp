@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::pushing_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -250,4 +250,4 @@ TEST(ClusteringScene, RobotsPushPucksTogether) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::pushing_test

@@ -46,7 +46,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::ranks_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -1227,4 +1227,4 @@ TEST_F(RanksOfAProgram, ShareOnlyWhatOthersRead) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::ranks_test

@@ -34,7 +34,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::recording_test {
 namespace {
 
 using test::message_of;
@@ -685,4 +685,4 @@ TEST_F(RecordingTest, SeveralInTheBackgroundBesideCheckpoints) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::recording_test

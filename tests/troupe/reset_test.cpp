@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::reset_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -326,4 +326,4 @@ TEST_F(Reset, WithASeedShowsGroundSensorsTheZonesOfThisSeed) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::reset_test

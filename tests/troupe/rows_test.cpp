@@ -24,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::rows_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -350,4 +350,4 @@ TEST(RowOrder, CannotBeShuffledOnSeveralRanks) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::rows_test

@@ -16,7 +16,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace troupe {
+namespace troupe::sensor_scenes_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -178,4 +178,4 @@ TEST(SensorScenes, TheLookoutIsTheSameForAnyThreadsAndTiles) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::sensor_scenes_test

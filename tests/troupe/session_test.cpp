@@ -24,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe {
+namespace troupe::session_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -554,4 +554,4 @@ TEST_F(Sessions, LinesSurviveARoundTrip) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::session_test

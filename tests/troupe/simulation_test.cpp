@@ -27,7 +27,7 @@
 #include <string_view>
 #include <thread>
 
-namespace troupe {
+namespace troupe::simulation_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -868,4 +868,4 @@ TEST(Version, IsOneLineThatNamesCompilerFlagsAndAssertions) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::simulation_test

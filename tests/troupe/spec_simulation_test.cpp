@@ -15,7 +15,7 @@
 
 #include <cmath>
 
-namespace troupe {
+namespace troupe::spec_simulation_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -251,4 +251,4 @@ TEST_F(SpecSimulation, WhatIsWrongIsNamedByItsPath) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::spec_simulation_test

@@ -13,7 +13,7 @@
 #include <tuple>
 #include <vector>
 
-namespace troupe {
+namespace troupe::stage_effects_test {
 namespace {
 
 using worldio::StageRow;
@@ -366,4 +366,4 @@ TEST_F(StageEffects, EachHonouredPropertyIsTried) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::stage_effects_test

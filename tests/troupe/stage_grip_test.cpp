@@ -10,7 +10,7 @@
 #include <cmath>
 #include <string>
 
-namespace troupe {
+namespace troupe::stage_grip_test {
 namespace {
 
 using models::ActuatorState;
@@ -204,4 +204,4 @@ TEST_F(StageGrip, APlanIsOneWord) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::stage_grip_test

@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe {
+namespace troupe::stage_styles_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -308,4 +308,4 @@ TEST(StageStylesRefused, ControllersThatNoRobotHas) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::stage_styles_test

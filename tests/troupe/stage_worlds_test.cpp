@@ -15,7 +15,7 @@
 #include <ostream>
 #include <string>
 
-namespace troupe {
+namespace troupe::stage_worlds_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,4 +106,4 @@ TEST(StageLikeSwarm, SpreadsAsWasWorkedOut) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::stage_worlds_test

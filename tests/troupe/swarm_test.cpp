@@ -23,7 +23,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe {
+namespace troupe::swarm_test {
 namespace {
 
 using test::message_of;
@@ -501,4 +501,4 @@ TEST(SwarmDevices, BoolsAreZeroOrOne) {
 }
 
 }  // namespace
-}  // namespace troupe
+}  // namespace troupe::swarm_test

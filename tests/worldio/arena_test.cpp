@@ -14,7 +14,7 @@
 #include <cmath>
 #include <filesystem>
 
-namespace troupe::worldio {
+namespace troupe::worldio::arena_test {
 namespace {
 
 using engine::WorldSpec;
@@ -628,4 +628,4 @@ TEST(StartOverlaps, RoundingIsTolerated) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::arena_test

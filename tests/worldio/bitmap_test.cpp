@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::bitmap_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -344,4 +344,4 @@ TEST(Conformance13, PolygonsAndVerticesOfSmallImages) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::bitmap_test

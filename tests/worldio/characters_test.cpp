@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace troupe::worldio {
+namespace troupe::worldio::characters_test {
 namespace {
 
 using namespace std::string_view_literals;
@@ -51,4 +51,4 @@ TEST(Characters, LinesThatAreNotUtf8AreReadAsLatin1) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::characters_test

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::damaged_recording_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -177,6 +177,6 @@ TEST_F(DamagedRecording, ATextThatIsNotThereIsAnError) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::damaged_recording_test
 
 #endif

@@ -16,7 +16,7 @@
 #include <set>
 #include <string>
 
-namespace troupe::worldio {
+namespace troupe::worldio::document_table_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -184,4 +184,4 @@ TEST(KindKeys, ParametersOfShippedKindsAreNotCalledLikeKeys) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::document_table_test

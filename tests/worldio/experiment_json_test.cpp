@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::experiment_json_test {
 namespace {
 
 using engine::Comparison;
@@ -401,4 +401,4 @@ TEST(PlacementJson, RulesAreReadAndWhatDoesNotFitIsCounted) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::experiment_json_test

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace troupe::worldio {
+namespace troupe::worldio::files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -32,4 +32,4 @@ TEST_F(Files, AFileIsReadOnASmallStack) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::files_test

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::find_keys_test {
 namespace {
 
 using testing::Contains;
@@ -169,4 +169,4 @@ TEST(FindKeys, NamesForSuggestionsAreThoseAtThePlace) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::find_keys_test

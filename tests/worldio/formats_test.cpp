@@ -17,7 +17,7 @@
 #include <sstream>
 #include <string>
 
-namespace troupe::worldio {
+namespace troupe::worldio::formats_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -54,4 +54,4 @@ TEST(Formats, FilesOfEveryVersionAreReadAsBefore) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::formats_test

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::hdf5_caches_test {
 namespace {
 
 constexpr std::size_t k_most_bytes = std::size_t{2} << 20;
@@ -84,5 +84,5 @@ TEST_F(Hdf5Caches, OfMetadataDoNotKeepClosedDatasets) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::hdf5_caches_test
 #endif

@@ -16,7 +16,7 @@
 #include <string>
 #include <utility>
 
-namespace troupe::worldio {
+namespace troupe::worldio::hdf5_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -333,4 +333,4 @@ TEST_F(Hdf5, ACopyHasTheContentWithoutTheSpaceOfRemovedRows) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::hdf5_file_test

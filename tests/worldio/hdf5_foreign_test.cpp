@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::hdf5_foreign_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -151,5 +151,5 @@ TEST_F(ForeignHdf5, LinksEndInTheFile) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::hdf5_foreign_test
 #endif

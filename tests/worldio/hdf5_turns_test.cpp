@@ -38,7 +38,7 @@ extern "C" herr_t H5Dwrite(hid_t dataset, hid_t memory_type, hid_t memory, hid_t
   return result;
 }
 
-namespace troupe::worldio {
+namespace troupe::worldio::hdf5_turns_test {
 namespace {
 
 class Hdf5Turns : public test::ScratchTest {};
@@ -64,6 +64,6 @@ TEST_F(Hdf5Turns, OneThreadAtATimeIsInsideTheLibrary) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::hdf5_turns_test
 
 #endif

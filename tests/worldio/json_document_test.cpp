@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::json_document_test {
 namespace {
 
 using testing::ElementsAre;
@@ -300,4 +300,4 @@ TEST(JsonDocument, SetNamesTheTypeFromWhichATypeInheritsTheKeyOfThePointer) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::json_document_test

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::json_joints_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -213,4 +213,4 @@ TEST(JsonJoints, WhatIsWrongIsTold) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::json_joints_test

@@ -20,7 +20,7 @@
 #include <cstdint>
 #include <filesystem>
 
-namespace troupe::worldio {
+namespace troupe::worldio::json_world_test {
 namespace {
 
 using engine::WorldSpec;
@@ -1239,4 +1239,4 @@ RC_GTEST_PROP(JsonWorldFuzz, ValuesOfTheWrongKindNeverCrash, ()) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::json_world_test

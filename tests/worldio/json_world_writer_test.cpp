@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::json_world_writer_test {
 namespace {
 
 using engine::DeviceKind;
@@ -331,4 +331,4 @@ TEST(JsonText, WhatFitsStandsOnALine) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::json_world_writer_test

@@ -17,7 +17,7 @@
 #include <functional>
 #include <string>
 
-namespace troupe::worldio {
+namespace troupe::worldio::limits_test {
 namespace {
 
 using ::testing::AllOf;
@@ -340,4 +340,4 @@ TEST_F(Limits, ErrorsAndWhatTheyQuote) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::limits_test

@@ -14,7 +14,7 @@
 #include <map>
 #include <stdexcept>
 
-namespace troupe::worldio {
+namespace troupe::worldio::png_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -196,4 +196,4 @@ TEST_F(WritePng, PassesOnWhatLibpngRefuses) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::png_test

@@ -26,7 +26,7 @@
 #include <thread>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::recording_reader_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -277,4 +277,4 @@ TEST_F(Repaired, IsNotWrittenThroughALink) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::recording_reader_test

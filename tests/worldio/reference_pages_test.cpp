@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::reference_pages_test {
 namespace {
 
 using reference_pages::document_key_tables;
@@ -116,4 +116,4 @@ TEST(WorldFormatReference, TheDocumentsExampleLoads) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::reference_pages_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::replay_codec_test {
 namespace {
 
 std::string packed(const std::vector<std::int32_t>& values, Expected expected) {
@@ -83,4 +83,4 @@ TEST(ReplayCodec, DeflatedIsZlibs) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::replay_codec_test

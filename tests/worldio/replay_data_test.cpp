@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::replay_data_test {
 namespace {
 
 using test::Unpacked;
@@ -501,4 +501,4 @@ TEST_F(Replay, RefusesADamagedScene) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::replay_data_test

@@ -23,7 +23,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::sealed_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -304,4 +304,4 @@ TEST_F(SealedFile, NamesTheFileThatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::sealed_file_test

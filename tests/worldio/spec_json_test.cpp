@@ -17,7 +17,7 @@
 #include <filesystem>
 #include <limits>
 
-namespace troupe::worldio {
+namespace troupe::worldio::spec_json_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -453,4 +453,4 @@ TEST(SpecJson, RefusesBodiesOfAnotherWorld) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::spec_json_test

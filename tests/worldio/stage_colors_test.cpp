@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_colors_test {
 namespace {
 
 Color rgb(int r, int g, int b) {
@@ -104,4 +104,4 @@ TEST(StageColors, EveryNameOfX11IsKnown) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_colors_test

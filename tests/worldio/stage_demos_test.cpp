@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_demos_test {
 namespace {
 
 using test::SceneBuilder;
@@ -82,4 +82,4 @@ TEST(LaserNoise, HasNoEffectOutsideOfARanger) {
 TEST(StageDemos, OtherControllersAddNothing) { EXPECT_EQ(stage_addition("rasterize"), nullptr); }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_demos_test

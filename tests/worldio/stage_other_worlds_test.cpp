@@ -8,7 +8,7 @@
 
 #include <filesystem>
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_other_worlds_test {
 namespace {
 
 using engine::get;
@@ -223,4 +223,4 @@ TEST_F(StageOtherWorlds, CamerasAreAsLargeAsScreens) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_other_worlds_test

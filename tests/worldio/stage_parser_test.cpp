@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_parser_test {
 namespace {
 
 using testing::ElementsAre;
@@ -643,4 +643,4 @@ RC_GTEST_PROP(StageSoup, TokensInAnyOrderAreReadOrRefused, ()) {
 RC_GTEST_PROP(StageSoup, BytesInAnyOrderAreReadOrRefused, (const std::string& text)) { read_soup(text); }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_parser_test

@@ -2,7 +2,7 @@
 
 #include <string>
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_power_test {
 namespace {
 
 using engine::DeviceSpec;
@@ -147,4 +147,4 @@ TEST_F(StagePowerTest, ModelsWithASourceHoldFlags) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_power_test

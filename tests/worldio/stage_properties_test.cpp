@@ -12,7 +12,7 @@
 #include <string>
 #include <tuple>
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_properties_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -247,4 +247,4 @@ TEST(StageProperties, TheDocumentShowsTheTable) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_properties_test

@@ -2,7 +2,7 @@
 #include "tests/worldio/stage_fixture.hpp"
 #include "troupe/registry.hpp"
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_sensors_test {
 namespace {
 
 using engine::get;
@@ -211,4 +211,4 @@ TEST_F(StageSensors, NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_sensors_test

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_syntax_test {
 namespace {
 
 using engine::get;
@@ -189,4 +189,4 @@ TEST_F(StageSyntax, ShortTuplesOfOlderRobotsAreRead) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_syntax_test

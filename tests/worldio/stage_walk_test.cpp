@@ -32,7 +32,7 @@
 #include <utility>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_walk_test {
 namespace {
 
 using engine::Field;
@@ -664,4 +664,4 @@ TEST_F(StageConvertWalk, EveryParameterOfAKindIsWrittenOrReported) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_walk_test

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <iterator>
 
-namespace troupe::worldio {
+namespace troupe::worldio::stage_world_test {
 namespace {
 
 using engine::get;
@@ -1426,4 +1426,4 @@ TEST_F(StageTest, WorldsAreReadByTheirEnding) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::stage_world_test

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace troupe::worldio {
+namespace troupe::worldio::study_test {
 namespace {
 
 using testing::Each;
@@ -438,4 +438,4 @@ TEST_F(StudyFile, EqualRunsAreAnError) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::study_test

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <system_error>
 
-namespace troupe::worldio {
+namespace troupe::worldio::whole_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -43,4 +43,4 @@ TEST_F(WholeFile, ACheckThrowsTheErrorOfWriting) {
 }
 
 }  // namespace
-}  // namespace troupe::worldio
+}  // namespace troupe::worldio::whole_file_test
