@@ -205,11 +205,10 @@ std::shared_ptr<Picture> Connections::spare_picture() {
 }
 
 void Connections::publish(std::shared_ptr<const Picture> picture) {
-  {
+  server_->offer([this, picture = std::move(picture)]() mutable {
     const std::scoped_lock lock(mutex_);
     newest_ = std::move(picture);
-  }
-  server_->offer();
+  });
 }
 
 }  // namespace troupe::live

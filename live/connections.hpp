@@ -69,6 +69,7 @@ class Connections : private ViewBackend {
 
   /// Returns a picture to fill; null while the server uses all of them.
   std::shared_ptr<Picture> spare_picture();
+  /// Sends a picture to all clients, after the answers that were given before.
   void publish(std::shared_ptr<const Picture> picture);
 
  private:

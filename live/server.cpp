@@ -522,8 +522,9 @@ void ViewServer::send(std::uint64_t client, std::string text) {
   });
 }
 
-void ViewServer::offer() {
-  asio::post(impl_->context, [this] {
+void ViewServer::offer(std::function<void()> show) {
+  asio::post(impl_->context, [this, show = std::move(show)] {
+    show();
     const auto all = impl_->connections;
     for (const auto& [client, connection] : all) connection->write();
   });

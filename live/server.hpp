@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -87,10 +88,12 @@ class ViewServer {
   /// already waiting, because the client does not read them, the server disconnects the client instead. May
   /// be called on any thread.
   void send(std::uint64_t client, std::string text);
-  /// Announces a new picture. The server then calls ViewBackend::picture() for each client: at once, or as
-  /// soon as all texts for this client have been sent, and the client has yet to draw at most one of the
-  /// earlier pictures (see drawn()). May be called on any thread.
-  void offer();
+  /// Announces a new picture. After all earlier calls of send(), the thread of the server calls show(), which
+  /// makes ViewBackend::picture() return the picture, and then ViewBackend::picture() for each client: at
+  /// once, or as soon as all texts for this client have been sent, and the client has yet to draw at most one
+  /// of the earlier pictures (see drawn()). A client thus receives a picture after the texts that were sent
+  /// before it. May be called on any thread.
+  void offer(std::function<void()> show);
   /// Tells the server that a client has drawn one of the pictures that were sent to it. While a client has
   /// not yet drawn two of the pictures that were sent to it, the server sends it no further picture. Does
   /// nothing if the client has disconnected. Not thread-safe: call it only from functions of ViewBackend,

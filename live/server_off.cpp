@@ -19,7 +19,8 @@ void ViewServer::stop() {}
 std::string ViewServer::authority() const { return {}; }
 // NOLINTNEXTLINE(performance-unnecessary-value-param): server.cpp keeps it
 void ViewServer::send(std::uint64_t, std::string) {}
-void ViewServer::offer() {}
+// NOLINTNEXTLINE(performance-unnecessary-value-param): as above
+void ViewServer::offer(std::function<void()>) {}
 void ViewServer::drawn(std::uint64_t) {}
 
 }  // namespace troupe::live
