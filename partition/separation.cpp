@@ -1,5 +1,6 @@
 #include "partition/separation.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace troupe::partition {
@@ -27,6 +28,15 @@ void shorten(const P& polygon, const Q& other, double sign, Way& way) {
   }
 }
 
+/// Depth of two convex polygons in each other, m; 0 or less: they share no area.
+template <class P, class Q>
+double depth_of(const P& a, const Q& b) {
+  Way way;
+  shorten(a, b, 1, way);
+  if (way.depth > 0) shorten(b, a, -1, way);
+  return way.depth;
+}
+
 }  // namespace
 
 std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b) {
@@ -49,6 +59,29 @@ std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b) {
   });
   if (!(longest.depth > 0)) return {};
   return longest.depth * longest.out;
+}
+
+bool deepens(const PlacedShape& before, const PlacedShape& after, const PlacedShape& other) {
+  constexpr double k_noise_m = 1e-12;
+  if (!in_reach(after.position(), after.shape().radius, other.position(), other.shape().radius)) return false;
+  return after.any_piece([&](const ConvexPrism& piece, const auto& ring) {
+    const PieceCircle circle = after.circle_of(piece);
+    if (!in_reach(circle.centre, circle.radius, other.position(), other.shape().radius)) return false;
+    const ZInterval z = piece.z.shifted(after.z());
+    const ConvexPrism& was =
+        before.shape().pieces[static_cast<std::size_t>(&piece - after.shape().pieces.data())];
+    return other.any_piece([&](const ConvexPrism& its, const auto& its_ring) {
+      const PieceCircle its_circle = other.circle_of(its);
+      const ZInterval its_z = its.z.shifted(other.z());
+      if (!in_reach(circle.centre, circle.radius, its_circle.centre, its_circle.radius) || !z.overlaps(its_z))
+        return false;
+      const double depth = depth_of(ring, its_ring);
+      if (!(depth > 0)) return false;
+      if (!was.z.shifted(before.z()).overlaps(its_z)) return true;
+      const double depth_before = depth_of(PlacedRing(was.outline, before.transform()), its_ring);
+      return !(depth_before > 0) || depth > std::max(depth_before + k_noise_m, k_rounding_m);
+    });
+  });
 }
 
 }  // namespace troupe::partition

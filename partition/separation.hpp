@@ -19,4 +19,14 @@ namespace troupe::partition {
 /// before those of a piece of `b`.
 std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b);
 
+/// Whether a motion takes a shape deeper into another one. `before` and `after` are the shape at the
+/// beginning and at the end of the motion, with the same pieces in the same order; `other` is the shape that
+/// stays.
+///
+/// The depth of two pieces is the length of the shortest horizontal displacement that separates them, and 0
+/// if they share no area or are at no common height. The result is true if the depth of any piece in any
+/// piece of `other` is greater after the motion. If both depths are above 0, a difference that may be a
+/// rounding error does not count: one of at most 1e-12 m, or with a depth of at most k_rounding_m afterwards.
+bool deepens(const PlacedShape& before, const PlacedShape& after, const PlacedShape& other);
+
 }  // namespace troupe::partition

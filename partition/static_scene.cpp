@@ -1,9 +1,11 @@
 #include "partition/static_scene.hpp"
 
 #include "base/sort.hpp"
+#include "partition/separation.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace troupe::partition {
 namespace {
@@ -159,6 +161,7 @@ void StaticScene::sort_into_strips(std::uint32_t index, std::size_t count, Strip
 
 StaticScene::StaticScene(std::vector<FixedSolid> solids, double cell_m) : solids_(std::move(solids)) {
   cover_grid_ = {std::max(cell_m, k_least_cover_m), 0};
+  pieces_ = std::shared_ptr<Pieces[]>(new Pieces[solids_.size()]);
   strips_.resize(solids_.size());
   std::vector<FixedEdge> seen;
   std::vector<FixedEdge> hidden;
@@ -256,30 +259,36 @@ bool StaticScene::overlaps_solid(std::size_t solid, const PlacedShape& shape) co
          swallows(solid, shape);
 }
 
-bool StaticScene::blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const {
-  if (!overlaps_solid(solid, before)) return true;
-  const auto is_deep = [&](const PlacedShape& placed) {
-    // thread_local, so that its memory is reused: this code runs in every tick for each body that touches an
-    // obstacle.
-    thread_local ObstacleShape inner;
-    inner.pieces.resize(1);
-    ConvexPrism& inner_piece = inner.pieces.front();
-    for (const ConvexPrism& piece : placed.shape().pieces) {
-      inset(piece, k_rounding_m, inner_piece);
-      inner.vertices = inner_piece.outline.size();
-      inner.radius = placed.shape().radius;
-      if (overlaps_solid(solid, PlacedShape(inner, placed.transform(), placed.z()))) return true;
-    }
-    return false;
+bool StaticScene::overlaps(const PlacedShape& shape) const {
+  return find_crossing(shape, [](const FixedEdge&) { return true; }) ||
+         find_swallowing(shape, [](std::uint32_t) { return true; });
+}
+
+bool StaticScene::deepens(const PlacedShape& before, const PlacedShape& after) const {
+  std::uint32_t passed = ~0u;  // many edges of the same solid follow one another
+  const auto is_deeper = [&](std::uint32_t solid) {
+    if (solid == passed) return false;
+    passed = solid;
+    const ObstacleShape& pieces = pieces_of(solid);
+    return pieces.empty() || partition::deepens(before, after, PlacedShape(pieces, Transform(), 0));
   };
-  return !is_deep(before) && is_deep(there);
+  return find_crossing(after, [&](const FixedEdge& edge) { return is_deeper(edge.solid); }) ||
+         find_swallowing(after, is_deeper);
+}
+
+const ObstacleShape& StaticScene::pieces_of(std::size_t solid) const {
+  Pieces& pieces = pieces_[solid];
+  std::call_once(pieces.made, [&] {
+    try {
+      pieces.shape = make_obstacle_shape(convex_pieces(solids_[solid].solid));
+    } catch (const std::length_error&) {  // the shape stays empty
+    }
+  });
+  return pieces.shape;
 }
 
 bool StaticScene::blocked(const ObstacleShape& shape, const Pose& pose) const {
-  if (!has_obstacles_ || shape.empty()) return false;
-  const PlacedShape placed(shape, pose);
-  return find_crossing(placed, [](const FixedEdge&) { return true; }) ||
-         find_swallowing(placed, [](std::uint32_t) { return true; });
+  return has_obstacles_ && !shape.empty() && overlaps(PlacedShape(shape, pose));
 }
 
 std::vector<BodyId> StaticScene::overlapping(const ObstacleShape& shape, const Pose& pose) const {

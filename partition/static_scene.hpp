@@ -9,6 +9,8 @@
 #include "partition/sparse_grid.hpp"
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -108,15 +110,13 @@ class StaticScene {
   double clearance(const Vec2& point, double most) const;
   /// True if the shape shares area with the obstacle solids()[solid] at a common height.
   bool overlaps_solid(std::size_t solid, const PlacedShape& shape) const;
-  /// Whether the obstacle solids()[solid] blocks the motion of a body. `before` and `there` are the shape of
-  /// the body at its poses before and after the motion. At `there`, the shape must overlap the solid. The
-  /// result depends on the overlap of shape and solid at `before`:
-  /// - No overlap: the solid blocks the motion.
-  /// - An overlap of at most k_rounding_m (1e-9 m), which may be a rounding error: the solid blocks the
-  ///   motion if the overlap at `there` is deeper than k_rounding_m. This rule keeps a robot that touches a
-  ///   wall from driving through it.
-  /// - A deeper overlap: the solid does not block the motion, so that the body can leave the solid.
-  bool blocks(std::size_t solid, const PlacedShape& before, const PlacedShape& there) const;
+  /// True if the shape shares area with an obstacle at a common height. False for a shape without pieces.
+  bool overlaps(const PlacedShape& shape) const;
+  /// Whether a motion takes a body deeper into an obstacle: partition::deepens() for the convex pieces of the
+  /// obstacles. `before` and `after` are the shape of the body at the beginning and at the end of the motion.
+  /// An obstacle whose outline is too complex for convex_pieces() counts as deeper wherever the body overlaps
+  /// it.
+  bool deepens(const PlacedShape& before, const PlacedShape& after) const;
   /// True if the shape at this pose shares area with an obstacle at a common height. False for a shape
   /// without pieces.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
@@ -144,6 +144,9 @@ class StaticScene {
 
     std::size_t strip_at(double y) const;  // index of the strip with this y; requires begins
   };
+  /// The convex pieces of a solid as a shape in the world frame, computed at the first call. Empty if they
+  /// cannot be computed. May be called by several threads.
+  const ObstacleShape& pieces_of(std::size_t solid) const;
   bool inside(std::size_t solid, const Vec2& point) const;
   bool count_crossings(const Strips& strips, const Vec2& point) const;
   void sort_into_strips(std::uint32_t index, std::size_t count, Strips& strips) const;
@@ -164,9 +167,16 @@ class StaticScene {
   template <class Visit>
   bool find_crossing(const PlacedShape& shape, Visit&& visit) const;
 
+  /// The pieces of a solid, which few motions need: those of bodies that overlap it.
+  struct Pieces {
+    std::once_flag made;
+    ObstacleShape shape;
+  };
+
   std::vector<FixedSolid> solids_;
-  std::vector<Strips> strips_;  // per solid; only the box is set if the solid is not an obstacle
-  BoxGrid boxes_;               // boxes of all solids
+  std::shared_ptr<Pieces[]> pieces_;  // per solid
+  std::vector<Strips> strips_;        // per solid; only the box is set if the solid is not an obstacle
+  BoxGrid boxes_;                     // boxes of all solids
   // Boxes of the obstacles. An index of their own, so that tests of motions are not slowed down by many, or
   // by distant, solids that are not obstacles.
   BoxGrid obstacle_boxes_;

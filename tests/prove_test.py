@@ -188,7 +188,7 @@ class Planted(unittest.TestCase):
 
     def test_faults_apply_to_the_sources(self):
         names = [name for name, _ in builds.planted_faults()]
-        self.assertEqual(names, ["address_tie", "avx2_division", "birth_memory", "float_sum", "libm_sine", "light_reach", "odometry_at_birth", "racing_read",
+        self.assertEqual(names, ["address_tie", "avx2_division", "birth_memory", "depth_forgotten", "float_sum", "libm_sine", "light_reach", "odometry_at_birth", "racing_read",
                                  "rank_birth_order", "rank_blocked_lost", "rank_effect_order", "rank_float_sum", "rank_ghost_old", "rank_message_early", "rank_message_order",
                                  "rank_outcome_early", "rank_push_lost", "rank_skin_thin", "rank_state_old", "rank_undeclared",
                                  "rank_world_of_one", "row_kept"])
@@ -264,7 +264,7 @@ class RandomWorlds(unittest.TestCase):
         for world, before in changed:
             self.assertEqual({name: world["types"][name] for name in before["types"]}, before["types"])
             self.assertGreaterEqual(len(world.get("at", ())), len(before.get("at", ())))
-        for name in ("crate", "board", "arms", "listener"):
+        for name in ("crate", "board", "arms", "listener", "sheet"):
             self.assertTrue(any(name in world["types"] for world, _ in changed), name)
         self.assertTrue(any(abs(model["pose"]["y_m"]) > 8e4 for world, _ in changed for model in world.get("models", ())
                             if "y_m" in model["pose"]))

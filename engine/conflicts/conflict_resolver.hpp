@@ -4,6 +4,7 @@
 #include "base/random.hpp"
 #include "engine/conflicts/conflicts.hpp"
 #include "partition/placed_shape.hpp"
+#include "partition/separation.hpp"
 
 #include <algorithm>
 #include <array>
@@ -77,8 +78,10 @@ inline std::size_t motion_samples(double displacement, double thinnest) {
 /// r: the row
 class Mover {
  public:
-  Mover(const Conflicts::Crowd& crowd, std::uint32_t r)
-      : row(r), from(crowd.poses[r]), motion(crowd.motions[r]), shape(*crowd.shapes[r]), crowd_(crowd) {}
+  Mover(const Conflicts::Crowd& crowd, std::uint32_t r) : Mover(crowd, r, crowd.motions[r]) {}
+  /// For another motion than the proposed one; `m` must outlive the object.
+  Mover(const Conflicts::Crowd& crowd, std::uint32_t r, const Motion& m)
+      : row(r), from(crowd.poses[r]), motion(m), shape(*crowd.shapes[r]), crowd_(crowd) {}
 
   double length() const { return (motion.to.position() - from.position()).norm(); }
   /// Upper bound on the horizontal distance that any vertex moves during the motion, m.
@@ -96,6 +99,12 @@ class Mover {
     const Pose& to = motion.to;
     return {from.x + t * (to.x - from.x), from.y + t * (to.y - from.y), from.z + t * (to.z - from.z),
             from.heading + t * motion.turn};
+  }
+  /// The shape at sample k; 0: at the old pose.
+  PlacedShape at_sample(std::size_t k) {
+    if (k == 0) return {shape, crowd_.transforms[row], from.z};
+    if (k < samples()) return {shape, between(k)};
+    return {shape, motion.there(), motion.to.z};
   }
   const PlacedShape& here() { return here_ ? *here_ : here_.emplace(shape, crowd_.transforms[row], from.z); }
   const PlacedShape& there() { return there_ ? *there_ : there_.emplace(shape, motion.there(), motion.to.z); }
@@ -161,6 +170,8 @@ class Conflicts::Resolver {
   void bound_motions(std::size_t first, std::size_t last) {
     double longest2 = 0;
     for (std::size_t row = first; row < last; ++row) {
+      bool& may_overlap = crowd_.free[row].may_overlap;
+      may_overlap = may_overlap && overlaps_another(static_cast<std::uint32_t>(row));
       const Motion& motion = crowd_.motions[row];
       if (!motion.moves || crowd_.shapes[row]->empty() || leaves_world(motion)) continue;
       const double length2 = length2_of(row);
@@ -192,13 +203,15 @@ class Conflicts::Resolver {
     if (!motion.moves) return;
     if (leaves_world(motion)) return resolve(row, Outcome::out_of_bounds);
     if (crowd_.shapes[row]->empty()) return resolve(row, Outcome::moved);
+    if (may_turn(row)) return resolve_turning(row, conflicts_.waiting_.get());
     Mover mover(crowd_, row);
     if (scene_blocks(mover)) return resolve(row, Outcome::blocked);
 
     std::array<Dependency, k_listed> others;
     std::uint32_t count = 0;
-    const bool blocked = blocked_by_others(mover, [&](std::uint32_t other, bool blocks_moved) {
-      if (count < k_listed) others[count] = {other, blocks_moved};
+    const bool blocked = blocked_by_others(mover, [&](std::uint32_t other, const InWay& in_way) {
+      if (may_turn(other)) count = k_listed;  // too many
+      if (count < k_listed) others[count] = {other, in_way.if_moved};
       ++count;
       return false;
     });
@@ -225,27 +238,22 @@ class Conflicts::Resolver {
       if (!is_resolved_before(waiting.first)) return wait(conflicts_.still_waiting_.get(), waiting);
       return resolve_in_zone(waiting.row, conflicts_.still_waiting_.get());
     }
-    bool open = false;
-    const auto blocks = [&](std::uint32_t other, bool blocks_moved) {
-      const Resolution found = resolution(other);
-      const bool resolved = found.round() > conflicts_.base_ && found.round() < round_;
-      open = open || !resolved;
-      return resolved && (found.outcome() == Outcome::moved) == blocks_moved;
-    };
-    bool blocked = false;
+    if (may_turn(waiting.row)) return resolve_turning(waiting.row, conflicts_.still_waiting_.get());
+    Answer answer = Answer::free;
     if (waiting.count == k_unlisted) {
       Mover mover(crowd_, waiting.row);
-      blocked = blocked_by_others(mover, blocks);
+      answer = answer_of_others(mover);
     } else {
-      for (std::uint32_t i = 0; i < waiting.count && !blocked; ++i) {
+      for (std::uint32_t i = 0; i < waiting.count && answer != Answer::blocked; ++i) {
         const Dependency on = conflicts_.others_[waiting.first + i];
-        blocked = blocks(on.row(), on.if_moved());
+        if (!is_resolved_before(on.row()))
+          answer = Answer::open;
+        else if ((resolution(on.row()).outcome() == Outcome::moved) == on.if_moved())
+          answer = Answer::blocked;
       }
     }
-    if (blocked || !open)
-      resolve(waiting.row, blocked ? Outcome::blocked : Outcome::moved);
-    else
-      wait(conflicts_.still_waiting_.get(), waiting);
+    if (answer == Answer::open) return wait(conflicts_.still_waiting_.get(), waiting);
+    resolve(waiting.row, answer == Answer::blocked ? Outcome::blocked : Outcome::moved);
   }
   /// Begins the next round. Returns the number of rows that still wait after the previous round; 0: all rows
   /// are resolved.
@@ -277,11 +285,74 @@ class Conflicts::Resolver {
  private:
   static constexpr std::uint32_t k_in_zone = k_unlisted - 1;
 
+  [[gnu::noinline]] bool overlaps_another(std::uint32_t row) const {
+    const ObstacleShape& shape = *crowd_.shapes[row];
+    if (shape.empty()) return false;
+    const PlacedShape here(shape, crowd_.transforms[row], crowd_.poses[row].z);
+    bool overlaps = false;
+    index_.for_each_near(Box::around(here.position(), shape.radius), [&](const BodyCircle& circle) {
+      if (overlaps || circle.row == row || crowd_.shapes[circle.row]->empty()) return;
+      const PlacedShape there(*crowd_.shapes[circle.row], crowd_.transforms[circle.row],
+                              crowd_.poses[circle.row].z);
+      overlaps = crowd_.ids[row] < crowd_.ids[circle.row] ? overlap(here, there) : overlap(there, here);
+    });
+    return overlaps;
+  }
   bool is_mover(std::size_t row) const {
     return crowd_.motions[row].moves && !crowd_.shapes[row]->empty() && !leaves_world(crowd_.motions[row]);
   }
   Resolution resolution(std::uint32_t row) const {
     return atomic(conflicts_.resolutions_[row]).load(std::memory_order_acquire);
+  }
+  /// Whether a body is in the way of a mover, at each of the places where it may be at the turn of the mover.
+  struct InWay {
+    bool if_stays, if_moved, if_turned;
+
+    bool if_it(Outcome outcome) const {
+      return outcome == Outcome::moved ? if_moved : outcome == Outcome::turned ? if_turned : if_stays;
+    }
+  };
+  enum class Answer : std::uint8_t { free, blocked, open };  // open: it depends on rows that are not resolved
+
+  /// Whether the row turns on the spot if its motion is blocked (class Conflicts, `turning`).
+  bool may_turn(std::uint32_t row) const {
+    if (crowd_.turns.empty() || crowd_.turns[row] == 0) return false;
+    const Motion& motion = crowd_.motions[row];
+    return motion.moves && motion.turn != 0 && motion.to.position() != crowd_.poses[row].position();
+  }
+  Motion turn_of(std::uint32_t row) const {
+    const Motion& motion = crowd_.motions[row];
+    const Pose& from = crowd_.poses[row];
+    return {{from.x, from.y, from.z, motion.to.heading}, motion.rotation, motion.turn, true};
+  }
+  /// Whether other bodies block the mover, as far as earlier rounds have resolved those on which this
+  /// depends.
+  Answer answer_of_others(Mover& mover) const {
+    bool open = false;
+    const bool blocked = blocked_by_others(mover, [&](std::uint32_t other, const InWay& in_way) {
+      const bool resolved = is_resolved_before(other);
+      open = open || !resolved;
+      return resolved && in_way.if_it(resolution(other).outcome());
+    });
+    return blocked ? Answer::blocked : open ? Answer::open : Answer::free;
+  }
+  Answer answer_of(Mover& mover) const {
+    return scene_blocks(mover) ? Answer::blocked : answer_of_others(mover);
+  }
+  /// Tries to resolve a row that may turn. Appends it to `list`, a list of waiting rows, if it depends on
+  /// rows that are not resolved.
+  void resolve_turning(std::uint32_t row, Waiting* list) {
+    Mover mover(crowd_, row);
+    Answer answer = answer_of(mover);
+    if (answer == Answer::free) return resolve(row, Outcome::moved);
+    if (answer == Answer::blocked) {
+      const Motion turn = turn_of(row);
+      Mover turning(crowd_, row, turn);
+      answer = answer_of(turning);
+      if (answer != Answer::open)
+        return resolve(row, answer == Answer::free ? Outcome::turned : Outcome::blocked);
+    }
+    wait(list, {row, 0, k_unlisted});
   }
   bool is_resolved_before(std::uint32_t row) const {
     const Resolution found = resolution(row);
@@ -297,7 +368,7 @@ class Conflicts::Resolver {
   struct Place;
   struct Pushed;
   Place place_now(const Mover& mover, std::uint32_t row) const;
-  bool has_moved_before(const Mover& mover, std::uint32_t row) const;
+  Outcome outcome_before(const Mover& mover, std::uint32_t row) const;
   std::span<const Push> pushes_before(const Mover& mover, std::uint32_t row) const;
   std::uint32_t last_push(std::uint32_t row) const;
   Vec2 position_now(std::uint32_t row) const;
@@ -311,6 +382,9 @@ class Conflicts::Resolver {
                 std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count) const;
   bool can_stand(Mover& mover, const Pushed& pushed, std::span<const std::uint32_t> bodies) const;
 
+  Transform turned(std::uint32_t row) const {
+    return {crowd_.transforms[row].position, crowd_.motions[row].rotation};
+  }
   double length2_of(std::size_t row) const {
     return (crowd_.motions[row].to.position() - crowd_.poses[row].position()).squaredNorm();
   }
@@ -359,23 +433,25 @@ class Conflicts::Resolver {
     return holds(from) && holds(to);
   }
 
+  /// Whether the static scene blocks the mover (class Conflicts, `rule`). A body with a free circle did not
+  /// overlap the scene when the circle was computed, and no motion makes it overlap the scene. So only a body
+  /// without one may overlap the scene at its old pose.
   bool scene_blocks(Mover& mover) const {
-    if (!scene_.has_obstacles() || clear_of_scene(mover)) return false;
-    const auto is_blocked = [&](const PlacedShape& there) {
-      // A body in a floor plan crosses many edges of one solid. `passed` is the last solid that was found not
-      // to block the mover, so that this test is not repeated for each edge of the solid.
-      std::uint32_t passed = ~0u;
-      return scene_.crossed(there, [&](std::uint32_t solid) {
-        if (solid == passed) return true;
-        if (scene_.blocks(solid, mover.here(), there)) return false;
-        passed = solid;
-        return true;
-      }) >= 0;
-    };
+    if (!scene_.has_obstacles()) return false;
+    const bool overlaps = crowd_.free[mover.row].radius == 0 && scene_.overlaps(mover.here());
+    if (!overlaps && clear_of_scene(mover)) return false;
     const std::size_t n = mover.samples();
+    if (overlaps) {
+      for (std::size_t k = 1; k <= n; ++k)
+        if (scene_.deepens(mover.at_sample(k - 1), mover.at_sample(k))) return true;
+      return false;
+    }
+    const auto crosses = [&](const PlacedShape& placed) {
+      return scene_.crossed(placed, [](std::uint32_t) { return false; }) >= 0;
+    };
     for (std::size_t k = 1; k < n; ++k)
-      if (is_blocked(PlacedShape(mover.shape, mover.between(k)))) return true;
-    return is_blocked(mover.there());
+      if (crosses(PlacedShape(mover.shape, mover.between(k)))) return true;
+    return crosses(mover.there());
   }
 
   /// Calls visit(row) for the row of every body that may come near the mover during the tick. Some visited
@@ -433,10 +509,10 @@ class Conflicts::Resolver {
   }
 
   /// Whether another body blocks the mover in any case. A body of higher priority that proposes a motion may
-  /// be at its old or at its new pose when the mover moves. If it is in the mover's way at both poses, it
-  /// blocks the mover. If it is in the way at only one of them, the function calls depends(row, if_moved)
-  /// with the row of the body; `if_moved` is true if it is in the way at its new pose. depends() must return
-  /// true if it is already known that the body blocks the mover.
+  /// be at its old or at its new pose when the mover moves, or may have turned at its old position. If it is
+  /// in the mover's way at all these poses, it blocks the mover. If it is in the way at only some of them,
+  /// the function calls depends(row, in_way) with the row of the body. depends() must return true if it is
+  /// already known that the body blocks the mover.
   template <class Depends>
   bool blocked_by_others(Mover& mover, Depends&& depends) const {
     const Box mine = swept(mover.row, mover.shape.radius + partition::k_rounding_m);
@@ -450,9 +526,11 @@ class Conflicts::Resolver {
         blocked = if_it_stays;
         return;
       }
-      const bool if_it_moved = blocks(mover, other, theirs.to.z, theirs.there());
-      blocked = if_it_stays && if_it_moved;
-      if (if_it_stays != if_it_moved) blocked = depends(other, if_it_moved);
+      InWay in_way{if_it_stays, blocks(mover, other, theirs.to.z, theirs.there()), if_it_stays};
+      if (may_turn(other)) in_way.if_turned = blocks(mover, other, crowd_.poses[other].z, turned(other));
+      blocked = in_way.if_stays;
+      if (in_way.if_stays != in_way.if_moved || in_way.if_stays != in_way.if_turned)
+        blocked = depends(other, in_way);
     });
     return blocked;
   }
@@ -469,9 +547,8 @@ class Conflicts::Resolver {
                                       mover.displacement() + partition::k_rounding_m);
   }
 
-  /// Whether another body is in the way of the mover: whether the two overlap at a sample of the motion.
-  /// There is one exception: if they already overlap at the old pose of the mover, the other body does not
-  /// block a motion that increases the distance between their origins.
+  /// Whether another body is in the way of the mover: whether the two overlap at a sample of the motion, and
+  /// did not overlap at the sample before, or less deeply (class Conflicts, `rule`).
   ///
   /// other: row of the other body
   /// z: height of the other body, m
@@ -491,9 +568,24 @@ class Conflicts::Resolver {
       if (!partition::in_reach(between.position(), mover.shape.radius, at.position, shape.radius)) continue;
       if (!theirs && !parts_come_near(mover, shape, at)) return false;
       if (!(k < n ? meet(PlacedShape(mover.shape, between)) : meet(mover.there()))) continue;
-      const bool apart = (mover.motion.to.position() - at.position).squaredNorm() >
-                         (mover.from.position() - at.position).squaredNorm();
-      return !(apart && meet(mover.here()));
+      if (!crowd_.free[mover.row].may_overlap && !crowd_.free[other].may_overlap) return true;
+      return deepens(mover, k, last_k, other, *theirs);
+    }
+    return false;
+  }
+  /// Whether the motion takes the mover deeper into another body, in which it is for the first time at sample
+  /// k.
+  [[gnu::noinline]] bool deepens(Mover& mover, std::size_t k, std::size_t last_k, std::uint32_t other,
+                                 const PlacedShape& theirs) const {
+    const bool first = crowd_.ids[mover.row] < crowd_.ids[other];
+    const auto meet = [&](const PlacedShape& mine) {
+      return first ? overlap(mine, theirs) : overlap(theirs, mine);
+    };
+    for (; k <= last_k; ++k) {
+      const PlacedShape after = mover.at_sample(k);
+      if (!meet(after)) continue;
+      const PlacedShape before = mover.at_sample(k - 1);
+      if (!meet(before) || partition::deepens(before, after, theirs)) return true;
     }
     return false;
   }

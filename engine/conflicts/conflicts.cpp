@@ -20,7 +20,7 @@ constexpr std::size_t k_large_batch = 512;
 // Rows per task in the rounds after the first. In these rounds few rows are left, and a row in which bodies
 // are pushed can take some ten microseconds: with larger tasks, most threads would have none.
 constexpr std::size_t k_waiting_batch = 16;
-constexpr std::uint32_t k_last_round = 1u << 29;  // Resolution stores a round in 30 bits
+constexpr std::uint32_t k_last_round = 1u << 29;  // Resolution stores a round and an outcome in 32 bits
 
 }  // namespace
 

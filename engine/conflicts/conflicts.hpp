@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/state/free_circle.hpp"
 #include "partition/body_index.hpp"
 #include "partition/overlap.hpp"
 #include "partition/parallel.hpp"
@@ -22,14 +23,6 @@ struct Motion {
   bool moves = false;  ///< false: the body proposes no motion
 
   Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, without the height
-};
-
-/// A circle in the horizontal plane that no edge of a static obstacle (a wall or another body that never
-/// moves) enters, whatever the height of the edge. World frame, m.
-struct FreeCircle {
-  float x = 0;       ///< x of its centre
-  float y = 0;       ///< y of its centre
-  float radius = 0;  ///< its radius; 0: no circle is known yet
 };
 
 /// The largest number of bodies that one body may push in a tick.
@@ -60,13 +53,12 @@ struct Pushables {
 ///         The order of the turns is given by the *priority* of the bodies, the hash mix(seed, tick, id). The
 ///         body with the lowest hash has the first turn. If hashes are equal, the lower id goes first.
 ///
-///         There are three exceptions:
+///         There are two exceptions:
 ///         - Bodies that only touch do not block each other.
-///         - A body that overlaps the mover at the mover's old pose does not block a motion that increases
-///           the distance between the origins of the two bodies.
-///         - A solid of the static scene that overlaps the mover at the mover's old pose does not block the
-///           motion. This exception does not hold for overlaps of the size of rounding errors
-///           (StaticScene::blocks()).
+///         - What the mover overlaps already, because it was placed so, does not block a motion that takes
+///         the
+///           mover no deeper into it: at each sample, the depth of each piece of the mover in each piece of a
+///           solid or of another body is at most as great as at the sample before (partition::deepens()).
 ///
 /// samples A motion is tested at n equally spaced poses, its *samples*. The last sample is Motion::to. n is
 ///         the displacement divided by a quarter of the width of the mover's thinnest part, rounded up, but
@@ -101,6 +93,11 @@ struct Pushables {
 ///
 ///         Several pushers may push the same body in a tick, one after another.
 ///
+/// turning A body that may turn (Crowd::turns) and whose motion is blocked makes the turn of the motion at
+/// its old
+///         position, if this is not blocked either by `rule`, nor by a pushable body. Its outcome is then
+///         Outcome::turned.
+///
 /// result  The outcome of each body is that of these sequential rules, on any number of threads.
 ///
 /// source  Deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
@@ -131,14 +128,14 @@ class Conflicts {
     /// never blocked.
     std::span<const partition::ObstacleShape* const> shapes;
     std::span<const std::uint32_t> ids;  ///< ids of the bodies; no two are equal
-    /// A cache that saves time and changes no outcome: for each row, a circle near its body that no edge of a
-    /// static obstacle enters. resolve() reads and updates the circles. The caller keeps them from tick to
-    /// tick, and resets them to FreeCircle() when the static scene changes.
+    /// A cache that saves time and changes no outcome. resolve() reads and updates it. The caller keeps it
+    /// from tick to tick, and resets the circles to FreeCircle() when the static scene changes.
     std::span<FreeCircle> free;
-    std::uint64_t seed = 1;    ///< seed of the world, for priorities
-    std::uint64_t tick = 0;    ///< the current tick, for priorities
-    Box bounds;                ///< box in which motions must end, m, world frame
-    Pushables pushables = {};  ///< which bodies can push or be pushed; empty: none
+    std::uint64_t seed = 1;                    ///< seed of the world, for priorities
+    std::uint64_t tick = 0;                    ///< the current tick, for priorities
+    Box bounds;                                ///< box in which motions must end, m, world frame
+    Pushables pushables = {};                  ///< which bodies can push or be pushed; empty: none
+    std::span<const std::uint8_t> turns = {};  ///< 1: a body that may turn (`turning`); empty: none may
   };
 
   /// A push of a body. The height and heading of the body do not change.
@@ -149,9 +146,10 @@ class Conflicts {
 
   /// The outcome of the motion of a body.
   enum class Outcome : std::uint8_t {
-    stands,         ///< the body proposed no motion; it may have been pushed (pushes())
-    moved,          ///< the body is at its proposed pose
-    blocked,        ///< the body stays at its old pose, because another body is in its way, mobile or static
+    stands,   ///< the body proposed no motion; it may have been pushed (pushes())
+    moved,    ///< the body is at its proposed pose
+    turned,   ///< the body is at its old position, with its proposed heading (class Conflicts, `turning`)
+    blocked,  ///< the body stays at its old pose, because another body is in its way, mobile or static
     out_of_bounds,  ///< the body stays at its old pose, because the motion would end outside Crowd::bounds
   };
 
@@ -246,11 +244,12 @@ class Conflicts {
     Outcome outcome() const { return static_cast<Outcome>(word_ % k_outcomes); }
 
    private:
-    static constexpr std::uint32_t k_outcomes = 4;
+    static constexpr std::uint32_t k_outcomes = 5;
     std::uint32_t word_ = 0;
   };
   /// A row of higher priority on which a waiting row depends (class Conflicts, `source`), packed into one
-  /// word. It blocks the waiting row either only if it has moved or only if it has not moved.
+  /// word. It blocks the waiting row either only if it has moved or only if it has not moved. Rows that
+  /// depend on one that may turn list no dependencies.
   class Dependency {
    public:
     Dependency() = default;  ///< leaves the members uninitialised

@@ -14,7 +14,16 @@ namespace troupe::engine {
 
 void Movement::build() {
   resize_with_room(motions_, state_.row_count());
-  resize_with_room(free_circles_, state_.row_count());
+  resize_with_room(state_.free_circles, state_.row_count());
+  turns_.clear();
+  if (std::ranges::any_of(
+          state_.types, [](const BodyType& type) { return type.drive && type.drive->turns_when_blocked; })) {
+    for (std::size_t r = 0; r < state_.row_count(); ++r) {
+      const auto& drive = state_.type(Row(r)).drive;
+      turns_.push_back(drive && drive->turns_when_blocked);
+    }
+    make_room(turns_, turns_.size());
+  }
   if (std::ranges::none_of(state_.types, &BodyType::pushable)) return;
   // The sizes are those of all bodies of the world, and stay when rows go to other ranks.
   const bool is_first = pushables_.thinnest == 0;
@@ -49,7 +58,7 @@ void Movement::draw_odometry_errors() {
 
 void Movement::rest(Row row) {
   motions_[row.index()] = Motion();
-  free_circles_[row.index()] = FreeCircle();
+  state_.free_circles[row.index()] = FreeCircle();
 }
 
 void Movement::count_stalls() {
@@ -66,7 +75,7 @@ const Motion k_junk_motion{k_nowhere, Rotation(SinCos{k_nan, k_nan}), k_nan, tru
 
 void Movement::forget() {
   std::ranges::fill(odometry_errors_, Localization::Error{k_nan, k_nan, k_nan});
-  std::ranges::fill(free_circles_, FreeCircle{0, 0, std::numeric_limits<float>::infinity()});
+  std::ranges::fill(state_.free_circles, FreeCircle{0, 0, std::numeric_limits<float>::infinity(), false});
   std::ranges::fill(motions_, k_junk_motion);
   conflicts_.forget();
   stalled_ = out_of_bounds_ = 0x5a5a5a5a;
@@ -115,9 +124,10 @@ void Movement::resolve(std::span<const std::uint32_t> composites, Conflicts::Bor
       pushables.radius = std::max(pushables.radius, state_.shapes[row]->radius);
       pushables.thinnest = std::min(pushables.thinnest, state_.shapes[row]->thinnest);
     }
-  conflicts_.resolve({state_.poses(), state_.transforms, motions_, state_.shapes, state_.ids, free_circles_,
-                      state_.spec.seed, state_.now.tick, state_.bounds(), pushables},
-                     state_.scene, state_.index, parallel_, border);
+  conflicts_.resolve(
+      {state_.poses(), state_.transforms, motions_, state_.shapes, state_.ids, state_.free_circles,
+       state_.spec.seed, state_.now.tick, state_.bounds(), pushables, turns_},
+      state_.scene, state_.index, parallel_, border);
 }
 
 void Movement::commit() {
@@ -133,9 +143,14 @@ void Movement::commit() {
         const Motion& motion = motions_[row.index()];
         state_.poses()[row.index()] = motion.to;
         state_.update_outlines(row, type, motion.there());
-        if (has_odometry) count_way(row, *type.drive);
+        if (has_odometry) count_way(row, *type.drive, 1);
+      } else if (outcome == Conflicts::Outcome::turned) {
+        const Motion& motion = motions_[row.index()];
+        state_.poses()[row.index()].heading = motion.to.heading;
+        state_.update_outlines(row, type, Transform{state_.view.transform(row).position, motion.rotation});
+        if (has_odometry) count_way(row, *type.drive, 0);
       }
-      const bool is_blocked = outcome == Conflicts::Outcome::blocked;
+      const bool is_blocked = outcome == Conflicts::Outcome::blocked || outcome == Conflicts::Outcome::turned;
       const bool is_out_of_bounds = outcome == Conflicts::Outcome::out_of_bounds;
       state_.stalls()[row.index()] = is_blocked         ? WorldState::k_blocked
                                      : is_out_of_bounds ? WorldState::k_out_of_bounds
@@ -167,11 +182,11 @@ void Movement::commit_pushes() {
   });
 }
 
-void Movement::count_way(Row row, const BodyType::Drive& drive) {
+void Movement::count_way(Row row, const BodyType::Drive& drive, double share) {
   const Velocity& v = state_.as<Velocity>(WorldState::k_velocity)[row.index()];
   const double dt = state_.spec.tick_s;
   state_.as<Odometry>(*drive.odometry_table)[state_.slots[row.index()]].advance(
-      drive.localization, odometry_errors_[row.index()], v.x * dt, v.y * dt, v.turn * dt);
+      drive.localization, odometry_errors_[row.index()], share * v.x * dt, share * v.y * dt, v.turn * dt);
 }
 
 }  // namespace troupe::engine

@@ -76,8 +76,8 @@ class Movement {
 
  private:
   /// Adds the motion of this tick, with the error of the robot's odometry, to the robot's odometry estimate.
-  /// Called only if the robot has moved.
-  void count_way(Row row, const BodyType::Drive& drive);
+  /// Called only if the robot has moved or turned. share: 1 if it has moved, 0 if it has only turned
+  void count_way(Row row, const BodyType::Drive& drive, double share);
   void commit_pushes();
 
   WorldState& state_;
@@ -87,10 +87,10 @@ class Movement {
   std::vector<std::uint8_t> is_pushable_;  // one per row; empty, like push_limits_, if no body can be pushed
   std::vector<std::uint8_t> push_limits_;
   Pushables pushables_;
+  std::vector<std::uint8_t> turns_;  // one per row: 1 if it turns when it is blocked; empty if no body does
   std::vector<Localization::Error> odometry_errors_;  // one per row; empty if no robot has odometry
 
   // Derived.
-  std::vector<FreeCircle> free_circles_;
   std::size_t stalled_ = 0;
   std::size_t out_of_bounds_ = 0;
 

@@ -140,7 +140,7 @@ void report_count(const WorldSpec& spec, const Pairs& pairs, Diagnostics& diagno
   diagnostics.warning(
       spec.bodies[first.index()].where,
       fmt::format("{} at the start{} \"{}\" and \"{}\"; bodies that overlap may move apart, but "
-                  "not closer",
+                  "not deeper into each other",
                   count_text(counted, "", pairs.are_too_many()), counted == 1 ? ":" : ", for example",
                   spec.name(first), spec.name(second)));
 }

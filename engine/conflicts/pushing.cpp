@@ -1,5 +1,4 @@
 #include "engine/conflicts/conflict_resolver.hpp"
-#include "partition/separation.hpp"
 
 #include <algorithm>
 #include <array>
@@ -37,9 +36,8 @@ class Conflicts::Resolver::RowList {
 /// A body that a pusher pushes, and positions of the origin of the pushed body, m, world frame.
 struct Conflicts::Resolver::Pushed {
   std::uint32_t row;
-  Vec2 before;  // position before the pusher's motion
-  Vec2 last;    // position at the previous sample of the pusher's motion
-  Vec2 now;     // position at the present sample
+  Vec2 last;  // position at the previous sample of the pusher's motion
+  Vec2 now;   // position at the present sample
 };
 
 /// Place of a body at the turn of the mover (class Conflicts, `rule`), world frame: transform `at` and height
@@ -111,7 +109,7 @@ void Conflicts::Resolver::widen_zone(std::uint32_t row) {
 void Conflicts::Resolver::propose_and_check_in_zone(std::uint32_t row) {
   if (leaves_world(crowd_.motions[row])) return resolve(row, Outcome::out_of_bounds);
   Mover mover(crowd_, row);
-  if (scene_blocks(mover)) return resolve(row, Outcome::blocked);
+  if (!may_turn(row) && scene_blocks(mover)) return resolve(row, Outcome::blocked);
   resolve_in_zone(row, conflicts_.waiting_.get());
 }
 
@@ -124,24 +122,40 @@ void Conflicts::Resolver::resolve_in_zone(std::uint32_t row, Waiting* list) {
   });
   if (last != row) return wait(list, {row, last, k_in_zone});
   Mover mover(crowd_, row);
-  resolve(row, push(mover) ? Outcome::moved : Outcome::blocked);
+  if (!may_turn(row)) return resolve(row, push(mover) ? Outcome::moved : Outcome::blocked);
+  if (!scene_blocks(mover) && push(mover)) return resolve(row, Outcome::moved);
+  conflicts_.pushes_of_[row] = {};
+  const Motion turn = turn_of(row);
+  Mover turning(crowd_, row, turn);
+  RowList pushable;  // stays empty, because a turn pushes nothing
+  RowList others;
+  find_near(turning, 0, pushable, others);
+  const bool blocked = scene_blocks(turning) || std::ranges::any_of(others.all(), [&](std::uint32_t other) {
+                         const Place now = place_now(turning, other);
+                         return blocks(turning, other, now.z, now.at);
+                       });
+  resolve(row, blocked ? Outcome::blocked : Outcome::turned);
 }
 
 Conflicts::Resolver::Place Conflicts::Resolver::place_now(const Mover& mover, std::uint32_t row) const {
   if (is_pushable(row)) return {pushed_to(row, position_now(row)), crowd_.poses[row].z};
-  if (has_moved_before(mover, row)) return {crowd_.motions[row].there(), crowd_.motions[row].to.z};
-  return {crowd_.transforms[row], crowd_.poses[row].z};
+  switch (outcome_before(mover, row)) {
+    case Outcome::moved: return {crowd_.motions[row].there(), crowd_.motions[row].to.z};
+    case Outcome::turned: return {turned(row), crowd_.poses[row].z};
+    default: return {crowd_.transforms[row], crowd_.poses[row].z};
+  }
 }
 
-bool Conflicts::Resolver::has_moved_before(const Mover& mover, std::uint32_t row) const {
-  if (!is_mover(row) || !goes_before(row, mover.row)) return false;
+/// Outcome of the row if its turn was before that of the mover, otherwise Outcome::stands.
+Conflicts::Outcome Conflicts::Resolver::outcome_before(const Mover& mover, std::uint32_t row) const {
+  if (!is_mover(row) || !goes_before(row, mover.row)) return Outcome::stands;
   const Resolution found = resolution(row);
-  return found.round() > conflicts_.base_ && found.outcome() == Outcome::moved;
+  return found.round() > conflicts_.base_ ? found.outcome() : Outcome::stands;
 }
 
 std::span<const Conflicts::Push> Conflicts::Resolver::pushes_before(const Mover& mover,
                                                                     std::uint32_t row) const {
-  if (is_plain(row) || !has_moved_before(mover, row)) return {};
+  if (is_plain(row) || outcome_before(mover, row) != Outcome::moved) return {};
   // If the zones of the row and the mover do not overlap, the pushes of the row do not affect the mover, and
   // another thread may be writing them right now.
   if (!partition::in_reach(mover.from.position(), zone_radius(mover.row), crowd_.poses[row].position(),
@@ -277,7 +291,7 @@ bool Conflicts::Resolver::make_way(std::uint32_t row, const PlacedShape& mover,
       if (!meet(by, at, other, theirs)) continue;
       const std::optional<Vec2> way = partition::way_out(at, theirs);
       if (!way || (i == count && count == limit)) return false;
-      if (i == count) set[count++] = {other, now, now, now};
+      if (i == count) set[count++] = {other, now, now};
       const double length = sqrt(way->squaredNorm());
       const Vec2 to = now + (length + partition::k_rounding_m) / length * *way;
       set[i].now = Vec2(to.x() + 0.0, to.y() + 0.0);  // no -0
@@ -307,20 +321,18 @@ bool Conflicts::Resolver::can_stand(Mover& mover, const Pushed& pushed,
   const PlacedShape there(shape, pushed_to(pushed.row, pushed.now), z);
   std::optional<PlacedShape> here;
   const auto before = [&]() -> const PlacedShape& {
-    return here ? *here : here.emplace(shape, pushed_to(pushed.row, pushed.before), z);
+    return here ? *here : here.emplace(shape, pushed_to(pushed.row, pushed.last), z);
   };
-  if (scene_.has_obstacles() &&
-      scene_.crossed(there, [&](std::uint32_t solid) { return !scene_.blocks(solid, before(), there); }) >= 0)
+  if (scene_.has_obstacles() && scene_.overlaps(there) &&
+      (!scene_.overlaps(before()) || scene_.deepens(before(), there)))
     return false;
   return std::ranges::none_of(bodies, [&](std::uint32_t row) {
     const Place now = place_now(mover, row);
     const ObstacleShape& theirs = *crowd_.shapes[row];
     if (!partition::in_reach(pushed.now, shape.radius, now.at.position, theirs.radius)) return false;
     const PlacedShape placed(theirs, now.at, now.z);
-    if (!meet(pushed.row, there, row, placed)) return false;
-    const bool apart =
-        (pushed.now - now.at.position).squaredNorm() > (pushed.before - now.at.position).squaredNorm();
-    return !(apart && meet(pushed.row, before(), row, placed));
+    return meet(pushed.row, there, row, placed) &&
+           (!meet(pushed.row, before(), row, placed) || partition::deepens(before(), there, placed));
   });
 }
 

@@ -13,11 +13,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <initializer_list>
 #include <limits>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -110,6 +110,8 @@ class Fact {
     at_most,          ///< lowers the upper limit to `number`, which is itself allowed
     choices,          ///< sets Field::choices to the member `choices`
     columns,          ///< sets Field::columns to the member `number`
+    mirror,           ///< sets Field::mirror to the member `words`
+    in_json,          ///< sets Field::in_json to the member `number`
     required,         ///< the described member has no default
     counts_readings,  ///< sets Field::counts_readings
     fixed,            ///< sets Field::fixed
@@ -130,12 +132,14 @@ class Fact {
   /// Sets the allowed values, Field::choices. The list must live until the call that takes the fact, such as
   /// Description::member(), returns. The characters of the values must live as long as the field.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
+  /// Makes a fact of kind k with `words`, whose characters must live as long as the field.
+  constexpr Fact(Kind k, std::string_view text) : kind(k), words(text) {}
 
   Kind kind;               ///< what the fact specifies
   Unit unit = Unit::none;  ///< the unit, for Kind::unit
-  double number = 0;       ///< the number, for Kind::at_least, above, at_most and columns
+  double number = 0;       ///< the number, for Kind::at_least, above, at_most, columns and in_json
   double high = std::numeric_limits<double>::infinity();  ///< upper limit, for Kind::at_least
-  std::string_view words;                                 ///< the text, for Kind::text
+  std::string_view words;                                 ///< the text or name, for Kind::text and mirror
   std::span<const std::string_view> choices;              ///< the allowed values, for Kind::choices
 };
 
@@ -165,6 +169,12 @@ constexpr Fact one_of(std::span<const std::string_view> choices) { return Fact(c
 /// Required length of a std::vector<double>; without this fact, any length is allowed. The lengths of arrays
 /// and Eigen vectors follow from their types.
 constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_cast<double>(n)); }
+/// The member is one of two limits, a lower and an upper one, and `other` is the name of the field of the
+/// other (Field::mirror). The defaults of the two must have different signs.
+constexpr Fact mirrors(std::string_view other) { return Fact(Fact::Kind::mirror, other); }
+/// A world file in JSON that lacks the member gives it this value instead of its default, in SI units
+/// (Field::in_json). Only for numbers.
+constexpr Fact in_json(double value) { return Fact(Fact::Kind::in_json, value); }
 /// The member has no default: a file must give it. Not allowed for a std::optional or a struct.
 inline constexpr Fact required{Fact::Kind::required};
 /// The member gives a number of readings of a sensor (Field::counts_readings). Only for integers.
@@ -242,7 +252,7 @@ namespace detail {
 struct Anything {
   template <class T>
   operator T() const {
-    std::terminate();
+    throw std::logic_error("internal error: a conversion that is never executed");
   }
 };
 

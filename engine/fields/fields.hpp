@@ -119,6 +119,8 @@ struct Field {
   /// - If the type is record, the parameter has the defaults of the table `record`.
   /// - Otherwise a missing field is an error (required()).
   Value fallback = {};
+  /// Value of the field if a world file in JSON lacks it, in SI units. Empty: `fallback`.
+  Value in_json = {};
   /// Lower limit of the number, or of each number of a list, in SI units. The limit itself is allowed, unless
   /// above_min is set.
   double min = -std::numeric_limits<double>::infinity();
@@ -139,6 +141,10 @@ struct Field {
   /// True: a file may omit the field. The parameter then has no value (Value::given() is false). The field
   /// has no default.
   bool optional = false;
+  /// For one of two limits, a lower and an upper one: the name of the field of the other limit; empty: none.
+  /// If a world file gives only the other limit, and this is on the other side of 0 than `fallback`, this
+  /// limit is minus the other one.
+  std::string_view mirror = {};
   /// True: the parameter cannot change while the world runs, neither by an intervention (a change that the
   /// world file lists) nor by World::set(). For parameters of controllers, this member has no effect.
   bool fixed = false;

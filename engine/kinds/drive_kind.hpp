@@ -30,6 +30,8 @@ namespace troupe::engine {
 ///         // how robots estimate their poses; default: the estimates are the true poses
 ///     static std::int64_t pushes(const Params&);
 ///         // number of bodies that a robot can push at once; default: 0
+///     static bool turns_when_blocked(const Params&);
+///         // whether a robot whose motion is blocked may turn on the spot; default: false
 ///     static double top_speed(const Params&);  // highest speed, m/s; default: unknown
 template <class D>
 DriveKind make_drive_kind(std::string_view name, std::string_view text) {
@@ -55,6 +57,10 @@ DriveKind make_drive_kind(std::string_view name, std::string_view text) {
     kind.localization = [](const Record& record) { return D::localization(from_record<Params>(record)); };
   if constexpr (requires { &D::pushes; })
     kind.pushes = [](const Record& record) { return D::pushes(from_record<Params>(record)); };
+  if constexpr (requires { &D::turns_when_blocked; })
+    kind.turns_when_blocked = [](const Record& record) {
+      return D::turns_when_blocked(from_record<Params>(record));
+    };
   if constexpr (requires { &D::top_speed; })
     kind.top_speed = [](const Record& record) { return D::top_speed(from_record<Params>(record)); };
   return kind;

@@ -512,8 +512,8 @@ struct DriveKind {
   FieldTable params = {};      ///< table of the parameters of a drive of this kind
   /// Compiles the parameters to the argument `data` of the other hooks. The hook must accept all parameters
   /// within the limits of `params`, because the engine calls it even if `check` returned an error. If this
-  /// hook, `check`, `localization` or `pushes` throws, building the world reports an error at the position of
-  /// the drive in the world file.
+  /// hook, `check` or one of those that compute settings throws, building the world reports an error at the
+  /// position of the drive in the world file.
   std::any (*prepare)(const Record& params) = nullptr;
   /// Checks that the parameters are consistent. The error says which parameters are inconsistent, and why.
   Result<> (*check)(const Record& params) = nullptr;
@@ -532,6 +532,9 @@ struct DriveKind {
   /// Returns the number of pushable bodies that a robot can push at once. The engine limits the number to the
   /// range from 0 to k_most_pushed (engine/conflicts/conflicts.hpp). Null: 0.
   std::int64_t (*pushes)(const Record& params) = nullptr;
+  /// Whether a robot whose motion is blocked may still turn on the spot (class Conflicts, `turning`). Null:
+  /// no.
+  bool (*turns_when_blocked)(const Record& params) = nullptr;
   /// Returns the highest speed that the limits of the drive allow, m/s. Null: unknown.
   double (*top_speed)(const Record& params) = nullptr;
   ///@}

@@ -90,9 +90,9 @@ void Links::build() {
   make_room(composites_, composites_.size());
   resize_with_room(joints_, joints);
   resize_with_room(state_.joint_mounts, joints);
-  for (auto* buffers : {&shapes_, &moved_, &on_the_way_}) resize_with_room(*buffers, composites_.size());
+  for (auto* buffers : {&shapes_, &moved_, &on_the_way_, &before_})
+    resize_with_room(*buffers, composites_.size());
   resize_with_room(samples_, composites_.size());
-  resize_with_room(lifts_, composites_.size());
   resize_with_room(blocked_, composites_.size());
   near_.resize(std::max(near_.size(), (composites_.size() + k_trees_per_task - 1) / k_trees_per_task));
   for (std::vector<std::uint32_t>& list : near_) list.reserve(k_room_near);
@@ -107,7 +107,7 @@ void Links::build() {
     room.add(t.obstacle, 1);
     const auto carry = [](const BodyType::Device& device) { return device.kind->carries; };
     if (cargo) room.add(cargo->obstacle, static_cast<std::size_t>(std::ranges::count_if(t.devices, carry)));
-    for (auto* buffers : {&shapes_, &moved_, &on_the_way_})
+    for (auto* buffers : {&shapes_, &moved_, &on_the_way_, &before_})
       (*buffers)[c].reserve(std::min(room.pieces, k_most_pieces), room.corners);
   }
 }
@@ -171,10 +171,10 @@ void Links::forget() {
   const Mount nowhere(k_nowhere);
   std::ranges::fill(joints_, Joint{nowhere, k_nowhere, Goal::asked, true});
   std::ranges::fill(state_.joint_mounts, nowhere);
-  for (auto* buffers : {&shapes_, &moved_, &on_the_way_})
+  for (auto* buffers : {&shapes_, &moved_, &on_the_way_, &before_})
     for (ShapeBuffer& buffer : *buffers) buffer.begin();
   for (auto* list : {&samples_, &state_.roots, &first_cargo_, &next_cargo_}) std::ranges::fill(*list, k_junk);
-  for (auto* list : {&lifts_, &blocked_}) std::ranges::fill(*list, std::uint8_t{1});
+  std::ranges::fill(blocked_, std::uint8_t{1});
   state_.now.carried = k_junk;
   asked_ = true;
 }
@@ -254,6 +254,7 @@ void Links::add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, dou
 }
 
 void Links::reshape(std::uint32_t row) {
+  state_.free_circles[row] = FreeCircle();  // another shape may overlap what the one before did not
   if (!state_.view.is_there(Row(row))) return state_.update_presence(Row(row));
   const BodyType& t = state_.type(Row(row));
   const std::uint32_t c = composite_of_[row];
@@ -356,7 +357,8 @@ void Links::for_roots(Work&& work) {
 /// free of the static scene. They must also be free of every other tree at its present pose, both with the
 /// joints of that tree where they are now and with these joints at their goals. The order in which two trees
 /// are tested therefore does not matter, and they do not come to overlap, whether one of them moves or both.
-/// A static piece or another tree that already overlapped the tree before the round does not block it.
+/// What a moving piece already overlaps does not block a motion that takes it no deeper (class Conflicts,
+/// `rule`).
 void Links::resolve_joints(double longest_motion, Border* border) {
   if (!asked_.load(std::memory_order_relaxed)) return;
   // The index still contains each tree as a circle about its origin before this tick. Since then its origin
@@ -424,6 +426,16 @@ Links::Way Links::aim_joints(const TreeBody& body, std::size_t round, double t, 
   return {way, rise};
 }
 
+/// Makes the shape of the moving pieces of a tree, with the joints at Joint::then. Returns the width of the
+/// thinnest obstacle piece of the bodies of the tree, m.
+double Links::shape_moving(Row root, ShapeBuffer& shape) const {
+  double thinnest = std::numeric_limits<double>::infinity();
+  shape.begin();
+  add_tree_body({root, Mount()}, true, shape, thinnest);
+  shape.finish(thinnest);
+  return thinnest;
+}
+
 /// Computes the shape of the moving pieces of a tree at their goals, and the number of samples at which their
 /// motion is tested. `c` is the index of the root in composites_. Returns an upper bound on how far any
 /// point moves, m; 0 if no joint of the tree moves in this round.
@@ -438,12 +450,8 @@ double Links::ask_joints(std::size_t c, Row root, std::size_t round) {
     mark_joints(root, round, Goal::moved);  // those that were asked are already at their goals
     return 0;
   }
-  double thinnest = std::numeric_limits<double>::infinity();
   ShapeBuffer& moved = moved_[c];
-  moved.begin();
-  add_tree_body({root, Mount()}, true, moved, thinnest);
-  moved.finish(thinnest);
-  lifts_[c] = rise > 0;
+  const double thinnest = shape_moving(root, moved);
   // The samples are as close to one another as those of motions of bodies, and at most as many (see
   // Conflicts). In addition, no piece rises or sinks by more than a quarter of its height from one sample to
   // the next, or it could pass through a thin shelf.
@@ -457,31 +465,24 @@ double Links::ask_joints(std::size_t c, Row root, std::size_t round) {
 }
 
 bool Links::joints_blocked(std::size_t c, Row root, std::size_t round, double reach) {
-  ShapeBuffer& on_the_way = on_the_way_[c];
   const Transform& at = state_.view.transform(root);
   const double z = state_.poses()[root.index()].z;
-  const double radius = state_.shapes[root.index()]->radius;
   const std::uint32_t n = samples_[c];
   if (moved_[c].shape().empty()) return false;
   const std::span<const std::uint32_t> others = roots_near(c, root, reach);
-  const PlacedShape before(*state_.shapes[root.index()], at, z);
+  const double radius = state_.shapes[root.index()]->radius;
+  const auto shape_at = [&](std::uint32_t k, ShapeBuffer& shape) {
+    aim_joints({root, Mount()}, round, static_cast<double>(k) / n, radius);
+    shape_moving(root, shape);
+  };
   for (std::uint32_t k = 1; k <= n; ++k) {
-    const ShapeBuffer* moved = &moved_[c];
-    if (k < n) {
-      double thinnest = std::numeric_limits<double>::infinity();
-      aim_joints({root, Mount()}, round, static_cast<double>(k) / n, radius);
-      on_the_way.begin();
-      add_tree_body({root, Mount()}, true, on_the_way, thinnest);
-      on_the_way.finish(thinnest);
-      moved = &on_the_way;
-    }
-    const PlacedShape after(moved->shape(), at, z);
-    if (state_.scene.has_obstacles()) {
-      const auto passes = [&](std::uint32_t solid) { return !state_.scene.blocks(solid, before, after); };
-      if (state_.scene.crossed(after, passes) >= 0) return true;
-      // Only a vertical motion can bring a piece into a solid without crossing one of the solid's edges.
-      if (lifts_[c] != 0 && state_.scene.swallowed(after, passes)) return true;
-    }
+    if (k < n) shape_at(k, on_the_way_[c]);
+    const PlacedShape after((k < n ? on_the_way_ : moved_)[c].shape(), at, z);
+    const bool meets_scene = state_.scene.has_obstacles() && state_.scene.overlaps(after);
+    if (!meets_scene && !meets_others(root, others, after)) continue;
+    shape_at(k - 1, before_[c]);
+    const PlacedShape before(before_[c].shape(), at, z);
+    if (meets_scene && (!state_.scene.overlaps(before) || state_.scene.deepens(before, after))) return true;
     if (blocked_by_others(root, others, before, after)) return true;
   }
   return false;
@@ -523,24 +524,45 @@ std::span<const std::uint32_t> Links::roots_near(std::size_t c, Row root, double
   return near;
 }
 
-/// Whether the moving pieces of a tree, as placed in `after`, overlap another tree that the whole tree, as
-/// placed in `before`, does not overlap. `others`: the trees to test, roots_near()
-bool Links::blocked_by_others(Row root, std::span<const std::uint32_t> others, const PlacedShape& before,
-                              const PlacedShape& after) const {
-  const auto meets = [&](Row other, const PlacedShape& mine, const ObstacleShape& shape) {
-    const Transform& at = state_.view.transform(other);
-    if (!partition::in_reach(mine.position(), mine.shape().radius, at.position, shape.radius)) return false;
-    const PlacedShape theirs(shape, at, state_.poses()[other.index()].z);
-    return state_.view.body(root) < state_.view.body(other) ? overlap(mine, theirs) : overlap(theirs, mine);
-  };
+/// Calls visit(theirs, now, meets) for the shapes of each of the trees `others` that may overlap `mine`, a
+/// shape of the tree of `root`, until a call returns true: `theirs` is the shape of the other tree now and,
+/// if its joints move in this round, also that of its moving pieces at their goals; `now` is its shape now.
+/// meets(a, b) returns whether a shape of the tree of `root` overlaps one of the other tree. Returns whether
+/// a call returned true.
+template <class Visit>
+bool Links::any_near(Row root, const PlacedShape& mine, std::span<const std::uint32_t> others,
+                     Visit&& visit) const {
   return std::ranges::any_of(others, [&](std::uint32_t tree) {
     const Row other(tree);
     const ObstacleShape& shape = *state_.shapes[other.index()];
     if (shape.empty()) return false;
     const std::uint32_t c = composite_of_[other.index()];
-    const bool moves = c != k_none && samples_[c] > 0;
-    return (meets(other, after, shape) || (moves && meets(other, after, moved_[c].shape()))) &&
-           !meets(other, before, shape);
+    const ObstacleShape* goal = c != k_none && samples_[c] > 0 ? &moved_[c].shape() : nullptr;
+    const Transform& at = state_.view.transform(other);
+    const double z = state_.poses()[other.index()].z;
+    const double radius = goal ? std::max(shape.radius, goal->radius) : shape.radius;
+    if (!partition::in_reach(mine.position(), mine.shape().radius, at.position, radius)) return false;
+    const bool is_first = state_.view.body(root) < state_.view.body(other);
+    const auto meets = [is_first](const PlacedShape& a, const PlacedShape& b) {
+      return is_first ? overlap(a, b) : overlap(b, a);
+    };
+    const PlacedShape now(shape, at, z);
+    return visit(now, now, meets) || (goal && visit(PlacedShape(*goal, at, z), now, meets));
+  });
+}
+
+bool Links::meets_others(Row root, std::span<const std::uint32_t> others, const PlacedShape& mine) const {
+  return any_near(root, mine, others, [&](const PlacedShape& theirs, const PlacedShape&, auto&& meets) {
+    return meets(mine, theirs);
+  });
+}
+
+/// Whether the moving pieces of a tree, which go from `before` to `after`, thereby come to overlap another
+/// tree, or overlap it more deeply. `others`: the trees to test, roots_near()
+bool Links::blocked_by_others(Row root, std::span<const std::uint32_t> others, const PlacedShape& before,
+                              const PlacedShape& after) const {
+  return any_near(root, after, others, [&](const PlacedShape& theirs, const PlacedShape& now, auto&& meets) {
+    return meets(after, theirs) && (!meets(before, now) || partition::deepens(before, after, theirs));
   });
 }
 

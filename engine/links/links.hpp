@@ -191,8 +191,14 @@ class Links {
   void add_tree_body(const TreeBody& body, bool then, ShapeBuffer& out, double& thinnest) const;
   Way aim_joints(const TreeBody& body, std::size_t round, double t, double radius);
   double ask_joints(std::size_t c, Row root, std::size_t round);
+  double shape_moving(Row root, ShapeBuffer& shape) const;
   bool joints_blocked(std::size_t c, Row root, std::size_t round, double reach);
   std::span<const std::uint32_t> roots_near(std::size_t c, Row root, double reach);
+  template <class Visit>
+  bool any_near(Row root, const partition::PlacedShape& mine, std::span<const std::uint32_t> others,
+                Visit&& visit) const;
+  bool meets_others(Row root, std::span<const std::uint32_t> others,
+                    const partition::PlacedShape& mine) const;
   bool blocked_by_others(Row root, std::span<const std::uint32_t> others,
                          const partition::PlacedShape& before, const partition::PlacedShape& after) const;
   void mark_joints(Row row, std::size_t round, Goal state);
@@ -217,8 +223,8 @@ class Links {
   std::vector<ShapeBuffer> shapes_;      // shape of the tree whose root is the body, in the body's frame
   std::vector<ShapeBuffer> moved_;       // pieces of the tree that move in this round, at their goals
   std::vector<ShapeBuffer> on_the_way_;  // the same pieces, at the pose that is tested now
+  std::vector<ShapeBuffer> before_;      // the same pieces, at the pose that was tested before
   std::vector<std::uint32_t> samples_;   // number of poses to test in this round; 0: no motion
-  std::vector<std::uint8_t> lifts_;      // 1 if a joint moves vertically in this round
   std::vector<std::uint8_t> blocked_;    // 1 if the motion of this round is blocked
   // One per task of for_roots(): the roots of the trees near the tree that is tested now.
   std::vector<std::vector<std::uint32_t>> near_;

@@ -196,6 +196,7 @@ class TypeCompiler {
       if (kind->pushes)
         type_.drive->pushes =
             static_cast<std::uint8_t>(std::clamp<std::int64_t>(kind->pushes(drive.params), 0, k_most_pushed));
+      if (kind->turns_when_blocked) type_.drive->turns_when_blocked = kind->turns_when_blocked(drive.params);
     } catch (...) {
       diagnostics_.error(drive.where, fmt::format("drive \"{}\" {}", drive.kind, thrown_text()));
     }

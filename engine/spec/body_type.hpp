@@ -93,6 +93,7 @@ struct BodyType {
     std::optional<std::size_t> supply = std::nullopt;
     /// Largest number of pushable bodies that the robot can push at once, 0 to k_most_pushed.
     std::uint8_t pushes = 0;
+    bool turns_when_blocked = false;  ///< whether a robot whose motion is blocked may turn on the spot
   };
   std::optional<Drive> drive;  ///< none: bodies of the type do not move on their own
   bool pushable = false;       ///< true: robots can push bodies of this type, which then has no drive

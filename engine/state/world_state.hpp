@@ -8,6 +8,7 @@
 #include "engine/sensing/sensing_view.hpp"
 #include "engine/spec/body_type.hpp"
 #include "engine/spec/world_spec.hpp"
+#include "engine/state/free_circle.hpp"
 #include "partition/body_index.hpp"
 #include "partition/overlap.hpp"
 #include "partition/parallel.hpp"
@@ -134,6 +135,7 @@ struct WorldState {
   /// k_no_shape. The shape of any other body includes the shapes of all bodies that it carries, directly or
   /// through others.
   std::vector<const partition::ObstacleShape*> shapes;
+  std::vector<FreeCircle> free_circles;  ///< what conflict resolution knows of the surroundings of each body
   /// 1 if the row's body is unborn or dead, otherwise 0. The grid ray engine uses it: this engine draws the
   /// outlines of bodies into a grid of cells and traces rays through the cells. It does not draw bodies with
   /// the value 1. The vector is empty if no body can be born or die, or if the world does not use this

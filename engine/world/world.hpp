@@ -603,7 +603,7 @@ class World {
   /// Sets the poses of bodies. Call this between steps. Each call rebuilds the spatial index of all bodies,
   /// so pass all poses in one call. If a row occurs twice, its last pose counts.
   ///
-  /// A pose may overlap other bodies. Bodies that overlap can later move apart, but not closer. If a body
+  /// A pose may overlap other bodies. Bodies that overlap can later move apart, but not deeper. If a body
   /// carries others, they move with it. A robot that was stalled() is no longer stalled. Its velocity and its
   /// odometry estimate do not change.
   ///

@@ -25,13 +25,12 @@ struct Bounds {
 struct Drive {
   Bounds x, y, turn;                 // m/s, rad/s
   Bounds x_rate, y_rate, turn_rate;  // m/s^2, rad/s^2
+  double goal_speed, goal_turn;      // greatest speeds on the way to a goal, m/s, rad/s
   Velocity start;
   double wheelbase = 1;
 };
 
 // Constants of driving to a goal, from Stage.
-constexpr double k_go_to_speed = 0.4;      // m/s
-constexpr double k_go_to_turn = 1;         // rad/s
 constexpr double k_arrived_m = 0.02;       // the robot has arrived if it is this near the goal in x and in y
 constexpr double k_heads_for = k_pi / 16;  // rad: a diff drives while the bearing of the goal is below this
 constexpr double k_car_steers = 2;         // 1/s: gain from the bearing of the goal to a car's turn rate
@@ -44,6 +43,8 @@ Drive drive_of(const DriveParams& params, double wheelbase = 1) {
           .x_rate = {m.acceleration_min_x, m.acceleration_max_x},
           .y_rate = {m.acceleration_min_y, m.acceleration_max_y},
           .turn_rate = {m.turn_acceleration_min, m.turn_acceleration_max},
+          .goal_speed = params.goal.speed_max,
+          .goal_turn = params.goal.turn_max,
           .start = {params.start.x, params.start.y, params.start.turn},
           .wheelbase = wheelbase};
 }
@@ -92,11 +93,11 @@ struct Diff {
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);
-    if (missing.arrived) return bounded(d, 0, 0, bounded(k * missing.turn, k_go_to_turn));
+    if (missing.arrived) return bounded(d, 0, 0, bounded(k * missing.turn, d.goal_turn));
     const double turn = missing.off_course(at);
     const bool faces_it = turn > -k_heads_for && turn < k_heads_for;
-    return bounded(d, faces_it ? bounded(k * missing.distance, k_go_to_speed) : 0, 0,
-                   bounded(k * turn, k_go_to_turn));
+    return bounded(d, faces_it ? bounded(k * missing.distance, d.goal_speed) : 0, 0,
+                   bounded(k * turn, d.goal_turn));
   }
 };
 
@@ -114,8 +115,8 @@ struct Omni {
     const Missing missing(c, at);
     const double k = gain(1, dt);
     const Vec2 way = Rotation(-at.heading) * Vec2(missing.x, missing.y);
-    return bounded(d, bounded(k * way.x(), k_go_to_speed), bounded(k * way.y(), k_go_to_speed),
-                   bounded(k * missing.turn, k_go_to_turn));
+    return bounded(d, bounded(k * way.x(), d.goal_speed), bounded(k * way.y(), d.goal_speed),
+                   bounded(k * missing.turn, d.goal_turn));
   }
 };
 
@@ -144,11 +145,11 @@ struct Car {
   static Velocity go_to(const Drive& d, const Command& c, const Pose& at, double dt) {
     const Missing missing(c, at);
     const double k = gain(1, dt);
-    if (missing.arrived) return bounded(d, 0, 0, bounded(k * missing.turn, k_go_to_turn));
+    if (missing.arrived) return bounded(d, 0, 0, bounded(k * missing.turn, d.goal_turn));
     const double turn = missing.off_course(at);
     const double ahead = cos(turn);
-    return bounded(d, ahead > 0 ? bounded(k * missing.distance, k_go_to_speed) * ahead : 0, 0,
-                   bounded(gain(k_car_steers, dt) * turn, k_go_to_turn));
+    return bounded(d, ahead > 0 ? bounded(k * missing.distance, d.goal_speed) * ahead : 0, 0,
+                   bounded(gain(k_car_steers, dt) * turn, d.goal_turn));
   }
 };
 
@@ -167,6 +168,7 @@ struct Driving {
     return common(params).localization.read();
   }
   static std::int64_t pushes(const Params& params) { return common(params).pushes; }
+  static bool turns_when_blocked(const Params& params) { return common(params).turns_when_blocked; }
   static double top_speed(const Params& params) { return Law::top_speed(drive_of(params)); }
 
   Velocity start() const { return its.start; }

@@ -28,40 +28,68 @@ struct MotionParams {
     using namespace engine::facts;
     using enum engine::Unit;
     d.member<&MotionParams::velocity_min_x>(
-        "velocity_min_x", meters_per_second,
+        "velocity_min_x", meters_per_second, mirrors("velocity_max_x"),
         "lower limit of the forward speed; if negative, the robot can drive backwards");
-    d.member<&MotionParams::velocity_max_x>("velocity_max_x", meters_per_second,
+    d.member<&MotionParams::velocity_max_x>("velocity_max_x", meters_per_second, mirrors("velocity_min_x"),
                                             "upper limit of the forward speed");
     d.member<&MotionParams::velocity_min_y>(
-        "velocity_min_y", meters_per_second,
+        "velocity_min_y", meters_per_second, mirrors("velocity_max_y"),
         "lower limit of the speed to the left, which is 0 for `diff` and `car` unless the limits exclude 0; "
         "if negative, an `omni` robot can drive to the right");
     d.member<&MotionParams::velocity_max_y>(
-        "velocity_max_y", meters_per_second,
+        "velocity_max_y", meters_per_second, mirrors("velocity_min_y"),
         "upper limit of the speed to the left, which is 0 for `diff` and `car` unless the limits exclude 0");
-    d.member<&MotionParams::turn_min>("turn_min", radians_per_second,
+    d.member<&MotionParams::turn_min>("turn_min", radians_per_second, mirrors("turn_max"),
                                       "lower limit of the turn rate, which is positive counter-clockwise");
-    d.member<&MotionParams::turn_max>("turn_max", radians_per_second,
+    d.member<&MotionParams::turn_max>("turn_max", radians_per_second, mirrors("turn_min"),
                                       "upper limit of the turn rate, which is positive counter-clockwise");
     d.member<&MotionParams::acceleration_min_x>("acceleration_min_x", meters_per_second_squared,
+                                                mirrors("acceleration_max_x"),
                                                 "lower limit of a commanded forward acceleration");
     d.member<&MotionParams::acceleration_max_x>("acceleration_max_x", meters_per_second_squared,
+                                                mirrors("acceleration_min_x"),
                                                 "upper limit of a commanded forward acceleration");
     d.member<&MotionParams::acceleration_min_y>(
-        "acceleration_min_y", meters_per_second_squared,
+        "acceleration_min_y", meters_per_second_squared, mirrors("acceleration_max_y"),
         "lower limit of a commanded acceleration to the left, used only by `omni`");
     d.member<&MotionParams::acceleration_max_y>(
-        "acceleration_max_y", meters_per_second_squared,
+        "acceleration_max_y", meters_per_second_squared, mirrors("acceleration_min_y"),
         "upper limit of a commanded acceleration to the left, used only by `omni`");
     d.member<&MotionParams::turn_acceleration_min>("turn_acceleration_min", radians_per_second_squared,
+                                                   mirrors("turn_acceleration_max"),
                                                    "lower limit of a commanded angular acceleration");
     d.member<&MotionParams::turn_acceleration_max>("turn_acceleration_max", radians_per_second_squared,
+                                                   mirrors("turn_acceleration_min"),
                                                    "upper limit of a commanded angular acceleration");
   }
 
   /// Returns an error if a lower limit exceeds its upper limit. The error names the first such pair, and both
   /// values.
   Result<> check() const;
+};
+
+/// Greatest speeds on the way to a goal (ControlMode::position). The limits of the drive apply as well. The
+/// defaults are Stage's.
+struct GoalParams {
+  static constexpr double k_none = 1e9;  ///< no limit besides those of the drive
+
+  double speed_max = 0.4;
+  double turn_max = 1;
+
+  static constexpr void describe(engine::Description<GoalParams>& d) {
+    using namespace engine::facts;
+    using enum engine::Unit;
+    d.member<&GoalParams::speed_max>(
+        "goal_speed_max", meters_per_second, above(0), at_most(k_none), in_json(k_none),
+        "greatest speed on the way to a goal, for `omni` of the forward speed and of the speed to the left; "
+        "the "
+        "limits of the drive apply as well; in `.world` files it is Stage's 0.4 m/s");
+    d.member<&GoalParams::turn_max>("goal_turn_max", radians_per_second, above(0), at_most(k_none),
+                                    in_json(k_none),
+                                    "greatest turn rate on the way to a goal; the limits of the drive apply "
+                                    "as well; in `.world` files it is "
+                                    "Stage's 1 rad/s");
+  }
 };
 
 /// Velocity of a robot until its drive runs for the first time. A drive runs once per period: it then
@@ -88,17 +116,23 @@ struct StartParams {
 /// Parameters that all drives have.
 struct DriveParams {
   MotionParams motion;
+  GoalParams goal;
   StartParams start;
   std::int64_t pushes = 4;
+  bool turns_when_blocked = false;
   engine::LocalizationParams localization;
 
   static constexpr void describe(engine::Description<DriveParams>& d) {
     using namespace engine::facts;
     d.part<&DriveParams::motion>();
+    d.part<&DriveParams::goal>();
     d.part<&DriveParams::start>();
     d.member<&DriveParams::pushes>("pushes", within(0, engine::k_most_pushed), fixed,
                                    "greatest number of pushable bodies that the robot pushes at once; if "
                                    "there are more in its way, they block it");
+    d.member<&DriveParams::turns_when_blocked>("turns_when_blocked", fixed,
+                                               "true: a robot whose motion is blocked makes its turn on the "
+                                               "spot, if nothing is in the way of the turn");
     d.part<&DriveParams::localization>();
   }
 };

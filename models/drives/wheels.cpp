@@ -36,12 +36,14 @@ const DriveKind& kind_of(Law law) {
 
 struct Wheels {
   /// The parameters of a drive without three groups. The parameters of localization are not needed, because
-  /// the estimated pose is the true pose; `pushes` is not, because joints push nothing; the start velocities
-  /// are not, because the drive runs before the first motion of the part.
+  /// the estimated pose is the true pose; `pushes` and
+  /// `turns_when_blocked` are not, because the engine moves joints in another way; the start velocities are
+  /// not, because the drive runs before the first motion of the part.
   struct Params {
     Law drive = Law::diff;
     double wheelbase = CarParams().wheelbase;
     MotionParams motion;
+    GoalParams goal;
 
     static constexpr void describe(engine::Description<Params>& d) {
       using namespace engine::facts;
@@ -50,6 +52,7 @@ struct Wheels {
       d.member<&Params::wheelbase>("wheelbase", meters, above(0),
                                    "distance between the axles of a car drive; no effect on other drives");
       d.part<&Params::motion>();
+      d.part<&Params::goal>();
     }
   };
   using State = WheelsState;
@@ -63,7 +66,7 @@ struct Wheels {
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_part) {
     const DriveKind& kind = kind_of(params.drive);
-    const DriveParams own{.motion = params.motion};
+    const DriveParams own{.motion = params.motion, .goal = params.goal};
     const Record record = params.drive == Law::car ? engine::to_record(CarParams{params.wheelbase, own})
                                                    : engine::to_record(own);
     return {.data = Wheels{&kind, kind.prepare(record), params.motion.check(), pose_body_part},

@@ -1,6 +1,6 @@
 """Edge cases that random_worlds.py adds to some of its worlds: interventions at the first and the last tick, bodies that touch
-exactly, a body that is far wider than the others, joints mounted on joints, radios at exactly their range, and worlds far from
-the origin. The bodies of edge cases have types of their own, so that the other bodies of the world are as without them."""
+exactly or overlap, a body that is far wider than the others, joints mounted on joints, radios at exactly their range, and worlds
+far from the origin. The bodies of edge cases have types of their own, so that the other bodies of the world are as without them."""
 
 import copy
 
@@ -77,6 +77,30 @@ def _ranges(world, draws, _, half):
         world["models"].append({"name": name, "type": name, "pose": {"x_m": at}})
 
 
+def _overlaps(world, draws, *_):
+    """Robots that touch, overlap or are inside one another, a thin wall or a corner of walls, at any angle, high above the other
+    bodies."""
+    height = {"z_m": 4}
+    world["types"] |= {
+        "sheet": {"size_m": [0.01, 2, 0.2]},
+        "corner": {"blocks": [{"points_m": [[0, 0], [1, 0], [1, 0.3], [0.3, 0.3], [0.3, 1], [0, 1]], "z_m": [0, 0.2]}]}}
+    dented = [[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [0, 0], [-0.1, 0.1]]
+    shapes = ({"disc": {"radius_m": 0.1, "height_m": 0.1}}, {"size_m": [0.2, 0.15, 0.1]}, {"size_m": [0.3, 0.01, 0.1]},
+              {"blocks": [{"points_m": dented, "z_m": [0, 0.1]}]})
+    ways = ({"forward_mps": 0.3}, {"forward_mps": -0.1, "turn_radps": 0.4}, {"forward_mps": -0.2, "left_mps": 0.1}, {"turn_radps": 1})
+    for name, x in (("sheet", -1), ("corner", 1)):
+        world["models"].append({"name": name, "type": name, "pose": {"x_m": x, **height}})
+    for i in range(draws.randint(3, 6)):
+        legs = [{"until_s": until_s, **draws.choice(ways)} for until_s in (0.5, 1e9)]
+        robot = {"drive": {"kind": draws.choice(("omni", "diff")), "pushes": draws.choice((0, 4))},
+                 "controller": {"kind": "script", "legs": legs}}
+        world["types"][f"stuck{i}"] = {**draws.choice(shapes), **({"pushable": True} if draws.random() < 0.2 else robot)}
+        x, y = draws.choice(((-1, 0), (-1, 0.3), (1.1, 0.15), (1.15, 0.4), (1.3, 0.3)))
+        x += draws.choice((0, 0.01, -0.09, 0.1, 0.105, -0.105))
+        world["models"].append({"name": f"stuck{i}", "type": f"stuck{i}",
+                                "pose": {"x_m": x, "y_m": y, "heading_deg": draws.choice((0, 90, 180, 37)), **height}})
+
+
 def _far(world, draws, *_):
     """Moves the whole world away from the origin."""
     shift = [draws.choice((0, 1e4, -90000.1)), draws.choice((0.1, 9e4))]
@@ -99,4 +123,4 @@ def _far(world, draws, *_):
                 at[key] = {**at[key], "pose": move(at[key]["pose"])}
 
 
-CASES = (_interventions, _touching, _wide, _joints, _ranges, _far)  # _far last: it moves the bodies of the others, too
+CASES = (_interventions, _touching, _wide, _joints, _ranges, _overlaps, _far)  # _far last: it moves the bodies of the others, too

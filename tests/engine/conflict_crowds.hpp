@@ -105,6 +105,7 @@ inline Kind make_kind(std::vector<Solid> blocks) {
   }
   kind.body.blocks = std::move(blocks);
   kind.shape = partition::make_obstacle_shape(pieces);
+  kind.body.pieces = std::move(pieces);
   return kind;
 }
 /// Returns a random shape that is about `size` m wide. Shapes with very thin convex pieces are rejected: the
@@ -122,6 +123,8 @@ struct TestCrowd {
   std::vector<const partition::ObstacleShape*> shapes;
   std::vector<std::uint32_t> ids;
   std::vector<Motion> motions;
+  std::vector<std::uint8_t>
+      turns;  ///< 1: the body turns on the spot if its motion is blocked; empty: none does
   std::vector<Solid> walls;
   std::vector<Solid> ghosts;  ///< fixed solids that block no body
   std::optional<Box> bounds;
@@ -135,7 +138,12 @@ struct TestCrowd {
     ids.push_back(static_cast<std::uint32_t>(2 * ids.size() + 1));  // not the rows
     motions.push_back({pose, pose, 0, false});
   }
-  Question question() const { return {motions, bodies, ids, walls, seed, tick, bounds}; }
+  Question question() const { return {motions, bodies, ids, walls, seed, tick, bounds, turns}; }
+  /// Lets random bodies turn on the spot if their motions are blocked.
+  void draw_turns(Draw& draw) {
+    turns.clear();
+    for (std::size_t i = 0; i < size(); ++i) turns.push_back(draw.chance(0.5));
+  }
 };
 
 struct CrowdShape {
@@ -262,7 +270,7 @@ inline std::vector<engine::Conflicts::Outcome> resolve(
   index.rebuild(transforms, radii, parallel);
   free.resize(crowd.size());
   conflicts.resolve({poses, transforms, motions, crowd.shapes, crowd.ids, free, crowd.seed, crowd.tick,
-                     crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9)), pushables},
+                     crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9)), pushables, crowd.turns},
                     scene, index, parallel, border);
   std::vector<engine::Conflicts::Outcome> outcomes;
   for (std::size_t i = 0; i < crowd.size(); ++i) outcomes.push_back(conflicts.outcome(i));

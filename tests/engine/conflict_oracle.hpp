@@ -6,16 +6,76 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace troupe::oracle {
 
-/// The shape of a body for this oracle: its blocks, and the smallest width (m) of the convex pieces into
-/// which the engine divides them. The width determines the steps in which the oracle tests a motion.
+/// The shape of a body for this oracle: its blocks, the convex pieces into which the engine divides them, and
+/// the smallest width of these. The width determines the steps in which the oracle tests a motion.
 struct Body {
-  std::vector<Solid> blocks;  ///< body frame, m
-  double thinnest = 0;        ///< smallest width of a convex piece, m
+  std::vector<Solid> blocks;        ///< body frame, m
+  std::vector<ConvexPrism> pieces;  ///< body frame, m
+  double thinnest = 0;              ///< smallest width of a convex piece, m
 };
+
+/// Returns the corners of an outline (body frame, m) of a body at this pose, in the world frame, m.
+inline std::vector<Vec2> corners(const Ring& outline, const Pose& pose) {
+  std::vector<Vec2> out;
+  const double c = std::cos(pose.heading);
+  const double s = std::sin(pose.heading);
+  for (const Vec2& v : outline)
+    out.emplace_back(pose.x + c * v.x() - s * v.y(), pose.y + s * v.x() + c * v.y());
+  return out;
+}
+
+/// Returns the depth of two convex polygons in each other, m: the distance from the origin to the border of
+/// the set of the differences of their points, if the origin is in this set, and otherwise 0.
+inline double depth(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
+  std::vector<Vec2> differences;
+  for (const Vec2& p : a)
+    for (const Vec2& q : b) differences.emplace_back(p.x() - q.x(), p.y() - q.y());
+  std::ranges::sort(differences, {}, [](const Vec2& v) { return std::pair(v.x(), v.y()); });
+  const auto turn = [](const Vec2& p, const Vec2& q, const Vec2& r) {
+    return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
+  };
+  std::vector<Vec2> hull;
+  for (int half = 0; half < 2; ++half) {  // the lower half from left to right, then the upper half back
+    const std::size_t begin = hull.size();
+    for (const Vec2& v : differences) {
+      while (hull.size() >= begin + 2 && turn(hull[hull.size() - 2], hull.back(), v) <= 0) hull.pop_back();
+      hull.push_back(v);
+    }
+    hull.pop_back();
+    std::ranges::reverse(differences);
+  }
+  double least = 1e300;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vec2& p = hull[i];
+    const Vec2& q = hull[(i + 1) % hull.size()];
+    least = std::min(least, turn(p, q, Vec2(0, 0)) / std::hypot(q.x() - p.x(), q.y() - p.y()));
+  }
+  return std::max(least, 0.0);
+}
+
+/// Whether the motion of a body from one pose to another takes a piece of it deeper into one of the pieces
+/// `others` of a body at the pose `at`. What may be rounding does not count: 1e-12 m, and any depth up to
+/// 1e-9 m if the pieces overlapped before.
+inline bool goes_deeper(const std::vector<ConvexPrism>& pieces, const Pose& from, const Pose& to,
+                        const std::vector<ConvexPrism>& others, const Pose& at) {
+  for (const ConvexPrism& piece : pieces)
+    for (const ConvexPrism& other : others) {
+      const auto depth_at = [&](const Pose& pose) {
+        const bool shares_height = std::max(piece.z.min + pose.z, other.z.min + at.z) <
+                                   std::min(piece.z.max + pose.z, other.z.max + at.z);
+        return shares_height ? depth(corners(piece.outline, pose), corners(other.outline, at)) : 0;
+      };
+      const double before = depth_at(from);
+      const double after = depth_at(to);
+      if (after > 0 && (before == 0 || after > std::max(before + 1e-12, 1e-9))) return true;
+    }
+  return false;
+}
 
 /// Returns the width of a convex polygon: its smallest extent in any direction, m. The smallest extent is
 /// always along the normal of one of the edges.
@@ -65,6 +125,7 @@ struct Question {
   std::uint64_t seed = 1;
   std::uint64_t tick = 0;
   std::optional<Box> bounds;
+  std::span<const std::uint8_t> turns = {};  ///< 1: a body that turns on the spot if its motion is blocked
 };
 
 /// Computes the outcomes of the motions in the simplest way: one body after the other, in the order of their
@@ -73,7 +134,6 @@ struct Question {
 /// which is wrong. Tests use this to check that the order matters for their crowds.
 inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool by_priority = true) {
   using enum engine::Conflicts::Outcome;
-  const auto squared = [](double x, double y) { return x * x + y * y; };
   const std::size_t count = q.motions.size();
   std::vector<std::size_t> order(count);
   for (std::size_t i = 0; i < count; ++i) order[i] = i;
@@ -81,7 +141,11 @@ inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool b
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return mix(q.seed, q.tick, q.ids[i]); });
 
   std::vector<Blocks> walls;
-  for (const Solid& wall : q.walls) walls.push_back(place({wall}, {}));
+  std::vector<std::vector<ConvexPrism>> wall_pieces;
+  for (const Solid& wall : q.walls) {
+    walls.push_back(place({wall}, {}));
+    wall_pieces.push_back(convex_pieces(wall));
+  }
   std::vector<Pose> now;
   std::vector<Blocks> placed;
   for (std::size_t i = 0; i < count; ++i) {
@@ -98,22 +162,31 @@ inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool b
       outcomes[i] = out_of_bounds;
       continue;
     }
-    outcomes[i] = moved;
+    const std::vector<ConvexPrism>& pieces = q.bodies[i]->pieces;
     Blocks there;
-    for (const Pose& pose : poses_of_motion(m, *q.bodies[i])) {
-      there = place(q.bodies[i]->blocks, pose);
-      for (const Blocks& wall : walls)
-        if (overlap(there, wall) && !overlap(placed[i], wall)) outcomes[i] = blocked;
-      for (std::size_t o = 0; o < count; ++o) {
-        if (o == i || !overlap(there, placed[o])) continue;
-        const bool apart =
-            squared(m.to.x - now[o].x, m.to.y - now[o].y) > squared(m.from.x - now[o].x, m.from.y - now[o].y);
-        if (!apart || !overlap(placed[i], placed[o])) outcomes[i] = blocked;
+    const auto is_free = [&](const Motion& motion) {
+      Pose last = m.from;
+      there = placed[i];
+      for (const Pose& pose : poses_of_motion(motion, *q.bodies[i])) {
+        const Blocks before = std::exchange(there, place(q.bodies[i]->blocks, pose));
+        const auto forbids = [&](const Blocks& other, const std::vector<ConvexPrism>& its, const Pose& at) {
+          return overlap(there, other) &&
+                 (!overlap(before, other) || goes_deeper(pieces, last, pose, its, at));
+        };
+        for (std::size_t w = 0; w < walls.size(); ++w)
+          if (forbids(walls[w], wall_pieces[w], {})) return false;
+        for (std::size_t o = 0; o < count; ++o)
+          if (o != i && forbids(placed[o], q.bodies[o]->pieces, now[o])) return false;
+        last = pose;
       }
-      if (outcomes[i] == blocked) break;
-    }
+      return true;
+    };
+    const Motion turn{m.from, {m.from.x, m.from.y, m.from.z, m.to.heading}, m.turn, true};
+    const bool may_turn =
+        !q.turns.empty() && q.turns[i] != 0 && m.turn != 0 && (m.to.x != m.from.x || m.to.y != m.from.y);
+    outcomes[i] = is_free(m) ? moved : may_turn && is_free(turn) ? turned : blocked;
     if (outcomes[i] == blocked) continue;
-    now[i] = m.to;
+    now[i] = outcomes[i] == moved ? m.to : turn.to;
     placed[i] = std::move(there);
   }
   return outcomes;

@@ -30,6 +30,7 @@ struct Tally {
   std::size_t moving = 0;
   std::size_t blocked = 0;
   std::size_t out_of_bounds = 0;
+  std::size_t turned = 0;
   std::size_t order_matters = 0;  ///< crowds in which another order has another outcome
   std::size_t deep = 0;           ///< crowds in which a body waited for one that waited
   std::uint64_t deepest = 0;
@@ -54,6 +55,7 @@ void compare(const TestCrowd& crowd, Teams& teams, Tally& tally) {
   for (const Motion& m : crowd.motions) tally.moving += m.moves;
   tally.blocked += static_cast<std::size_t>(std::ranges::count(expected, Outcome::blocked));
   tally.out_of_bounds += static_cast<std::size_t>(std::ranges::count(expected, Outcome::out_of_bounds));
+  tally.turned += static_cast<std::size_t>(std::ranges::count(expected, Outcome::turned));
   tally.deep += rounds > 2;
   tally.deepest = std::max(tally.deepest, rounds);
   tally.order_matters += expected != resolve(crowd.question(), false);
@@ -85,12 +87,14 @@ TEST(ConflictRule, ThousandsOfSmallCrowdsAreResolvedAsTheRuleSays) {
                                           .region = draw.chance(0.3),
                                           .bounded = draw.chance(0.2)});
     random_motions(crowd, draw, 60);
+    if (seed % 3 == 0) crowd.draw_turns(draw);
     compare(crowd, teams, tally);
     if (HasFatalFailure()) return;
   }
   report(tally);
   EXPECT_GT(100 * tally.blocked, tally.moving) << "too easy: under 1 % are blocked";
   EXPECT_GT(tally.out_of_bounds, 0u);
+  EXPECT_GT(tally.turned, tally.crowds / 10);
   EXPECT_GT(4 * tally.order_matters, tally.crowds);
 }
 
@@ -110,6 +114,7 @@ TEST(ConflictRule, LargeCrowdsWithLongChainsAreResolvedAsTheRuleSays) {
                                           .region = draw.chance(0.3),
                                           .bounded = draw.chance(0.2)});
     random_motions(crowd, draw, 30);
+    if (seed % 3 == 0) crowd.draw_turns(draw);
     compare(crowd, teams, tally);
     if (HasFatalFailure()) return;
   }

@@ -26,7 +26,10 @@ class Ticks {
   const std::vector<Outcome>& step(const partition::GridGeometry& grid = {1, 3}) {
     outcomes_ = resolve(crowd_, scene_, grid, parallel_, conflicts_, free_);
     for (std::size_t i = 0; i < crowd_.size(); ++i)
-      if (outcomes_[i] == Outcome::moved) crowd_.motions[i].from = crowd_.motions[i].to;
+      if (outcomes_[i] == Outcome::moved)
+        crowd_.motions[i].from = crowd_.motions[i].to;
+      else if (outcomes_[i] == Outcome::turned)
+        crowd_.motions[i].from.heading = crowd_.motions[i].to.heading;
     ++crowd_.tick;
     return outcomes_;
   }
@@ -75,6 +78,7 @@ TEST(ConflictTicks, BodiesThatWereApartStayApart) {
     Ticks run(crowd, 1 + static_cast<unsigned>(seed % 3));
     std::size_t moved = 0;
     std::size_t blocked = 0;
+    if (seed % 2 == 0) crowd.draw_turns(draw);
     for (int tick = 0; tick < 300 / static_cast<int>(k_thrift); ++tick) {
       random_motions(crowd, draw, 60);
       const std::vector<Outcome>& outcomes = run.step();
@@ -103,22 +107,32 @@ TEST(ConflictTicks, BodiesThatStartInOneAnotherOnlyPart) {
     std::vector<bool> before = overlapping_pairs(run.placed());
     const auto first = static_cast<std::size_t>(std::ranges::count(before, true));
     at_first += first;
-    const auto distance = [&](std::size_t pair) {
-      return (crowd.motions[pair / crowd.size()].from.position() -
-              crowd.motions[pair % crowd.size()].from.position())
-          .norm();
+    const auto depths = [&](std::size_t pair) {  // of each piece of one body in each piece of the other
+      const std::size_t a = pair / crowd.size();
+      const std::size_t b = pair % crowd.size();
+      std::vector<double> all;
+      for (const ConvexPrism& p : crowd.bodies[a]->pieces)
+        for (const ConvexPrism& q : crowd.bodies[b]->pieces)
+          all.push_back(p.z.shifted(crowd.motions[a].from.z).overlaps(q.z.shifted(crowd.motions[b].from.z))
+                            ? depth(corners(p.outline, crowd.motions[a].from),
+                                    corners(q.outline, crowd.motions[b].from))
+                            : 0);
+      return all;
     };
     for (int tick = 0; tick < 300 / static_cast<int>(k_thrift); ++tick) {
       random_motions(crowd, draw, 60);
-      std::vector<double> distances;
-      for (std::size_t p = 0; p < before.size(); ++p) distances.push_back(before[p] ? distance(p) : 0);
+      std::vector<std::vector<double>> depths_before(before.size());
+      for (std::size_t p = 0; p < before.size(); ++p)
+        if (before[p]) depths_before[p] = depths(p);
       run.step();
       std::vector<bool> after = overlapping_pairs(run.placed());
       for (std::size_t p = 0; p < after.size(); ++p) {
         if (!after[p]) continue;
         ASSERT_TRUE(before[p]) << "bodies " << p / crowd.size() << " and " << p % crowd.size()
                                << " met in tick " << tick;
-        ASSERT_GE(distance(p), distances[p] - 1e-12) << "tick " << tick;
+        const std::vector<double> now = depths(p);
+        for (std::size_t i = 0; i < now.size(); ++i)
+          ASSERT_LE(now[i], std::max(depths_before[p][i] + 1e-9, 1e-9)) << "tick " << tick;
       }
       before = std::move(after);
     }
@@ -171,8 +185,68 @@ TEST(ConflictTicks, AWallBlocksABodyThatOverlapsItByRounding) {
     EXPECT_EQ(outcome(rounding_m, {0, 0.05, 0, 0}), Outcome::moved) << rounding_m << ": along the wall";
     EXPECT_EQ(outcome(rounding_m, {-0.05, 0, 0, 0}), Outcome::moved) << rounding_m;
   }
-  EXPECT_EQ(outcome(1e-8, {0.05, 0, 0, 0}), Outcome::moved)
-      << "no rounding: it may leave the wall on any way";
+  for (const double overlap_m : {1e-8, 0.01}) {
+    EXPECT_EQ(outcome(overlap_m, {0.05, 0, 0, 0}), Outcome::blocked) << overlap_m;
+    EXPECT_EQ(outcome(overlap_m, {0, 0, 0, 0.1}), Outcome::blocked) << overlap_m;
+    EXPECT_EQ(outcome(overlap_m, {0, 0.05, 0, 0}), Outcome::moved) << overlap_m;
+    EXPECT_EQ(outcome(overlap_m, {-0.05, 0, 0, 0}), Outcome::moved) << overlap_m;
+  }
+}
+
+// The pieces of a solid count one by one: who overlaps one arm of an L may not drive into the other.
+TEST(ConflictTicks, ASolidThatABodyOverlapsBlocksItElsewhere) {
+  TestCrowd crowd;
+  crowd.kinds.push_back(make_kind({{{rectangle(-0.1, -0.1, 0.1, 0.1)}, {0, 1}}}));
+  const Ring l{{0, 0}, {2, 0}, {2, 0.2}, {0.2, 0.2}, {0.2, 2}, {0, 2}};
+  crowd.walls.push_back({{l}, {0, 1}});
+  crowd.add(crowd.kinds[0], {0.29, 0.5, 0, 0});  // 1 cm in the upright arm
+  Ticks run(crowd, 1);
+  Motion& m = crowd.motions[0];
+  const auto drive = [&](double x, double y) {
+    m.to = {m.from.x + x, m.from.y + y, 0, 0};
+    m.moves = true;
+    return run.step()[0];
+  };
+  EXPECT_EQ(drive(-0.02, 0), Outcome::blocked);
+  while (m.from.y > 0.32) ASSERT_EQ(drive(0, -0.02), Outcome::moved) << m.from.y;
+  EXPECT_EQ(drive(0, -0.05), Outcome::blocked) << "the other arm";
+  EXPECT_EQ(drive(0.05, 0), Outcome::moved);
+  EXPECT_EQ(drive(-0.05, 0), Outcome::blocked) << "it is out";
+}
+
+// The depth counts, not the distance of the origins, which a long body has far from its ends.
+TEST(ConflictTicks, AMotionPastTheEndOfALongBodyGoesNoDeeper) {
+  TestCrowd crowd;
+  crowd.kinds.push_back(make_kind({{{rectangle(-2, -0.2, 2, 0.2)}, {0, 1}}}));
+  crowd.kinds.push_back(make_kind({{{rectangle(-0.1, -0.1, 0.1, 0.1)}, {0, 1}}}));
+  crowd.add(crowd.kinds[0], {0, 0, 0, 0});
+  crowd.add(crowd.kinds[1], {1.5, 0.29, 0, 0});  // 1 cm in the truck, near its end
+  Ticks run(crowd, 1);
+  Motion& m = crowd.motions[1];
+  const auto drive = [&](double x, double y) {
+    m.to = {m.from.x + x, m.from.y + y, 0, 0};
+    m.moves = true;
+    return run.step()[1];
+  };
+  EXPECT_EQ(drive(0.1, -0.02), Outcome::blocked) << "farther from its origin, but deeper";
+  EXPECT_EQ(drive(-0.1, 0), Outcome::moved) << "nearer to its origin, but no deeper";
+  EXPECT_EQ(drive(0, 0.05), Outcome::moved);
+  EXPECT_EQ(drive(0, -0.05), Outcome::blocked) << "it is out";
+}
+
+// A body that is wholly inside a solid crosses none of its edges.
+TEST(ConflictTicks, ABodyInsideASolidGoesNoDeeper) {
+  TestCrowd crowd;
+  crowd.kinds.push_back(make_kind({{{rectangle(-0.1, -0.1, 0.1, 0.1)}, {0, 1}}}));
+  crowd.walls.push_back({{rectangle(-1, -1, 1, 1)}, {0, 1}});
+  crowd.add(crowd.kinds[0], {0.5, 0, 0, 0});
+  Ticks run(crowd, 1);
+  Motion& m = crowd.motions[0];
+  m.to = {0.45, 0, 0, 0};
+  m.moves = true;
+  EXPECT_EQ(run.step()[0], Outcome::blocked);
+  m.to = {0.55, 0, 0, 0};
+  EXPECT_EQ(run.step()[0], Outcome::moved);
 }
 
 /// A room of 0.02 m walls about the origin: four blocks, or one region with a hole as bitmaps make them.

@@ -13,9 +13,8 @@ namespace troupe::oracle {
 /// addition. The other members have one entry per body, in the order of base.bodies.
 struct PushQuestion {
   Question base;
-  std::vector<std::vector<ConvexPrism>> pieces;  ///< convex pieces of the body, body frame, m
-  std::vector<bool> pushable;                    ///< whether robots can push the body
-  std::vector<std::size_t> limits;               ///< largest number of bodies that the body can push at once
+  std::vector<bool> pushable;       ///< whether robots can push the body
+  std::vector<std::size_t> limits;  ///< largest number of bodies that the body can push at once
 };
 
 struct PushAnswer {
@@ -27,16 +26,6 @@ struct PushAnswer {
   std::size_t stopped = 0;   ///< motions blocked because the bodies in the way could not be pushed
   std::size_t too_many = 0;  ///< motions blocked because they would push more bodies than the limit
 };
-
-/// Returns the corners of an outline (body frame, m) of a body at this pose, in the world frame, m.
-inline std::vector<Vec2> corners(const Ring& outline, const Pose& pose) {
-  std::vector<Vec2> out;
-  const double c = std::cos(pose.heading);
-  const double s = std::sin(pose.heading);
-  for (const Vec2& v : outline)
-    out.emplace_back(pose.x + c * v.x() - s * v.y(), pose.y + s * v.x() + c * v.y());
-  return out;
-}
 
 /// The interval that a set of points covers when it is projected on an axis, m.
 struct Shadow {
@@ -124,7 +113,7 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
   for (std::size_t i = 0; i < count; ++i)
     if (question.pushable[i]) thinnest = std::min(thinnest, q.bodies[i]->thinnest);
   std::vector<double> radii;
-  for (const std::vector<ConvexPrism>& pieces : question.pieces) radii.push_back(radius_of(pieces));
+  for (const Body* body : q.bodies) radii.push_back(radius_of(body->pieces));
   double largest = 0;  // radius of a pushable body
   for (std::size_t i = 0; i < count; ++i)
     if (question.pushable[i]) largest = std::max(largest, radii[i]);
@@ -140,7 +129,11 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
   };
 
   std::vector<Blocks> walls;
-  for (const Solid& wall : q.walls) walls.push_back(place({wall}, {}));
+  std::vector<std::vector<ConvexPrism>> wall_pieces;
+  for (const Solid& wall : q.walls) {
+    walls.push_back(place({wall}, {}));
+    wall_pieces.push_back(convex_pieces(wall));
+  }
   const Box all = q.bounds.value_or(Box{Vec2(-1e300, -1e300), Vec2(1e300, 1e300)});
   const auto outside = [&](const Pose& p) {
     return p.x < all.min.x() || p.x > all.max.x() || p.y < all.min.y() || p.y > all.max.y();
@@ -155,17 +148,21 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
   }
   std::vector<bool> touched(count);
   const auto body = [&](std::size_t i, const Pose& pose) { return place(q.bodies[i]->blocks, pose); };
-  /// Whether body o, at its present pose, blocks a motion of body i from the pose `from` to the pose `to`.
-  /// The argument `there` has the blocks of i at the pose `to`. The motion is blocked if i and o overlap at
-  /// its end. Exception: bodies that overlap at the start may move apart.
-  const auto forbids = [&](std::size_t o, std::size_t i, const Pose& from, const Pose& to,
-                           const Blocks& there) {
-    if (!overlap(there, placed[o])) return false;
-    return !(squared(to, now[o]) > squared(from, now[o]) && overlap(body(i, from), placed[o]));
+  /// Whether body o, at its present pose, or a wall forbids that body i goes from one sample to the next:
+  /// from the pose `from`, where its blocks are `before`, to the pose `to`, where they are `there`.
+  const auto forbids = [&](std::size_t o, std::size_t i, const Pose& from, const Blocks& before,
+                           const Pose& to, const Blocks& there) {
+    return overlap(there, placed[o]) &&
+           (!overlap(before, placed[o]) ||
+            goes_deeper(q.bodies[i]->pieces, from, to, q.bodies[o]->pieces, now[o]));
   };
-  const auto is_walled = [&](const Blocks& there, const Blocks& before) {
-    return std::ranges::any_of(
-        walls, [&](const Blocks& wall) { return overlap(there, wall) && !overlap(before, wall); });
+  const auto is_walled = [&](std::size_t i, const Pose& from, const Blocks& before, const Pose& to,
+                             const Blocks& there) {
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      if (overlap(there, walls[w]) &&
+          (!overlap(before, walls[w]) || goes_deeper(q.bodies[i]->pieces, from, to, wall_pieces[w], {})))
+        return true;
+    return false;
   };
 
   for (const std::size_t i : order) {
@@ -180,19 +177,37 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
     for (std::size_t o = 0; o < count; ++o)
       gives_way[o] = may_push && question.pushable[o] && !overlap(placed[i], placed[o]);
     const auto is_free = [&] {
+      Pose last = m.from;
+      Blocks there = placed[i];
       for (const Pose& pose : poses_of_motion(m, *q.bodies[i])) {
-        const Blocks there = body(i, pose);
-        if (is_walled(there, placed[i])) return false;
-        for (std::size_t o = 0; o < count; ++o) {
-          if (o == i || gives_way[o] || !overlap(there, placed[o])) continue;
-          if (squared(m.to, now[o]) <= squared(m.from, now[o]) || !overlap(placed[i], placed[o]))
-            return false;
-        }
+        const Blocks before = std::exchange(there, body(i, pose));
+        if (is_walled(i, last, before, pose, there)) return false;
+        for (std::size_t o = 0; o < count; ++o)
+          if (o != i && !gives_way[o] && forbids(o, i, last, before, pose, there)) return false;
+        last = pose;
       }
       return true;
     };
-    if (!is_free()) {
+    const auto turn_or_block = [&] {
       answer.outcomes[i] = blocked;
+      if (q.turns.empty() || q.turns[i] == 0 || m.turn == 0 || (m.to.x == m.from.x && m.to.y == m.from.y))
+        return;
+      const Motion turn{m.from, {m.from.x, m.from.y, m.from.z, m.to.heading}, m.turn, true};
+      Pose last = m.from;
+      Blocks there = placed[i];
+      for (const Pose& pose : poses_of_motion(turn, *q.bodies[i])) {
+        const Blocks before = std::exchange(there, body(i, pose));
+        if (is_walled(i, last, before, pose, there)) return;
+        for (std::size_t o = 0; o < count; ++o)
+          if (o != i && forbids(o, i, last, before, pose, there)) return;
+        last = pose;
+      }
+      answer.outcomes[i] = turned;
+      now[i] = turn.to;
+      placed[i] = std::move(there);
+    };
+    if (!is_free()) {
+      turn_or_block();
       continue;
     }
 
@@ -226,7 +241,7 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
                 chained += b > 0;
                 ++shifts;
               }
-              const auto way = leave(question.pieces[by], to[by], question.pieces[o], to[o]);
+              const auto way = leave(q.bodies[by]->pieces, to[by], q.bodies[o]->pieces, to[o]);
               if (!way) return false;
               const double length = std::hypot(way->x(), way->y());
               to[o].x += way->x() * (1 + 1e-9 / length);
@@ -241,15 +256,17 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
           if (to[o].x == last[o].x && to[o].y == last[o].y) continue;
           if (std::sqrt(squared(to[o], last[o])) > 0.5 * q.bodies[o]->thinnest || outside(to[o]))
             return false;
-          if (is_walled(at[o], placed[o])) return false;
+          const Blocks before = body(o, last[o]);
+          if (is_walled(o, last[o], before, to[o], at[o])) return false;
           for (std::size_t other = 0; other < count; ++other)
-            if (other != i && !gives_way[other] && forbids(other, o, now[o], to[o], at[o])) return false;
+            if (other != i && !gives_way[other] && forbids(other, o, last[o], before, to[o], at[o]))
+              return false;
         }
       }
       return true;
     };
     if (!push()) {
-      answer.outcomes[i] = blocked;
+      turn_or_block();
       ++answer.stopped;
       answer.too_many += too_many;
       continue;

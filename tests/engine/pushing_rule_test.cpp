@@ -23,9 +23,7 @@ struct PushCrowd : TestCrowd {
   std::vector<std::uint8_t> limits;
 
   PushQuestion ask() const {
-    PushQuestion q{question(), {}, {pushable.begin(), pushable.end()}, {limits.begin(), limits.end()}};
-    for (const partition::ObstacleShape* shape : shapes) q.pieces.push_back(shape->pieces);
-    return q;
+    return {question(), {pushable.begin(), pushable.end()}, {limits.begin(), limits.end()}};
   }
   engine::Pushables pushables() const {
     engine::Pushables out{pushable, limits, 0, 1e300, 0};
@@ -54,6 +52,7 @@ Resolved resolve_engine(const PushCrowd& crowd, const partition::StaticScene& sc
   for (std::size_t i = 0; i < crowd.size(); ++i) {
     const Motion& motion = crowd.motions[i];
     resolved.poses.push_back(resolved.outcomes[i] == Outcome::moved ? motion.to : motion.from);
+    if (resolved.outcomes[i] == Outcome::turned) resolved.poses.back().heading = motion.to.heading;
   }
   for (const Conflicts::Push& push : conflicts.pushes()) {
     if (!conflicts.is_last(push)) continue;
@@ -197,6 +196,7 @@ TEST_F(PushingRule, RandomCrowdsAreResolvedAsTheRuleSays) {
     Draw draw(8'000'000 + seed);
     PushCrowd crowd = random_pushers(draw, 10 + draw.below(60), draw.real(0.5, 2), draw.chance(0.5));
     propose(crowd, draw, 40.5);
+    if (seed % 3 == 0) crowd.draw_turns(draw);
     compare(crowd, tally);
     if (HasFatalFailure()) return;
   }
@@ -216,6 +216,7 @@ TEST_F(PushingRule, LargeCrowdsAreResolvedAsTheRuleSays) {
     Draw draw(8'100'000 + seed);
     PushCrowd crowd = random_pushers(draw, 300 + draw.below(300), draw.real(0.5, 2), draw.chance(0.5));
     propose(crowd, draw, 20.5);
+    if (seed % 3 == 0) crowd.draw_turns(draw);
     compare(crowd, tally);
     if (HasFatalFailure()) return;
   }

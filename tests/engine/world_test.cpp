@@ -482,7 +482,7 @@ TEST(World, OverlapsAtTheStartAreOneCountedWarning) {
   EXPECT_THAT(
       diagnostics.warnings(),
       testing::ElementsAre("warning: 3 pairs of bodies overlap at the start, for example \"a\" and \"b\"; "
-                           "bodies that overlap may move apart, but not closer"));
+                           "bodies that overlap may move apart, but not deeper into each other"));
 }
 
 TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
@@ -497,7 +497,7 @@ TEST(World, TheReportOfOverlapsDependsOnNoThreadsAndNoCells) {
       "not intended (and 349 more such warnings)";
   const std::string pairs = fmt::format(
       "warning: {} pairs of bodies overlap at the start, for example \"r700\" and \"r699\"; bodies that "
-      "overlap may move apart, but not closer",
+      "overlap may move apart, but not deeper into each other",
       699 + 698 + 7);
   for (const unsigned threads : {1u, 2u, 3u, 8u})
     for (const double tile_m : {0.0, 1.0, 100.0}) {
@@ -519,7 +519,7 @@ TEST(World, OverlapsBeyondTenThousandAreNotCounted) {
     EXPECT_THAT(diagnostics.warnings(),
                 testing::ElementsAre(
                     "warning: more than 10000 pairs of bodies overlap at the start, for example \"r0\" "
-                    "and \"r1\"; bodies that overlap may move apart, but not closer"));
+                    "and \"r1\"; bodies that overlap may move apart, but not deeper into each other"));
   }
   Diagnostics thorough(true);
   const World world(scene.spec, test::registry(), {.threads = 2}, thorough);
@@ -558,6 +558,21 @@ TEST(World, OverlappingRobotsMayMoveApartButNotCloser) {
   world.set_command(world.row(b), {0.5, 0, 0});
   world.step();
   EXPECT_DOUBLE_EQ(world.pose(b).x, 0.35);
+}
+
+TEST(World, ARobotThatStartsInAWallDoesNotDriveThroughIt) {
+  for (const double start : {-0.29, -0.25, 0.0}) {  // 1 cm, 5 cm and half of it in a wall 0.2 m thick
+    SceneBuilder scene;
+    const BodyId robot = scene.body("robot", scene.robot("robot", {box(0.4, 0.4)}), {start, 0, 0, 0});
+    scene.wall(-0.1, -2, 0.1, 2);
+    World world = scene.world();
+    world.set_command(world.row(robot), {0.3, 0, 0});
+    for (int tick = 0; tick < 10; ++tick) world.step();
+    EXPECT_NEAR(world.pose(robot).x, start == 0 ? 0.3 : start, 1e-12);
+    world.set_command(world.row(robot), {-0.3, 0, 0});
+    for (int tick = 0; tick < 10; ++tick) world.step();
+    EXPECT_EQ(world.stalled(world.row(robot)), start == 0);
+  }
 }
 
 TEST(World, UnknownKindsAreErrorsThatNameTheKnownOnes) {

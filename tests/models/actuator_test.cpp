@@ -111,6 +111,27 @@ TEST(Actuator, StopsAtWhatIsInItsWay) {
   EXPECT_EQ(state(world, body).stalled, 1);
 }
 
+/// The tip of the slide is 1 cm in a wall at the start: it can go back, but not through the wall.
+TEST(Actuator, LeavesWhatItOverlapsButGoesNoDeeper) {
+  for (const bool is_static : {true, false}) {
+    SceneBuilder scene;
+    const BodyId body =
+        scene.body("p", slide(scene, {order(0.1, "slide", "speed", 1), order(0.6, "slide", "speed", -0.1)},
+                              {{"min_position", -0.1}}));
+    if (is_static)
+      scene.wall(0.39, -1, 0.6, 1);
+    else
+      scene.body("crate", scene.robot("crate", {box(0.2, 2)}), {0.49, 0, 0, 0});
+    World world = scene.world();
+    step(world, 4);
+    EXPECT_EQ(state(world, body).position, 0) << is_static;
+    EXPECT_EQ(state(world, body).stalled, 1) << is_static;
+    step(world, 3);
+    EXPECT_LT(state(world, body).position, -0.005) << is_static;
+    EXPECT_EQ(state(world, body).stalled, 0) << is_static;
+  }
+}
+
 TEST(Actuator, ThinWallsAreNotPassed) {
   SceneBuilder scene;
   const BodyId body = scene.body(

@@ -119,6 +119,7 @@ constexpr Effect k_effects[] = {
     {"position", "localization_origin", "mover( localization \"odom\" @ )", "localization_origin [1 0 0 0]"},
     {"position", "gps_origin", "mover( localization_origin [1 0 0 0] @ )", "gps_origin 1", loaded},
     {"position", "odom_error", "mover( localization \"odom\" @ )", "odom_error [0.1 0 0 0]"},
+    {"position", "goal_bounds", "mover( @ )", "goal_bounds [0.1 10]", loaded},
     {"position", "odom_heading", "mover( localization \"odom\" @ )", "odom_heading \"old\""},
 
     {"sensor", "pose",

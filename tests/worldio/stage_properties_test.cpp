@@ -135,6 +135,7 @@ constexpr Tested k_tests[] = {
     {"position", "gps_origin", "Driving.WhatStageWorldsSayOfOriginsHolds"},
     {"position", "odom_error", "StageWorld.DrivesKnowWhereTheyAre"},
     {"position", "odom_heading", "StageWorld.DrivesKnowWhereTheyAre"},
+    {"position", "goal_bounds", "StageWorld.GoalsHaveStagesSpeeds"},
     {"ranger", "intensity", "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
     {"sensor", "pose", "StageWorld.RangersBecomeSensors"},
     {"sensor", "size", "StageWorld.RangersBecomeSensors"},

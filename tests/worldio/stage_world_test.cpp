@@ -846,6 +846,24 @@ TEST_F(StageWorld, DrivesKnowWhereTheyAre) {
                           "\"gps\" are in the world frame; add \"gps_origin 1\" to apply the origin"));
 }
 
+TEST_F(StageWorld, GoalsHaveStagesSpeeds) {
+  const auto spec =
+      load("position( velocity_bounds [-3 3 -3 3 -1 1 -180 180] )\nposition( goal_bounds [2 90] )");
+  EXPECT_EQ(drive_param(spec, 1, "goal_speed_max"), 0.4);
+  EXPECT_EQ(drive_param(spec, 1, "goal_turn_max"), 1);
+  EXPECT_EQ(drive_param(spec, 2, "goal_speed_max"), 2);
+  EXPECT_EQ(drive_param(spec, 2, "goal_turn_max"), radians(90));
+  EXPECT_THAT(messages(), ElementsAre());
+}
+
+TEST_F(StageWorld, RefusesGoalsAtNoSpeed) {
+  load("position( goal_bounds [0 90] )");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: \"goal_bounds\" must be above 0 and at most 1e9 m/s and rad/s, found 0 and 90"));
+}
+
 TEST_F(StageWorld, RefusesWrongLocalisation) {
   load(
       "position( localization \"gsp\" )\nposition( odom_error [0.05 0.05 0.1] )\n"

@@ -334,6 +334,19 @@ void write_fields(const Record& record, const FieldTable& table, JsonNode::Objec
     if (!same_bits(record[i], defaults[i])) write_field(table.fields[i], record[i], object);
 }
 
+void write_parameters(const Record& record, const FieldTable& table, JsonNode::Object& object) {
+  const Record defaults = table.defaults();
+  const auto is_usual = [&](std::size_t i) {
+    const Value& in_json = table.fields[i].in_json;
+    return same_bits(record[i], in_json.given() ? in_json : defaults[i]);
+  };
+  for (std::size_t i = 0; i < std::min(table.fields.size(), record.size()); ++i) {
+    const std::string_view mirror = table.fields[i].mirror;
+    if (!is_usual(i) || (!mirror.empty() && !is_usual(static_cast<std::size_t>(table.find(mirror)))))
+      write_field(table.fields[i], record[i], object);
+  }
+}
+
 double short_number(float x) {
   std::array<char, 32> digits{};
   const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), x);
@@ -404,19 +417,48 @@ std::optional<Color> read_color(const JsonCursor& at) {
   return color;
 }
 
-Record read_fields(JsonObject& object, const FieldTable& table,
-                   std::span<const std::pair<std::string_view, Value>> presets) {
+namespace {
+
+/// Reads the fields of a table. Sets given[i] to whether the object has a value of field i.
+Record read_given(JsonObject& object, const FieldTable& table,
+                  std::span<const std::pair<std::string_view, Value>> presets, std::vector<bool>& given) {
   Record record = table.defaults();
+  given.assign(table.fields.size(), false);
   for (const auto& [name, value] : presets)
     if (const int i = table.find(name); i >= 0) record[static_cast<std::size_t>(i)] = value;
   if (!object.is_object()) return record;
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
     const Field& field = table.fields[i];
     FoundField found = find_field(object, field);
-    if (found.value.given())
+    given[i] = found.value.given();
+    if (given[i])
       record[i] = std::move(found.value);
     else if (!found.where && !record[i].given() && !field.optional)
       object.at().error(fmt::format("missing {}: {}", quoted_keys(field), field.text));
+  }
+  return record;
+}
+
+}  // namespace
+
+Record read_fields(JsonObject& object, const FieldTable& table,
+                   std::span<const std::pair<std::string_view, Value>> presets) {
+  std::vector<bool> given;
+  return read_given(object, table, presets, given);
+}
+
+Record read_parameters(JsonObject& object, const FieldTable& table,
+                       std::span<const std::pair<std::string_view, Value>> presets) {
+  std::vector<bool> given;
+  Record record = read_given(object, table, presets, given);
+  for (std::size_t i = 0; i < table.fields.size(); ++i) {
+    const Field& field = table.fields[i];
+    if (given[i]) continue;
+    if (field.in_json.given()) record[i] = field.in_json;
+    if (field.mirror.empty()) continue;
+    const auto other = static_cast<std::size_t>(table.find(field.mirror));
+    if (given[other] && record[other].number() * field.fallback.number() < 0)
+      record[i] = -record[other].number();
   }
   return record;
 }

@@ -58,6 +58,11 @@ engine::Value read_value(const JsonCursor& at, const engine::Field& field);
 /// - Unknown keys are not reported here; JsonObject::finish() reports them.
 engine::Record read_fields(JsonObject& object, const engine::FieldTable& table,
                            std::span<const std::pair<std::string_view, engine::Value>> presets = {});
+/// Like read_fields(), for the parameters in a world file: a field that the object lacks has the value
+/// Field::in_json, if the field has one, and a limit may be minus the limit of the other side
+/// (Field::mirror).
+engine::Record read_parameters(JsonObject& object, const engine::FieldTable& table,
+                               std::span<const std::pair<std::string_view, engine::Value>> presets = {});
 
 /// Reads a colour: an X11 name, or [r, g, b] or [r, g, b, a] with numbers from 0 to 1. If the value is none
 /// of these, reports an error and returns nothing.
@@ -72,6 +77,10 @@ void write_field(const engine::Field& field, const engine::Value& value, JsonNod
 
 /// Adds to an object those fields of a record whose values differ in any bit from their defaults.
 void write_fields(const engine::Record& record, const engine::FieldTable& table, JsonNode::Object& object);
+/// Writes the fields so that read_parameters() reads them. Adds both limits of a pair (Field::mirror) if
+/// either differs from its default.
+void write_parameters(const engine::Record& record, const engine::FieldTable& table,
+                      JsonNode::Object& object);
 
 /// Returns the node that read_color() reads as this colour: an X11 name if the colour has one, else a list of
 /// numbers.

@@ -148,8 +148,15 @@ KeyRow key_row(const DocumentTable& table, const DocumentKey& key, const engine:
   return {names, form_text(key, key.field), default_text(table, key, key.field), meaning(table, key)};
 }
 
+std::string meaning_text(const Field& field) {
+  if (field.mirror.empty()) return std::string(field.text);
+  return fmt::format("{}; without it, minus `{}` if that is given and {} 0", field.text, field.mirror,
+                     field.fallback.number() < 0 ? "above" : "below");
+}
+
 KeyRow key_row(const Field& field) {
-  return {key_text(field), what(field), value_text(field.fallback, field), std::string(field.text)};
+  return {key_text(field), what(field), field.in_json.given() ? "none" : value_text(field.fallback, field),
+          meaning_text(field)};
 }
 
 }  // namespace troupe::worldio

@@ -12,6 +12,8 @@ struct DocumentTable;
 /// Returns the key of a field, and in parentheses the endings of the other units that the key can have:
 /// "pitch_m (_cm, _mm)".
 std::string key_text(const engine::Field& field);
+/// Returns Field::text, followed by what Field::mirror says about a world file that lacks the field.
+std::string meaning_text(const engine::Field& field);
 
 /// The description of a key of a JSON object, as plain text.
 struct KeyRow {

@@ -142,7 +142,7 @@ void ObjectReader::read_key(const DocumentKey& key) {
     case Form::heading: return read_heading(key);
     case Form::faults: return read_faults(key);
     case Form::parameters:
-      member<engine::Record>(key) = read_fields(keys_, *params(), kind_->presets);
+      member<engine::Record>(key) = read_parameters(keys_, *params(), kind_->presets);
       return;
     case Form::kind: member<std::string>(key) = kind_->name; break;  // the place of the key is set below
     default: break;

@@ -6,6 +6,7 @@
 #include "worldio/json/json_include.hpp"
 #include "worldio/json/json_parts.hpp"
 #include "worldio/json/json_text.hpp"
+#include "worldio/json/key_row.hpp"
 #include "worldio/json/world_document.hpp"
 
 #include <fmt/format.h>
@@ -133,7 +134,9 @@ JsonNode value_schema(const Field& field, const UnitSuffix& suffix) {
 }
 
 void add_default(const Field& field, const UnitSuffix& suffix, Members& schema) {
-  if (suffix.to_si != 1 || std::holds_alternative<std::vector<engine::Record>>(field.fallback.v)) return;
+  if (suffix.to_si != 1 || field.in_json.given() ||
+      std::holds_alternative<std::vector<engine::Record>>(field.fallback.v))
+    return;
   Members one;
   Field bare = field;
   bare.unit = Unit::none;
@@ -167,7 +170,7 @@ class ObjectSchema {
     std::vector<JsonNode> one_of;
     for (const UnitSuffix& suffix : suffixes) {
       const std::string key = fmt::format("{}{}", field.name, suffix.suffix);
-      JsonNode schema = described(value_schema(field, suffix), field.text);
+      JsonNode schema = described(value_schema(field, suffix), meaning_text(field));
       add_default(field, suffix, std::get<Members>(schema.value));
       add_node(properties_, key, std::move(schema));
       one_of.push_back(object_of({{"required", texts(std::array{key})}}));

@@ -77,7 +77,7 @@ void ObjectWriter::write_key(const DocumentKey& key) {
     case Form::value: return write_value(key);
     case Form::version: return add_member(written_, key.field.name, k_format_version);
     case Form::parameters:
-      if (kind_.params) write_fields(member<engine::Record>(key), *kind_.params, written_);
+      if (kind_.params) write_parameters(member<engine::Record>(key), *kind_.params, written_);
       return;
     case Form::kind:
       if (!table_.is_kind_implied || !table_.is_kind_implied(object_))

@@ -174,6 +174,8 @@ void write_limits(const engine::DriveSpec& drive, const engine::DriveKind& kind,
   if (kind.params.find("wheelbase") >= 0) text.number("wheelbase", value("wheelbase", 1));
   const std::array start{value("start_x", 0), value("start_y", 0), 0.0, value("start_turn", 0)};
   if (start != std::array{0.0, 0.0, 0.0, 0.0}) text.numbers("velocity", start);
+  const std::array goal{value("goal_speed_max", 0.4), value("goal_turn_max", 1)};
+  if (goal != std::array{0.4, 1.0}) text.numbers("goal_bounds", goal);
 }
 
 }  // namespace

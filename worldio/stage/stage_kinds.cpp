@@ -314,6 +314,22 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
     set_param("start_y", (*v)[1] * values_.length_unit());
     set_param("start_turn", (*v)[3] * values_.angle_unit());
   }
+  if (const StageProperty* property = model.find(document_, "goal_bounds")) {
+    const auto v = values_.tuple(*property, 2, 2, "[v a]");
+    if (!v) return {};
+    const double speed = (*v)[0] * values_.length_unit();
+    const double turn = (*v)[1] * values_.angle_unit();
+    constexpr double k_most = 1e9;
+    if (!(speed > 0 && speed <= k_most && turn > 0 && turn <= k_most)) {
+      values_.error(
+          values_.where(*property),
+          fmt::format("\"goal_bounds\" must be above 0 and at most 1e9 m/s and rad/s, found {} and {}",
+                      (*v)[0], (*v)[1]));
+      return {};
+    }
+    set_param("goal_speed_max", speed);
+    set_param("goal_turn_max", turn);
+  }
   if (!localize(model, kind->params, spec.params)) return {};
   spec.period_s = period_s(model);
   return spec;

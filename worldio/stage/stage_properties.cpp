@@ -201,6 +201,10 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "added by Troupe: the heading along which odometry adds the motion of a tick. \"new\": the heading "
      "after the turn of that tick, as in Stage; \"old\": the heading before the turn, along which robots "
      "really move, so that the estimate is exact if there is no error"},
+    {"position", "goal_bounds", honoured,
+     "added by Troupe: [v a], the greatest speed and the greatest turn rate on the way to a goal; a is "
+     "converted "
+     "from `unit_angle`. By default they are 0.4 m/s and 1 rad/s, as in Stage"},
     {"position", "odom", obsolete, ""},
 
     {"ranger", "intensity", honoured,
