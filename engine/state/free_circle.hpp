@@ -9,7 +9,7 @@ namespace troupe::engine {
 struct FreeCircle {
   float x = 0;  ///< x of the centre of a circle that no edge of a static obstacle (a wall or another body
                 ///< that never moves) enters, whatever the height of the edge; world frame, m
-  float y = 0;       ///< y of its centre
+  float y = 0;  ///< y of its centre
   float radius = 0;  ///< its radius; 0: no circle is known, and the body may overlap the static scene
   /// False: the body overlaps no body that had the value false as well.
   bool may_overlap = true;
