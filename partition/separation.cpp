@@ -28,34 +28,40 @@ void shorten(const P& polygon, const Q& other, double sign, Way& way) {
   }
 }
 
-/// Depth of two convex polygons in each other, m; 0 or less: they share no area.
+/// The shortest way of `b` out of `a`. Two convex polygons share no area if Way::depth is 0 or less.
 template <class P, class Q>
-double depth_of(const P& a, const Q& b) {
+Way shortest_way(const P& a, const Q& b) {
   Way way;
   shorten(a, b, 1, way);
   if (way.depth > 0) shorten(b, a, -1, way);
-  return way.depth;
+  return way;
 }
 
-}  // namespace
-
-std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b) {
-  if (!in_reach(a.position(), a.shape().radius, b.position(), b.shape().radius)) return {};
-  Way longest{Vec2::Zero(), 0};
-  a.any_piece([&](const ConvexPrism& piece_a, const auto& ring_a) {
+/// Calls visit(piece of a, its ring, piece of b, its ring) for the pieces of two shapes that may overlap at a
+/// common height, until a call returns true. Returns whether a call returned true.
+template <class Visit>
+bool any_pair(const PlacedShape& a, const PlacedShape& b, Visit&& visit) {
+  if (!in_reach(a.position(), a.shape().radius, b.position(), b.shape().radius)) return false;
+  return a.any_piece([&](const ConvexPrism& piece_a, const auto& ring_a) {
     const PieceCircle circle_a = a.circle_of(piece_a);
     if (!in_reach(circle_a.centre, circle_a.radius, b.position(), b.shape().radius)) return false;
     const ZInterval z = piece_a.z.shifted(a.z());
     return b.any_piece([&](const ConvexPrism& piece_b, const auto& ring_b) {
       const PieceCircle circle_b = b.circle_of(piece_b);
-      if (!in_reach(circle_a.centre, circle_a.radius, circle_b.centre, circle_b.radius)) return false;
-      if (!z.overlaps(piece_b.z.shifted(b.z()))) return false;
-      Way way;
-      shorten(ring_a, ring_b, 1, way);
-      if (way.depth > 0) shorten(ring_b, ring_a, -1, way);
-      if (way.depth > longest.depth) longest = way;
-      return false;
+      return in_reach(circle_a.centre, circle_a.radius, circle_b.centre, circle_b.radius) &&
+             z.overlaps(piece_b.z.shifted(b.z())) && visit(piece_a, ring_a, piece_b, ring_b);
     });
+  });
+}
+
+}  // namespace
+
+std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b) {
+  Way longest{Vec2::Zero(), 0};
+  any_pair(a, b, [&](const ConvexPrism&, const auto& ring_a, const ConvexPrism&, const auto& ring_b) {
+    const Way way = shortest_way(ring_a, ring_b);
+    if (way.depth > longest.depth) longest = way;
+    return false;
   });
   if (!(longest.depth > 0)) return {};
   return longest.depth * longest.out;
@@ -63,25 +69,17 @@ std::optional<Vec2> way_out(const PlacedShape& a, const PlacedShape& b) {
 
 bool deepens(const PlacedShape& before, const PlacedShape& after, const PlacedShape& other) {
   constexpr double k_noise_m = 1e-12;
-  if (!in_reach(after.position(), after.shape().radius, other.position(), other.shape().radius)) return false;
-  return after.any_piece([&](const ConvexPrism& piece, const auto& ring) {
-    const PieceCircle circle = after.circle_of(piece);
-    if (!in_reach(circle.centre, circle.radius, other.position(), other.shape().radius)) return false;
-    const ZInterval z = piece.z.shifted(after.z());
-    const ConvexPrism& was =
-        before.shape().pieces[static_cast<std::size_t>(&piece - after.shape().pieces.data())];
-    return other.any_piece([&](const ConvexPrism& its, const auto& its_ring) {
-      const PieceCircle its_circle = other.circle_of(its);
-      const ZInterval its_z = its.z.shifted(other.z());
-      if (!in_reach(circle.centre, circle.radius, its_circle.centre, its_circle.radius) || !z.overlaps(its_z))
-        return false;
-      const double depth = depth_of(ring, its_ring);
-      if (!(depth > 0)) return false;
-      if (!was.z.shifted(before.z()).overlaps(its_z)) return true;
-      const double depth_before = depth_of(PlacedRing(was.outline, before.transform()), its_ring);
-      return !(depth_before > 0) || depth > std::max(depth_before + k_noise_m, k_rounding_m);
-    });
-  });
+  return any_pair(
+      after, other,
+      [&](const ConvexPrism& piece, const auto& ring, const ConvexPrism& its, const auto& its_ring) {
+        const double depth = shortest_way(ring, its_ring).depth;
+        if (!(depth > 0)) return false;
+        const ConvexPrism& was =
+            before.shape().pieces[static_cast<std::size_t>(&piece - after.shape().pieces.data())];
+        if (!was.z.shifted(before.z()).overlaps(its.z.shifted(other.z()))) return true;
+        const double depth_before = shortest_way(PlacedRing(was.outline, before.transform()), its_ring).depth;
+        return !(depth_before > 0) || depth > std::max(depth_before + k_noise_m, k_rounding_m);
+      });
 }
 
 }  // namespace troupe::partition

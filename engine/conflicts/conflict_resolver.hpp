@@ -285,6 +285,7 @@ class Conflicts::Resolver {
  private:
   static constexpr std::uint32_t k_in_zone = k_unlisted - 1;
 
+  /// Whether the body of the row overlaps another mobile body, both at their old poses.
   [[gnu::noinline]] bool overlaps_another(std::uint32_t row) const {
     const ObstacleShape& shape = *crowd_.shapes[row];
     if (shape.empty()) return false;
@@ -294,7 +295,7 @@ class Conflicts::Resolver {
       if (overlaps || circle.row == row || crowd_.shapes[circle.row]->empty()) return;
       const PlacedShape there(*crowd_.shapes[circle.row], crowd_.transforms[circle.row],
                               crowd_.poses[circle.row].z);
-      overlaps = crowd_.ids[row] < crowd_.ids[circle.row] ? overlap(here, there) : overlap(there, here);
+      overlaps = meet(row, here, circle.row, there);
     });
     return overlaps;
   }
@@ -577,15 +578,11 @@ class Conflicts::Resolver {
   /// k.
   [[gnu::noinline]] bool deepens(Mover& mover, std::size_t k, std::size_t last_k, std::uint32_t other,
                                  const PlacedShape& theirs) const {
-    const bool first = crowd_.ids[mover.row] < crowd_.ids[other];
-    const auto meet = [&](const PlacedShape& mine) {
-      return first ? overlap(mine, theirs) : overlap(theirs, mine);
-    };
     for (; k <= last_k; ++k) {
       const PlacedShape after = mover.at_sample(k);
-      if (!meet(after)) continue;
+      if (!meet(mover.row, after, other, theirs)) continue;
       const PlacedShape before = mover.at_sample(k - 1);
-      if (!meet(before) || partition::deepens(before, after, theirs)) return true;
+      if (!meet(mover.row, before, other, theirs) || partition::deepens(before, after, theirs)) return true;
     }
     return false;
   }

@@ -82,13 +82,12 @@ struct GoalParams {
     d.member<&GoalParams::speed_max>(
         "goal_speed_max", meters_per_second, above(0), at_most(k_none), in_json(k_none),
         "greatest speed on the way to a goal, for `omni` of the forward speed and of the speed to the left; "
-        "the "
-        "limits of the drive apply as well; in `.world` files it is Stage's 0.4 m/s");
+        "the limits of the drive apply as well; in `.world` files it is Stage's 0.4 m/s");
     d.member<&GoalParams::turn_max>("goal_turn_max", radians_per_second, above(0), at_most(k_none),
                                     in_json(k_none),
                                     "greatest turn rate on the way to a goal; the limits of the drive apply "
-                                    "as well; in `.world` files it is "
-                                    "Stage's 1 rad/s");
+                                    "as well; in `.world` files it "
+                                    "is Stage's 1 rad/s");
   }
 };
 

@@ -128,6 +128,15 @@ struct Question {
   std::span<const std::uint8_t> turns = {};  ///< 1: a body that turns on the spot if its motion is blocked
 };
 
+/// Whether body i turns on the spot if its motion is blocked, and the motion with which it does so.
+inline bool may_turn(const Question& q, std::size_t i) {
+  const Motion& m = q.motions[i];
+  return !q.turns.empty() && q.turns[i] != 0 && m.turn != 0 && (m.to.x != m.from.x || m.to.y != m.from.y);
+}
+inline Motion turn_of(const Motion& m) {
+  return {m.from, {m.from.x, m.from.y, m.from.z, m.to.heading}, m.turn, true};
+}
+
 /// Computes the outcomes of the motions in the simplest way: one body after the other, in the order of their
 /// priorities (a hash of seed, tick and id), without a spatial index and without threads. Tests compare the
 /// outcomes with those of the engine. by_priority: false moves the bodies in the order of their ids instead,
@@ -181,10 +190,8 @@ inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool b
       }
       return true;
     };
-    const Motion turn{m.from, {m.from.x, m.from.y, m.from.z, m.to.heading}, m.turn, true};
-    const bool may_turn =
-        !q.turns.empty() && q.turns[i] != 0 && m.turn != 0 && (m.to.x != m.from.x || m.to.y != m.from.y);
-    outcomes[i] = is_free(m) ? moved : may_turn && is_free(turn) ? turned : blocked;
+    const Motion turn = turn_of(m);
+    outcomes[i] = is_free(m) ? moved : may_turn(q, i) && is_free(turn) ? turned : blocked;
     if (outcomes[i] == blocked) continue;
     now[i] = outcomes[i] == moved ? m.to : turn.to;
     placed[i] = std::move(there);

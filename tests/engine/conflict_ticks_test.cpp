@@ -33,6 +33,13 @@ class Ticks {
     ++crowd_.tick;
     return outcomes_;
   }
+  /// Moves one body by (x, y) m, without a turn, if it is not blocked. Returns its outcome.
+  Outcome drive(std::size_t body, double x, double y) {
+    Motion& m = crowd_.motions[body];
+    m.to = {m.from.x + x, m.from.y + y, 0, 0};
+    m.moves = true;
+    return step()[body];
+  }
   std::vector<Blocks> placed() const {
     std::vector<Blocks> all;
     for (std::size_t i = 0; i < crowd_.size(); ++i)
@@ -201,17 +208,12 @@ TEST(ConflictTicks, ASolidThatABodyOverlapsBlocksItElsewhere) {
   crowd.walls.push_back({{l}, {0, 1}});
   crowd.add(crowd.kinds[0], {0.29, 0.5, 0, 0});  // 1 cm in the upright arm
   Ticks run(crowd, 1);
-  Motion& m = crowd.motions[0];
-  const auto drive = [&](double x, double y) {
-    m.to = {m.from.x + x, m.from.y + y, 0, 0};
-    m.moves = true;
-    return run.step()[0];
-  };
-  EXPECT_EQ(drive(-0.02, 0), Outcome::blocked);
-  while (m.from.y > 0.32) ASSERT_EQ(drive(0, -0.02), Outcome::moved) << m.from.y;
-  EXPECT_EQ(drive(0, -0.05), Outcome::blocked) << "the other arm";
-  EXPECT_EQ(drive(0.05, 0), Outcome::moved);
-  EXPECT_EQ(drive(-0.05, 0), Outcome::blocked) << "it is out";
+  const Pose& at = crowd.motions[0].from;
+  EXPECT_EQ(run.drive(0, -0.02, 0), Outcome::blocked);
+  while (at.y > 0.32) ASSERT_EQ(run.drive(0, 0, -0.02), Outcome::moved) << at.y;
+  EXPECT_EQ(run.drive(0, 0, -0.05), Outcome::blocked) << "the other arm";
+  EXPECT_EQ(run.drive(0, 0.05, 0), Outcome::moved);
+  EXPECT_EQ(run.drive(0, -0.05, 0), Outcome::blocked) << "it is out";
 }
 
 // The depth counts, not the distance of the origins, which a long body has far from its ends.
@@ -222,16 +224,10 @@ TEST(ConflictTicks, AMotionPastTheEndOfALongBodyGoesNoDeeper) {
   crowd.add(crowd.kinds[0], {0, 0, 0, 0});
   crowd.add(crowd.kinds[1], {1.5, 0.29, 0, 0});  // 1 cm in the truck, near its end
   Ticks run(crowd, 1);
-  Motion& m = crowd.motions[1];
-  const auto drive = [&](double x, double y) {
-    m.to = {m.from.x + x, m.from.y + y, 0, 0};
-    m.moves = true;
-    return run.step()[1];
-  };
-  EXPECT_EQ(drive(0.1, -0.02), Outcome::blocked) << "farther from its origin, but deeper";
-  EXPECT_EQ(drive(-0.1, 0), Outcome::moved) << "nearer to its origin, but no deeper";
-  EXPECT_EQ(drive(0, 0.05), Outcome::moved);
-  EXPECT_EQ(drive(0, -0.05), Outcome::blocked) << "it is out";
+  EXPECT_EQ(run.drive(1, 0.1, -0.02), Outcome::blocked) << "farther from its origin, but deeper";
+  EXPECT_EQ(run.drive(1, -0.1, 0), Outcome::moved) << "nearer to its origin, but no deeper";
+  EXPECT_EQ(run.drive(1, 0, 0.05), Outcome::moved);
+  EXPECT_EQ(run.drive(1, 0, -0.05), Outcome::blocked) << "it is out";
 }
 
 // A body that is wholly inside a solid crosses none of its edges.
@@ -241,12 +237,8 @@ TEST(ConflictTicks, ABodyInsideASolidGoesNoDeeper) {
   crowd.walls.push_back({{rectangle(-1, -1, 1, 1)}, {0, 1}});
   crowd.add(crowd.kinds[0], {0.5, 0, 0, 0});
   Ticks run(crowd, 1);
-  Motion& m = crowd.motions[0];
-  m.to = {0.45, 0, 0, 0};
-  m.moves = true;
-  EXPECT_EQ(run.step()[0], Outcome::blocked);
-  m.to = {0.55, 0, 0, 0};
-  EXPECT_EQ(run.step()[0], Outcome::moved);
+  EXPECT_EQ(run.drive(0, -0.05, 0), Outcome::blocked);
+  EXPECT_EQ(run.drive(0, 0.05, 0), Outcome::moved);
 }
 
 /// A room of 0.02 m walls about the origin: four blocks, or one region with a hole as bitmaps make them.

@@ -272,10 +272,11 @@ TEST_F(HaloOfARoom, WorldsWithDistantPartsOfTheRowsStepAlone) {
 }
 
 TEST_F(HaloOfARoom, RanksGiveTheSameBits) {
+  constexpr int k_ticks = 80;
   const Simulation simulation = load(150, 4);
   World whole = whole_world(simulation);
-  const std::vector<Hashes> expected = halo_log(whole, 60);
-  EXPECT_GT(whole.conflict_rounds(), 50u) << "no motion depends on another";
+  const std::vector<Hashes> expected = halo_log(whole, k_ticks);
+  EXPECT_GT(whole.conflict_rounds(), 100u) << "no motion depends on another";
   for (const HaloTeam& team : std::vector<HaloTeam>{{1, 1, {}, {}},
                                                     {2, 1, {}, {}},
                                                     {3, 2, {}, 0.0},
@@ -284,16 +285,16 @@ TEST_F(HaloOfARoom, RanksGiveTheSameBits) {
                                                     {7, 1, 3, 3.0},
                                                     {2, 2, 4, 0.0}}) {
     HaloRanks ranks(simulation, team);
-    expect_equal_logs(halo_log(ranks.world(), 60), expected, name_of(team));
+    expect_equal_logs(halo_log(ranks.world(), k_ticks), expected, name_of(team));
     EXPECT_EQ(ranks.world().beams_cast(), whole.beams_cast());
     std::uint64_t migrated = 0;
     std::uint64_t own = 0;
     for (const RankCounts& counts : ranks.counts()) {
       migrated += counts.migrated;
       own += counts.own;
-      EXPECT_EQ(counts.ticks, 60u);
+      EXPECT_EQ(counts.ticks, k_ticks);
     }
-    EXPECT_EQ(own, 60 * whole.rows()) << "each row has one owner";
+    EXPECT_EQ(own, k_ticks * whole.rows()) << "each row has one owner";
     if (team.ranks > 1) {
       EXPECT_GT(migrated, 0u) << name_of(team);
     }

@@ -176,37 +176,30 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
     const bool may_push = question.limits[i] > 0 && (!only_near || has_something_near(i));
     for (std::size_t o = 0; o < count; ++o)
       gives_way[o] = may_push && question.pushable[o] && !overlap(placed[i], placed[o]);
-    const auto is_free = [&] {
+    /// Whether the motion is free of the walls, and of all bodies that do not give way or, if it pushes
+    /// nothing, of all bodies.
+    const auto is_free = [&](const Motion& motion, bool pushes) {
       Pose last = m.from;
       Blocks there = placed[i];
-      for (const Pose& pose : poses_of_motion(m, *q.bodies[i])) {
+      for (const Pose& pose : poses_of_motion(motion, *q.bodies[i])) {
         const Blocks before = std::exchange(there, body(i, pose));
         if (is_walled(i, last, before, pose, there)) return false;
         for (std::size_t o = 0; o < count; ++o)
-          if (o != i && !gives_way[o] && forbids(o, i, last, before, pose, there)) return false;
+          if (o != i && !(pushes && gives_way[o]) && forbids(o, i, last, before, pose, there)) return false;
         last = pose;
       }
       return true;
     };
     const auto turn_or_block = [&] {
       answer.outcomes[i] = blocked;
-      if (q.turns.empty() || q.turns[i] == 0 || m.turn == 0 || (m.to.x == m.from.x && m.to.y == m.from.y))
-        return;
-      const Motion turn{m.from, {m.from.x, m.from.y, m.from.z, m.to.heading}, m.turn, true};
-      Pose last = m.from;
-      Blocks there = placed[i];
-      for (const Pose& pose : poses_of_motion(turn, *q.bodies[i])) {
-        const Blocks before = std::exchange(there, body(i, pose));
-        if (is_walled(i, last, before, pose, there)) return;
-        for (std::size_t o = 0; o < count; ++o)
-          if (o != i && forbids(o, i, last, before, pose, there)) return;
-        last = pose;
-      }
+      if (!may_turn(q, i)) return;
+      const Motion turn = turn_of(m);
+      if (!is_free(turn, false)) return;
       answer.outcomes[i] = turned;
       now[i] = turn.to;
-      placed[i] = std::move(there);
+      placed[i] = body(i, turn.to);
     };
-    if (!is_free()) {
+    if (!is_free(m, true)) {
       turn_or_block();
       continue;
     }

@@ -319,8 +319,8 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
     if (!v) return {};
     const double speed = (*v)[0] * values_.length_unit();
     const double turn = (*v)[1] * values_.angle_unit();
-    constexpr double k_most = 1e9;
-    if (!(speed > 0 && speed <= k_most && turn > 0 && turn <= k_most)) {
+    if (!(speed > 0 && speed <= kind->params.at("goal_speed_max").max && turn > 0 &&
+          turn <= kind->params.at("goal_turn_max").max)) {
       values_.error(
           values_.where(*property),
           fmt::format("\"goal_bounds\" must be above 0 and at most 1e9 m/s and rad/s, found {} and {}",
