@@ -111,9 +111,9 @@ void add_lines(const FieldTable& table, const std::string& indent, std::vector<L
     const bool block = field.type == FieldType::record || field.type == FieldType::records;
     // A block that the world file omits has the default values of its fields, which the following lines list.
     const bool defaulted_block = field.type == FieldType::record && !field.fallback.given();
-    const std::string fallback = field.optional || field.in_json.given() ? "none"
-                                 : defaulted_block                       ? "see below"
-                                                                         : value_text(field.fallback);
+    const std::string fallback = field.optional || field.is_without_limit() ? "none"
+                                 : defaulted_block                          ? "see below"
+                                                   : value_text(field.usual_in_json());
     lines.push_back(
         {indent + worldio::key_text(field), fallback, range_text(field), worldio::meaning_text(field)});
     if (block) add_lines(*field.record, indent + "  ", lines);

@@ -136,6 +136,14 @@ inline double squared_distance_to_segment(const Vec2& point, const Vec2& a, cons
   const double x = from_x - t * along_x, y = from_y - t * along_y;
   return x * x + y * y;
 }
+/// The distance, metres, between the segments from `a` to `b` and from `c` to `d`; 0 if they cross.
+inline double segment_distance(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  const auto differ = [](double x, double y) { return (x < 0 && y > 0) || (x > 0 && y < 0); };
+  if (differ(cross(b - a, c - a), cross(b - a, d - a)) && differ(cross(d - c, a - c), cross(d - c, b - c)))
+    return 0;
+  return sqrt(std::min({squared_distance_to_segment(a, c, d), squared_distance_to_segment(b, c, d),
+                        squared_distance_to_segment(c, a, b), squared_distance_to_segment(d, a, b)}));
+}
 /// True if the point is inside the solid by the even-odd rule. The point is given in the frame of the
 /// contours; heights are ignored. For a point on an edge, the result may be true or false.
 bool contains(const Solid& solid, const Vec2& point);

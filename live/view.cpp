@@ -56,7 +56,8 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
         "first view (Python: View.close(); C++: destroy the object), or remove the callback with "
         "before_tick(nullptr)");
   simulation_.on_tick([this](Simulation&) { after_tick(); }, alive_);
-  const engine::World& world = simulation.world();
+  engine::World& world = simulation.world();
+  world.watch_contacts();  // for the panel of a robot
   worldio::LivePage page = worldio::live_page(world, simulation.registry());
   order_ = std::move(page.order);
   shown_parts_ = std::move(page.shown_parts);

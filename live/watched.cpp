@@ -5,6 +5,8 @@
 #include "troupe/frame_data.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -118,6 +120,21 @@ WatchedJson commands_of(Model& model, const engine::BodyType& type) {
   return commands;
 }
 
+/// What blocked the row's body in the last tick, for a reader; empty if nothing did.
+std::string blocker_text(const engine::World& world, Row row) {
+  const engine::Contact contact = world.contact(row);
+  const auto name = [&](BodyId body) { return world.spec().name(body); };
+  switch (contact.cause) {
+    case engine::Contact::k_body: return name(contact.blocker());
+    case engine::Contact::k_pushed:
+      return fmt::format("{}, which {} stops", name(contact.blocker()),
+                         contact.behind == 0 ? "a bound or a limit" : name(contact.stopper()));
+    case engine::Contact::k_bounds: return "the bounds of the world";
+    case engine::Contact::k_joint: return fmt::format("{}, in the way of a joint", name(contact.blocker()));
+    default: return {};
+  }
+}
+
 bool has_device(const engine::World& world, auto&& wanted) {
   return std::ranges::any_of(
       world.types(), [&](const engine::BodyType& type) { return std::ranges::any_of(type.devices, wanted); });
@@ -152,6 +169,7 @@ WatchedJson inspection(Simulation& simulation, BodyId id) {
                                   {"runs", runs},
                                   {"fields", std::move(fields)}});
   }
+  json["blocked_by"] = blocker_text(world, row);
   json["eyes"] = WatchedJson::object();
   for (const engine::BodyType::Device& device : world.type(row).devices) {
     if (device.prepared.transducers.empty() || !world.senses(row, device)) continue;

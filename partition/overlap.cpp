@@ -162,6 +162,21 @@ bool overlap(const PlacedShape& a, const PlacedShape& b) {
   });
 }
 
+bool is_near_segment(const PlacedShape& shape, const Vec2& a, const Vec2& b, double distance,
+                     const ZInterval& z) {
+  return shape.any_piece([&](const ConvexPrism& piece, const auto& ring) {
+    if (!piece.z.shifted(shape.z()).overlaps(z)) return false;
+    bool is_inside = true;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vec2 from = ring[i];
+      const Vec2 to = ring[i + 1 < ring.size() ? i + 1 : 0];
+      if (segment_distance(a, b, from, to) <= distance) return true;
+      is_inside = is_inside && cross(to - from, a - from) > 0;
+    }
+    return is_inside;
+  });
+}
+
 bool pieces_in_reach(const ObstacleShape& a, const Transform& at_a, const ObstacleShape& b,
                      const Transform& at_b, double distance) {
   for (const PieceCircle& circle_a : a.circles) {

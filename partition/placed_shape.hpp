@@ -95,6 +95,12 @@ class PlacedShape {
 /// same result whichever of the two bodies moves.
 bool overlap(const PlacedShape& a, const PlacedShape& b);
 
+/// True if a piece of the shape is within `distance` (metres) of the segment from `a` to `b`, seen from
+/// above, and its interval of heights overlaps `z`. The segment and `z` are in the world frame. A segment
+/// inside a piece is at the distance 0.
+bool is_near_segment(const PlacedShape& shape, const Vec2& a, const Vec2& b, double distance,
+                     const ZInterval& z);
+
 /// A fast test of whether two shapes may be close to each other. It compares only circles that enclose the
 /// pieces and ignores heights. False: no piece of `a` comes within `distance` (metres) of a piece of `b`.
 /// True: a piece may do so. at_a, at_b: from the frame of each shape to the world frame.

@@ -269,11 +269,45 @@ bool StaticScene::deepens(const PlacedShape& before, const PlacedShape& after) c
   const auto is_deeper = [&](std::uint32_t solid) {
     if (solid == passed) return false;
     passed = solid;
-    const ObstacleShape& pieces = pieces_of(solid);
-    return pieces.empty() || partition::deepens(before, after, PlacedShape(pieces, Transform(), 0));
+    return deepens_in(solid, before, after);
   };
   return find_crossing(after, [&](const FixedEdge& edge) { return is_deeper(edge.solid); }) ||
          find_swallowing(after, is_deeper);
+}
+
+bool StaticScene::deepens_in(std::size_t solid, const PlacedShape& before, const PlacedShape& after) const {
+  const ObstacleShape& pieces = pieces_of(solid);
+  return pieces.empty() || partition::deepens(before, after, PlacedShape(pieces, Transform(), 0));
+}
+
+bool StaticScene::is_near_segment(BodyId body, const Vec2& a, const Vec2& b, double distance,
+                                  const ZInterval& z) const {
+  Box box;
+  box.extend(a);
+  box.extend(b);
+  const auto counts = [&](std::uint32_t solid) {
+    return solids_[solid].body == body && solids_[solid].solid.z.overlaps(z);
+  };
+  bool is_near = false;
+  obstacle_edges_.for_each_run(box.expanded(distance), [&](std::span<const FixedEdge> edges) {
+    is_near = is_near || std::ranges::any_of(edges, [&](const FixedEdge& edge) {
+                return counts(edge.solid) && segment_distance(a, b, edge.a, edge.b) <= distance;
+              });
+  });
+  return is_near || obstacle_boxes_.any_near(
+                        box, [&](std::uint32_t solid) { return counts(solid) && inside(solid, a); });
+}
+
+BodyId StaticScene::blocker(const PlacedShape& before, const PlacedShape& after) const {
+  BodyId lowest;
+  const auto visit = [&](std::uint32_t solid) {
+    const BodyId body = solids_[solid].body;
+    if (body < lowest && (!overlaps_solid(solid, before) || deepens_in(solid, before, after))) lowest = body;
+    return false;
+  };
+  find_crossing(after, [&](const FixedEdge& edge) { return visit(edge.solid); });
+  find_swallowing(after, visit);
+  return lowest;
 }
 
 const ObstacleShape& StaticScene::pieces_of(std::size_t solid) const {

@@ -117,6 +117,13 @@ class StaticScene {
   /// An obstacle whose outline is too complex for convex_pieces() counts as deeper wherever the body overlaps
   /// it.
   bool deepens(const PlacedShape& before, const PlacedShape& after) const;
+  /// True if an obstacle of the body is within `distance` (metres) of the segment from `a` to `b`, seen from
+  /// above, and its interval of heights overlaps `z`; all in the world frame. A segment inside an obstacle is
+  /// at the distance 0.
+  bool is_near_segment(BodyId body, const Vec2& a, const Vec2& b, double distance, const ZInterval& z) const;
+  /// The body with the lowest id of whose obstacles one lets no shape go from `before` to `after`: the shape
+  /// overlaps it afterwards, and did not before, or less deeply (deepens()). Not valid() if there is none.
+  BodyId blocker(const PlacedShape& before, const PlacedShape& after) const;
   /// True if the shape at this pose shares area with an obstacle at a common height. False for a shape
   /// without pieces.
   bool blocked(const ObstacleShape& shape, const Pose& pose_world_body) const;
@@ -147,6 +154,7 @@ class StaticScene {
   /// The convex pieces of a solid as a shape in the world frame, computed at the first call. Empty if they
   /// cannot be computed. May be called by several threads.
   const ObstacleShape& pieces_of(std::size_t solid) const;
+  bool deepens_in(std::size_t solid, const PlacedShape& before, const PlacedShape& after) const;
   bool inside(std::size_t solid, const Vec2& point) const;
   bool count_crossings(const Strips& strips, const Vec2& point) const;
   void sort_into_strips(std::uint32_t index, std::size_t count, Strips& strips) const;

@@ -272,4 +272,11 @@ py::tuple messages_of(const py::object& type, const std::string& device, const p
   return py::make_tuple(values, numpy.attr("logical_and")(there, fits));
 }
 
+py::array_t<std::int64_t> body_ids(std::span<const BodyId> bodies) {
+  py::array_t<std::int64_t> ids(static_cast<py::ssize_t>(bodies.size()));
+  std::ranges::transform(bodies, ids.mutable_data(),
+                         [](BodyId body) { return body.valid() ? std::int64_t{body.value} : -1; });
+  return ids;
+}
+
 }  // namespace troupe::python

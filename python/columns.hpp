@@ -100,6 +100,9 @@ CommandRows command_rows(std::span<const engine::StateField> fields, const std::
                          const py::kwargs& values, py::ssize_t robots, std::span<const std::uint8_t> mask);
 
 /// The field of the command of a radio by which say() and heard() recognise radios.
+/// The ids of bodies as int64; -1 for an id that is not valid().
+py::array_t<std::int64_t> body_ids(std::span<const BodyId> bodies);
+
 inline constexpr const char* k_payload = "payload";
 /// Returns the name of the radio that say() and heard() use if the caller names none: "radio" if there is a
 /// radio of this name, or no radio at all, else the first one. radios: the names of the radios, in the order

@@ -130,6 +130,24 @@ void bind_model_motion(ModelClass& model) {
           "Whether the robot's motion in the last tick was blocked by an obstacle or would have left the "
           "bounds of the world.")
       .def(
+          "blocked_by",
+          [](HeldModel& m) -> py::object {
+            const engine::Contact contact = m.use().blocked_by();
+            if (contact.cause == engine::Contact::k_none) return py::none();
+            const auto id = [](BodyId body) -> py::object {
+              return body.valid() ? py::cast(body.value) : py::none();
+            };
+            constexpr std::array causes{"none", "body", "pushed", "bounds", "joint"};
+            return py::dict(py::arg("cause") = causes.at(contact.cause),
+                            py::arg("body") = id(contact.blocker()),
+                            py::arg("behind") = id(contact.stopper()));
+          },
+          "What blocked the robot in the last tick: None, or a dict. Its \"cause\" is \"body\", \"pushed\" "
+          "(a body that it pushes\ncannot go on), \"bounds\" or \"joint\"; \"body\" is the id of the body "
+          "that blocked it, and \"behind\" that of the body that stops\na pushed body; None if there is "
+          "none. "
+          "Raises RuntimeError unless the world has \"contacts\": true (docs/driving.md).")
+      .def(
           "estimate", [](HeldModel& m) { return m.use().estimate(); },
           "Estimated pose, m and rad: with the localization `gps` the true pose, with `odom` the odometry "
           "estimate. The\nparameter `localization_origin` of the drive defines the frame; without it, this "

@@ -124,6 +124,13 @@ void RobotBatch::command(const std::string& device, const Where& where, const py
   }
 }
 
+py::array_t<std::int64_t> RobotBatch::blocked_by() const {
+  if (batch().size() > 0 && batch().contacts.empty()) engine::throw_no_contacts();
+  std::vector<BodyId> bodies;
+  for (std::size_t i = 0; i < batch().size(); ++i) bodies.push_back(batch().blocked_by(i).blocker());
+  return body_ids(bodies);
+}
+
 template <engine::ControlMode k_mode>
 void RobotBatch::drive(const py::object& x, const py::object& turn, const py::object& y,
                        const Where& where) const {
@@ -165,6 +172,8 @@ void bind_robot_batch(py::module_& module) {
           "The parameters of the controller (Controller.params): a mapping from names to values, which "
           "cannot be changed. Lists are\ntuples.")
       .def("estimates", &RobotBatch::estimates, "Estimated poses, n x 4: x, y, z (m), heading (rad).")
+      .def("stalled", &RobotBatch::stalled, "As Swarm.stalled().")
+      .def("blocked_by", &RobotBatch::blocked_by, "As Swarm.blocked_by().")
       .def("readings", &RobotBatch::readings, py::arg("field"), py::arg("device") = "",
            "The values of a field of a sensor or another device: shape (n,) or, if the field has several "
            "columns, (n, columns). An\nempty `device` means the first device that has this field. Raises "

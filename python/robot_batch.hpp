@@ -87,6 +87,12 @@ class RobotBatch {
     for (std::size_t i = 0; i < poses.size(); ++i) poses[i] = batch().estimate(i);
     return out;
   }
+  py::array_t<bool> stalled() const {
+    py::array_t<bool> out(size());
+    for (py::ssize_t i = 0; i < size(); ++i) out.mutable_at(i) = batch().stalled(static_cast<std::size_t>(i));
+    return out;
+  }
+  py::array_t<std::int64_t> blocked_by() const;
   py::array readings(const std::string& field, const std::string& device) const;
   py::array ranges(const std::string& sensor) const;
   py::array_t<double> bearings(const std::string& sensor) const;

@@ -27,6 +27,13 @@ py::array_t<bool> flags_of(HeldSwarm& held, void (Swarm::*read)(std::span<std::u
   return out;
 }
 
+py::array_t<std::int64_t> blocked_by(HeldSwarm& held) {
+  const Swarm& swarm = held.use();
+  std::vector<BodyId> bodies(swarm.size());
+  swarm.blocked_by(bodies);
+  return body_ids(bodies);
+}
+
 template <void (Swarm::*k_command)(std::span<const Model::Speed>, std::span<const std::uint8_t>)>
 void command(HeldSwarm& held, const py::object& forward, const py::object& turn, const py::object& left,
              const Where& where) {
@@ -121,6 +128,11 @@ void bind_swarm_state(SwarmClass& type) {
           "stalled", [](HeldSwarm& s) { return flags_of(s, &Swarm::stalled); },
           "One bool per robot: whether its motion in the last tick was blocked or would have left the bounds "
           "of the world.")
+      .def("blocked_by", &blocked_by,
+           "One int64 per robot: id of the body that blocked its motion, or one of its joints, in the last "
+           "tick; "
+           "-1 if no body did.\nRaises RuntimeError unless the world has \"contacts\": true "
+           "(docs/driving.md).")
       .def(
           "poses", [](HeldSwarm& s) { return rows_of(s, 4, &Swarm::poses); },
           "Poses in the world frame, n x 4: x, y, z (m), heading (rad). Robots that were removed keep their "

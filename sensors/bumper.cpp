@@ -1,5 +1,6 @@
 #include "sensors/bumper.hpp"
 
+#include "engine/conflicts/collision.hpp"
 #include "engine/kinds/device_kind.hpp"
 #include "engine/kinds/sensor_params.hpp"
 #include "engine/sensing/sight.hpp"
@@ -18,18 +19,6 @@ struct Strip {
   Vec2 right, left;
 };
 
-bool cross_each_other(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  const auto differ = [](double x, double y) { return (x < 0 && y > 0) || (x > 0 && y < 0); };
-  return differ(cross(b - a, c - a), cross(b - a, d - a)) && differ(cross(d - c, a - c), cross(d - c, b - c));
-}
-
-/// The distance between the segments from a to b and from c to d, m; 0 if they cross.
-double distance(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  if (cross_each_other(a, b, c, d)) return 0;
-  return sqrt(std::min({squared_distance_to_segment(a, c, d), squared_distance_to_segment(b, c, d),
-                        squared_distance_to_segment(c, a, b), squared_distance_to_segment(d, a, b)}));
-}
-
 /// Returns the nearest body with an outline within `thickness` (m) of a strip (world frame). At equal
 /// distances it is the body with the lower id. The result is not valid if there is no such body. Skips the
 /// body with the row (index in the state tables) `own` and all bodies that move with this body.
@@ -42,7 +31,7 @@ BodyId felt(const engine::SensingView& view, Row own, const Strip& strip, double
   const auto any = [](const partition::BodyCircle&) { return true; };
   const auto touch = [&](const engine::OutlineChain& chain) {
     engine::for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
-      const double away = distance(strip.right, strip.left, a, b);
+      const double away = segment_distance(strip.right, strip.left, a, b);
       if (away > least || (away == least && nearest < chain.body)) return;
       least = away;
       nearest = chain.body;
@@ -58,9 +47,10 @@ struct Bumper {
 
   std::vector<Strip> strips;
   double thickness = 0;
+  bool crashes = false;
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor) {
-    Bumper bumper{.thickness = params.thickness};
+    Bumper bumper{.thickness = params.thickness, .crashes = params.crashes};
     double reach = 0;
     for (const engine::BumperStripParams& strip : params.bumpers) {
       const Pose pose = compose(pose_body_sensor, strip.pose);
@@ -69,10 +59,20 @@ struct Bumper {
       reach = std::max(reach, pose.position().norm() + strip.length / 2);
     }
     const auto n = static_cast<std::uint32_t>(bumper.strips.size());
+    std::vector<engine::StateField> percepts{
+        {"hit", Element::u8, n, "", "1: a body touches the strip, or has crashed into it"},
+        {"body", Element::u32, n, "", "id of the body that touches the strip; 0: none"}};
+    if (params.crashes)
+      percepts.push_back({.name = "crash",
+                          .element = Element::u32,
+                          .columns = n,
+                          .text = "id of the body that crashed into the strip since the last reading, plus "
+                                  "1; 0: none",
+                          .sparse = true});
     return {.data = std::move(bumper),
-            .percepts = {{"hit", Element::u8, n, "", "1: a body touches the strip"},
-                         {"body", Element::u32, n, "", "id of the body that touches the strip; 0: none"}},
+            .percepts = std::move(percepts),
             .reach_m = reach + params.thickness,
+            .feels_collisions = params.crashes,
             .watts = 0.1};  // as in Stage
   }
 
@@ -84,12 +84,26 @@ struct Bumper {
       const auto bodies = batch.state.cell<std::uint32_t>(batch.slot(i), k_bumper_body);
       for (std::size_t k = 0; k < strips.size(); ++k) {
         const Strip there{transform * strips[k].right, transform * strips[k].left};
-        const BodyId body = felt(batch.view, row, there, thickness);
+        BodyId body = felt(batch.view, row, there, thickness);
+        if (crashes) {
+          std::uint32_t& crash = batch.state.cell<std::uint32_t>(batch.slot(i), k_bumper_crash)[k];
+          if (!body.valid() && crash != 0) body = BodyId(crash - 1);
+          crash = 0;
+        }
         hits[k] = body.valid();
         bodies[k] = body.valid() ? body.value : 0;
       }
     }
     return 0;
+  }
+
+  void collide(const DeviceBatch& batch, const engine::Collision& collision) const {
+    const Transform transform = batch.mount(0).transform;
+    const auto crash = batch.state.cell<std::uint32_t>(batch.slot(0), k_bumper_crash);
+    for (std::size_t k = 0; k < strips.size(); ++k)
+      if (crash[k] == 0 &&
+          collision.reaches(transform * strips[k].right, transform * strips[k].left, thickness))
+        crash[k] = collision.other().value + 1;
   }
 };
 

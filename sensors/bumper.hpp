@@ -11,6 +11,9 @@ namespace troupe::sensors {
 enum BumperField : std::size_t {
   k_bumper_hit,   ///< u8 per strip: 1 if a body or wall touches the strip, else 0
   k_bumper_body,  ///< u32 per strip: number (BodyId) of the body that touches the strip; 0: none
+  /// u32 per strip: number of the body that crashed into the strip since the last reading, plus 1; 0: none.
+  /// Only with BumperParams::crashes.
+  k_bumper_crash,
 };
 
 /// Returns the implementation of the sensor `bumper`, which has one or more contact strips. A strip is a

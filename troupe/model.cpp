@@ -291,6 +291,11 @@ bool Model::stalled() const {
   return place_->world->stalled(place_->row());
 }
 
+engine::Contact Model::blocked_by() const {
+  place_->world->require_contacts();
+  return place_->world->contact(place_->row());
+}
+
 Pose Model::estimate() const { return place_->wheels() ? pose() : place_->world->estimate(place_->row()); }
 
 void Model::set_estimate(const Pose& pose) {

@@ -33,6 +33,7 @@ struct Script;
 }  // namespace troupe
 namespace troupe::engine {
 class World;
+struct Contact;  // engine/kinds/components.hpp
 struct BodySpec;
 struct Registry;
 struct WorldSpec;
@@ -99,6 +100,9 @@ struct SimulationOptions {
   /// world file does. The option itself changes no state hash; only the bodies that the program removes or
   /// disables do.
   bool mortal = false;
+  /// Lets the state say what blocks bodies, as `"contacts": true` in the world file does, for
+  /// Model::blocked_by() and Swarm::blocked_by(). Each blocked body then changes the state hash.
+  bool contacts = false;
   /// Number of robots that spawn() can add to each population while the world runs (docs/lives.md). Loading
   /// the world adds them to the population as its reserve, with ids after those of all other bodies.
   /// Populations for which the world file declares a reserve get no further robots. A world with a reserve
@@ -296,6 +300,9 @@ class Model {
   /// Whether the robot's motion in the last tick was blocked by an obstacle or would have ended outside the
   /// bounds of the world; false before the first step.
   bool stalled() const;
+  /// What blocked the robot, or one of its joints, in the last tick; all members are zero if nothing did.
+  /// Throws std::logic_error if the state of the world does not say so: see SimulationOptions::contacts.
+  engine::Contact blocked_by() const;
   /// Estimated pose of the body, m and rad. The drive parameter `localization` of the world file selects the
   /// estimate of a robot:
   /// - `gps`: the true pose, by default in the world frame

@@ -134,6 +134,10 @@ void Simulation::Impl::start(engine::WorldSpec spec, const SimulationOptions& op
                              Diagnostics& diagnostics, std::span<const std::string> populations) {
   tile_size_m = options.tile_size_m;
   spec.mortal = spec.mortal || options.mortal;
+  const auto records_contacts = [](const engine::RecordSpec& record) {
+    return std::ranges::find(record.fields, "contact") != record.fields.end();
+  };
+  spec.contacts = spec.contacts || options.contacts || (spec.record && records_contacts(*spec.record));
   if (options.spare > SimulationOptions::k_most_spare)
     throw std::invalid_argument(fmt::format("SimulationOptions: spare is {}: give a number from 0 to {}",
                                             options.spare, SimulationOptions::k_most_spare));

@@ -107,6 +107,11 @@ void Swarm::stalled(std::span<std::uint8_t> out) const {
   read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->stalled(row); });
 }
 
+void Swarm::blocked_by(std::span<BodyId> out) const {
+  world_->require_contacts();
+  read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->contact(row).blocker(); });
+}
+
 void Swarm::poses(std::span<Pose> out) const {
   read(out.size(), [&](Row, std::size_t i) { out[i] = world_->pose(ids_[i]); });
 }

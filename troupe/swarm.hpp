@@ -66,6 +66,10 @@ class Swarm {
   void alive(std::span<std::uint8_t> out) const;
   /// Writes 1 for each robot whose last motion was blocked or would have left the world's bounds, else 0.
   void stalled(std::span<std::uint8_t> out) const;
+  /// Writes for each robot the id of the body that blocked it in the last tick, as Model::blocked_by() says;
+  /// not valid() if nothing did, or only a bound of the world. Throws std::logic_error as
+  /// Model::blocked_by().
+  void blocked_by(std::span<BodyId> out) const;
   /// Writes the poses in the world frame, m and rad, as Model::pose() returns them.
   void poses(std::span<Pose> out) const;
   /// Writes the estimated poses, m and rad, as Model::estimate() returns them. The estimated pose of a robot

@@ -53,6 +53,7 @@ Simulation load(const RunOptions& options) {
   }
   SimulationOptions given = with_environment(simulation);
   given.mortal = !options.session.empty() || options.view;
+  given.contacts = std::ranges::find(options.recording.fields, "contact") != options.recording.fields.end();
   given.rank_clock = clock;
   given.ranks = ranks;
   return Simulation(options.world, given);

@@ -113,6 +113,7 @@ class Mover {
   const Pose& from;
   const Motion& motion;
   const ObstacleShape& shape;
+  bool is_past = false;  // whether the turn of the mover is over: see Resolver::last_push()
 
  private:
   const Conflicts::Crowd& crowd_;
@@ -149,6 +150,8 @@ inline std::pair<std::size_t, std::size_t> samples_near(Mover& mover, const Vec2
 /// 2. propose_and_check() for each row in the spatial index (the first round);
 /// 3. next_round(), and then resolve_waiting() for each waiting row (a further round). This step is repeated
 ///    until no row waits.
+///
+/// Then explain() for each row, if Crowd::blocks is wanted.
 ///
 /// If the world has pushable bodies, bound_zones(), find_zone() and widen_zone() are called before the first
 /// round, each for all rows. Functions that take rows may be called by several threads at the same time, for
@@ -262,6 +265,8 @@ class Conflicts::Resolver {
     return waiting_count_.exchange(0, std::memory_order_relaxed);
   }
   std::uint32_t round() const { return round_; }
+  /// Sets the row's element of Crowd::blocks, after all rows are resolved.
+  void explain(std::uint32_t row) const;
 
   // ---- Only if the world has pushable bodies: engine/conflicts/pushing.cpp. The *zone* of a row is a circle
   // that contains everything that its motion could touch or push (class Conflicts, `source`).
@@ -305,6 +310,12 @@ class Conflicts::Resolver {
   Resolution resolution(std::uint32_t row) const {
     return atomic(conflicts_.resolutions_[row]).load(std::memory_order_acquire);
   }
+  /// Place of a body at the turn of the mover (class Conflicts, `rule`), world frame: transform `at` and
+  /// height `z`, m.
+  struct Place {
+    Transform at;
+    double z;
+  };
   /// Whether a body is in the way of a mover, at each of the places where it may be at the turn of the mover.
   struct InWay {
     bool if_stays, if_moved, if_turned;
@@ -360,28 +371,50 @@ class Conflicts::Resolver {
     return found.round() > conflicts_.base_ && found.round() < round_;
   }
 
+  /// The earliest sample at which the motion of a mover is blocked, and the body that blocks it there: a
+  /// static one if there is any, and of several the one with the lowest id.
+  struct Earliest {
+    std::size_t sample = 0;  // 0: not blocked
+    bool is_static = false;
+    BodyId body;
+    Place place;  // of the body, unless it is static
+
+    /// Notes that a body blocks the motion at sample `at`, unless that is 0 or comes later.
+    void take(std::size_t at, bool is_static_body, BodyId by, const Place& its_place);
+  };
+  void take(Earliest& earliest, Mover& mover, std::uint32_t other, const Place& place) const;
+  void set_block(const Earliest& earliest, Mover& mover) const;
+
   // ---- Pushing: engine/conflicts/pushing.cpp
+  class RowList;
+  struct Pushed;
+  struct Halt;
   bool is_pushable(std::uint32_t row) const;
   double zone_radius(std::size_t row) const;
   template <class Visit>
   void for_each_zone(std::uint32_t row, Visit&& visit) const;
-  class RowList;
-  struct Place;
-  struct Pushed;
   Place place_now(const Mover& mover, std::uint32_t row) const;
+  Place place_at_turn(const Mover& mover, std::uint32_t row) const;
   Outcome outcome_before(const Mover& mover, std::uint32_t row) const;
   std::span<const Push> pushes_before(const Mover& mover, std::uint32_t row) const;
-  std::uint32_t last_push(std::uint32_t row) const;
-  Vec2 position_now(std::uint32_t row) const;
+  const Push* last_push(const Mover& mover, std::uint32_t row) const;
+  Vec2 position_now(const Mover& mover, std::uint32_t row) const;
   Transform pushed_to(std::uint32_t row, const Vec2& position) const;
   bool goes_first(std::uint32_t a, std::uint32_t b) const;
   bool meet(std::uint32_t a, const PlacedShape& at_a, std::uint32_t b, const PlacedShape& at_b) const;
   void find_near(Mover& mover, std::size_t limit, RowList& pushable, RowList& others) const;
   bool push(Mover& mover);
+  void explain_in_zone(Mover& mover, Earliest& earliest) const;
+  std::size_t push_limit(std::uint32_t row) const;
+  BodyId stopper(const Mover& mover, const Pushed& pushed, std::span<const std::uint32_t> bodies) const;
   void record(std::uint32_t row, std::span<const Pushed> pushed);
-  bool make_way(std::uint32_t row, const PlacedShape& mover, std::span<const std::uint32_t> pushable,
-                std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count) const;
-  bool can_stand(Mover& mover, const Pushed& pushed, std::span<const std::uint32_t> bodies) const;
+  bool make_way(const Mover& mover, const PlacedShape& placed, std::span<const std::uint32_t> pushable,
+                std::size_t limit, std::array<Pushed, k_most_pushed>& set, std::size_t& count,
+                Halt* halt = nullptr) const;
+  template <class Before>
+  bool holds(const Mover& mover, std::uint32_t pushed, const PlacedShape& there, Before&& before,
+             std::uint32_t row) const;
+  bool can_stand(const Mover& mover, const Pushed& pushed, std::span<const std::uint32_t> bodies) const;
 
   Transform turned(std::uint32_t row) const {
     return {crowd_.transforms[row].position, crowd_.motions[row].rotation};
@@ -434,25 +467,26 @@ class Conflicts::Resolver {
     return holds(from) && holds(to);
   }
 
-  /// Whether the static scene blocks the mover (class Conflicts, `rule`). A body with a free circle did not
-  /// overlap the scene when the circle was computed, and no motion makes it overlap the scene. So only a body
-  /// without one may overlap the scene at its old pose.
-  bool scene_blocks(Mover& mover) const {
-    if (!scene_.has_obstacles()) return false;
+  bool scene_blocks(Mover& mover) const { return blocked_by_scene_at(mover) != 0; }
+  /// The earliest sample at which the static scene blocks the mover (class Conflicts, `rule`); 0: none. A
+  /// body with a free circle did not overlap the scene when the circle was computed, and no motion makes it
+  /// overlap the scene. So only a body without one may overlap the scene at its old pose.
+  std::size_t blocked_by_scene_at(Mover& mover) const {
+    if (!scene_.has_obstacles()) return 0;
     const bool overlaps = crowd_.free[mover.row].radius == 0 && scene_.overlaps(mover.here());
-    if (!overlaps && clear_of_scene(mover)) return false;
+    if (!overlaps && clear_of_scene(mover)) return 0;
     const std::size_t n = mover.samples();
     if (overlaps) {
       for (std::size_t k = 1; k <= n; ++k)
-        if (scene_.deepens(mover.at_sample(k - 1), mover.at_sample(k))) return true;
-      return false;
+        if (scene_.deepens(mover.at_sample(k - 1), mover.at_sample(k))) return k;
+      return 0;
     }
     const auto crosses = [&](const PlacedShape& placed) {
       return scene_.crossed(placed, [](std::uint32_t) { return false; }) >= 0;
     };
     for (std::size_t k = 1; k < n; ++k)
-      if (crosses(PlacedShape(mover.shape, mover.between(k)))) return true;
-    return crosses(mover.there());
+      if (crosses(PlacedShape(mover.shape, mover.between(k)))) return k;
+    return crosses(mover.there()) ? n : 0;
   }
 
   /// Calls visit(row) for the row of every body that may come near the mover during the tick. Some visited
@@ -548,13 +582,16 @@ class Conflicts::Resolver {
                                       mover.displacement() + partition::k_rounding_m);
   }
 
-  /// Whether another body is in the way of the mover: whether the two overlap at a sample of the motion, and
-  /// did not overlap at the sample before, or less deeply (class Conflicts, `rule`).
+  bool blocks(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
+    return blocked_at(mover, other, z, at) != 0;
+  }
+  /// The earliest sample at which another body is in the way of the mover: at which the two overlap, and did
+  /// not overlap at the sample before, or less deeply (class Conflicts, `rule`). 0: there is none.
   ///
   /// other: row of the other body
   /// z: height of the other body, m
   /// at: transform of the other body, world frame
-  bool blocks(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
+  std::size_t blocked_at(Mover& mover, std::uint32_t other, double z, const Transform& at) const {
     const ObstacleShape& shape = *crowd_.shapes[other];
     const bool first = crowd_.ids[mover.row] < crowd_.ids[other];
     std::optional<PlacedShape> theirs;
@@ -567,24 +604,24 @@ class Conflicts::Resolver {
     for (std::size_t k = first_k; k <= last_k; ++k) {
       const Pose between = k < n ? mover.between(k) : mover.motion.to;
       if (!partition::in_reach(between.position(), mover.shape.radius, at.position, shape.radius)) continue;
-      if (!theirs && !parts_come_near(mover, shape, at)) return false;
+      if (!theirs && !parts_come_near(mover, shape, at)) return 0;
       if (!(k < n ? meet(PlacedShape(mover.shape, between)) : meet(mover.there()))) continue;
-      if (!crowd_.free[mover.row].may_overlap && !crowd_.free[other].may_overlap) return true;
-      return deepens(mover, k, last_k, other, *theirs);
+      if (!crowd_.free[mover.row].may_overlap && !crowd_.free[other].may_overlap) return k;
+      return deepens_at(mover, k, last_k, other, *theirs);
     }
-    return false;
+    return 0;
   }
-  /// Whether the motion takes the mover deeper into another body, in which it is for the first time at sample
-  /// k.
-  [[gnu::noinline]] bool deepens(Mover& mover, std::size_t k, std::size_t last_k, std::uint32_t other,
-                                 const PlacedShape& theirs) const {
+  /// The earliest sample at which the motion takes the mover deeper into another body, in which it is for the
+  /// first time at sample k; 0: there is none.
+  [[gnu::noinline]] std::size_t deepens_at(Mover& mover, std::size_t k, std::size_t last_k,
+                                           std::uint32_t other, const PlacedShape& theirs) const {
     for (; k <= last_k; ++k) {
       const PlacedShape after = mover.at_sample(k);
       if (!meet(mover.row, after, other, theirs)) continue;
       const PlacedShape before = mover.at_sample(k - 1);
-      if (!meet(mover.row, before, other, theirs) || partition::deepens(before, after, theirs)) return true;
+      if (!meet(mover.row, before, other, theirs) || partition::deepens(before, after, theirs)) return k;
     }
-    return false;
+    return 0;
   }
 
   Conflicts& conflicts_;

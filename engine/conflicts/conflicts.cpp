@@ -64,6 +64,7 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
   push_count_ = 0;
   // After the loop, which may need more rows than there are now. Each row may get a place from another rank.
   reserve(rows, crowd.pushables.most + (border ? rows : 0), crowd.pushables);
+  std::ranges::fill(crowd.blocks, Block());
   if (base_ + rounds_ > k_last_round) {
     std::ranges::fill(resolutions_, Resolution());
     base_ = 0;
@@ -98,12 +99,15 @@ void Conflicts::resolve(const Crowd& crowd, const partition::StaticScene& scene,
       for (std::size_t i = first; i < end; ++i) resolver.propose_and_check(order[i]);
     });
   }
-  if (border) {
+  if (border)
     finish_with(*border, resolver, parallel);
-    border->exchange_places(*this);
-  } else {
+  else
     while (const std::size_t waiting = resolver.next_round()) resolve_waiting(waiting, resolver, parallel);
-  }
+  if (!crowd.blocks.empty())
+    parallel.for_batches(order.size(), k_batch, [&](std::size_t first, std::size_t end) {
+      for (std::size_t i = first; i < end; ++i) resolver.explain(order[i]);
+    });
+  if (border) border->exchange_places(*this);  // changes the places of pushes, which explain() reads
   rounds_ = resolver.round() - base_ - 1;
   for (const Push& push : pushes())
     longest_ = std::max(longest_, (push.position - crowd.transforms[push.row].position).norm());

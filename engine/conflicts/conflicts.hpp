@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/kinds/components.hpp"
 #include "engine/state/free_circle.hpp"
 #include "partition/body_index.hpp"
 #include "partition/overlap.hpp"
@@ -98,7 +99,11 @@ struct Pushables {
 ///         position, if this is not blocked either by `rule`, nor by a pushable body. Its outcome is then
 ///         Outcome::turned.
 ///
-/// result  The outcome of each body is that of these sequential rules, on any number of threads.
+/// result  The outcome of each body is that of these sequential rules, on any number of threads. What blocked
+///         a body (Contact) is defined, not found: it is what blocks the motion at its earliest blocked
+///         sample, with all bodies where they are at the turn of the mover. If a pusher's own way is free at
+///         a sample, the first of the bodies pushed there counts that cannot go on, in the order in which
+///         they were first pushed, and what stops it by the same rule.
 ///
 /// source  Deterministic reservations: Blelloch, Fineman, Gibbons, Shun: Internally deterministic parallel
 ///         algorithms can be fast, PPoPP 2012. Bodies are resolved in *rounds*. A mover *depends* on another
@@ -118,6 +123,15 @@ class Conflicts {
  public:
   static constexpr int k_push_passes = 16;  ///< largest number of passes: see `pushing`, above
 
+  /// What blocked the motion of a body, and where. All members are zero if nothing did.
+  struct Block {
+    Contact contact;            ///< what blocked it; never Contact::k_joint
+    std::uint32_t sample = 0;   ///< earliest blocked sample, from 1 to `samples`; 0 for Contact::k_bounds
+    std::uint32_t samples = 0;  ///< number of samples of the motion; 0 for Contact::k_bounds
+    Transform at;               ///< place of the blocking body at this turn, unless it is static; world frame
+    double z = 0;               ///< height of the blocking body at this turn, unless it is static, m
+  };
+
   /// The bodies of a tick, with the motions that they propose. Every span has one entry per row; the spans in
   /// `pushables` may be empty instead.
   struct Crowd {
@@ -136,6 +150,8 @@ class Conflicts {
     Box bounds;                                ///< box in which motions must end, m, world frame
     Pushables pushables = {};                  ///< which bodies can push or be pushed; empty: none
     std::span<const std::uint8_t> turns = {};  ///< 1: a body that may turn (`turning`); empty: none may
+    /// Output of resolve(): what blocked each row of this rank. Empty: it is not computed.
+    std::span<Block> blocks = {};
   };
 
   /// A push of a body. The height and heading of the body do not change.

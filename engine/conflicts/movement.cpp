@@ -15,6 +15,7 @@ namespace troupe::engine {
 void Movement::build() {
   resize_with_room(motions_, state_.row_count());
   resize_with_room(state_.free_circles, state_.row_count());
+  if (finds_blocks_) resize_with_room(blocks_, state_.row_count());
   turns_.clear();
   if (std::ranges::any_of(
           state_.types, [](const BodyType& type) { return type.drive && type.drive->turns_when_blocked; })) {
@@ -77,6 +78,8 @@ void Movement::forget() {
   std::ranges::fill(odometry_errors_, Localization::Error{k_nan, k_nan, k_nan});
   std::ranges::fill(state_.free_circles, FreeCircle{0, 0, std::numeric_limits<float>::infinity(), false});
   std::ranges::fill(motions_, k_junk_motion);
+  std::ranges::fill(blocks_, Conflicts::Block{{~0u, ~0u, ~0u}, ~0u, ~0u, {}, k_nan});
+  crowd_ = {};
   conflicts_.forget();
   stalled_ = out_of_bounds_ = 0x5a5a5a5a;
 }
@@ -124,10 +127,10 @@ void Movement::resolve(std::span<const std::uint32_t> composites, Conflicts::Bor
       pushables.radius = std::max(pushables.radius, state_.shapes[row]->radius);
       pushables.thinnest = std::min(pushables.thinnest, state_.shapes[row]->thinnest);
     }
-  conflicts_.resolve(
-      {state_.poses(), state_.transforms, motions_, state_.shapes, state_.ids, state_.free_circles,
-       state_.spec.seed, state_.now.tick, state_.bounds(), pushables, turns_},
-      state_.scene, state_.index, parallel_, border);
+  crowd_ = {state_.poses(),  state_.transforms,   motions_,         state_.shapes,
+            state_.ids,      state_.free_circles, state_.spec.seed, state_.now.tick,
+            state_.bounds(), pushables,           turns_,           blocks_};
+  conflicts_.resolve(crowd_, state_.scene, state_.index, parallel_, border);
 }
 
 void Movement::commit() {
@@ -155,7 +158,9 @@ void Movement::commit() {
       state_.stalls()[row.index()] = is_blocked         ? WorldState::k_blocked
                                      : is_out_of_bounds ? WorldState::k_out_of_bounds
                                                         : WorldState::k_free;
-      if (row.index() >= state_.own_rows) continue;
+      const bool is_own = row.index() < state_.own_rows;
+      if (state_.has_contacts()) state_.contact(row) = is_own ? blocks_[row.index()].contact : Contact();
+      if (!is_own) continue;
       blocked_here += is_blocked;
       out_of_bounds_here += is_out_of_bounds;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/conflicts/collision.hpp"
 #include "engine/conflicts/conflicts.hpp"
 #include "engine/kinds/localization.hpp"
 #include "engine/state/world_state.hpp"
@@ -57,9 +58,23 @@ class Movement {
   /// border: the connection to the other ranks (threads or processes that compute the same world), if the
   /// rows include ghosts (copies of rows that other ranks compute); otherwise null
   void resolve(std::span<const std::uint32_t> composites, Conflicts::Border* border);
+  /// Lets resolve() find out what blocks each body, from the next resolution on. This never ends.
+  void find_blocks() {
+    finds_blocks_ = true;
+    blocks_.resize(state_.row_count());
+  }
+  /// What blocked the motion of each row in the last resolution; empty without find_blocks(). A Border may
+  /// write the elements of ghosts.
+  std::span<Conflicts::Block> blocks() { return blocks_; }
+  /// A blocked motion of the last resolution: the arguments are those of Collision. Call this between
+  /// resolve() and commit(), with find_blocks().
+  Collision collision(std::uint32_t mover, std::uint32_t blocker, bool feels_as_mover) const {
+    return {crowd_, state_.scene, mover, blocker, feels_as_mover};
+  }
   /// Writes the poses of the bodies that moved or were pushed, their transforms and outlines, the component
-  /// `stall`, and the odometry estimates. The spatial index still has the old poses afterwards. Carried
-  /// bodies keep their old poses until Links::carry() moves them with their carriers.
+  /// `stall`, what blocked each body (WorldState::contact()), and the odometry estimates. The spatial index
+  /// still has the old poses afterwards. Carried bodies keep their old poses until Links::carry() moves them
+  /// with their carriers.
   void commit();
 
   /// Number of rounds in which the last resolve() resolved the motions: 1 if no body had to wait for the
@@ -87,6 +102,7 @@ class Movement {
   std::vector<std::uint8_t> is_pushable_;  // one per row; empty, like push_limits_, if no body can be pushed
   std::vector<std::uint8_t> push_limits_;
   Pushables pushables_;
+  bool finds_blocks_ = false;
   std::vector<std::uint8_t> turns_;  // one per row: 1 if it turns when it is blocked; empty if no body does
   std::vector<Localization::Error> odometry_errors_;  // one per row; empty if no robot has odometry
 
@@ -95,7 +111,9 @@ class Movement {
   std::size_t out_of_bounds_ = 0;
 
   // Scratch.
-  std::vector<Motion> motions_;  // absent bodies never propose one
+  std::vector<Motion> motions_;           // absent bodies never propose one
+  std::vector<Conflicts::Block> blocks_;  // one per row; empty unless finds_blocks_
+  Conflicts::Crowd crowd_;                // of the last resolution
   Conflicts conflicts_;
 };
 

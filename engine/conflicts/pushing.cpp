@@ -33,18 +33,17 @@ class Conflicts::Resolver::RowList {
   std::size_t count_ = 0;
 };
 
+/// A body that a pusher cannot push on.
+struct Conflicts::Resolver::Halt {
+  std::uint32_t row;
+  BodyId behind;  // the body that stops it; not valid() if there is none. BodyId::value + 1 is then 0
+};
+
 /// A body that a pusher pushes, and positions of the origin of the pushed body, m, world frame.
 struct Conflicts::Resolver::Pushed {
   std::uint32_t row;
   Vec2 last;  // position at the previous sample of the pusher's motion
   Vec2 now;   // position at the present sample
-};
-
-/// Place of a body at the turn of the mover (class Conflicts, `rule`), world frame: transform `at` and height
-/// `z`, m. All bodies of higher priority that may affect the mover are resolved before the turn of the mover.
-struct Conflicts::Resolver::Place {
-  Transform at;
-  double z;
 };
 
 bool Conflicts::Resolver::is_pushable(std::uint32_t row) const {
@@ -137,8 +136,14 @@ void Conflicts::Resolver::resolve_in_zone(std::uint32_t row, Waiting* list) {
   resolve(row, blocked ? Outcome::blocked : Outcome::turned);
 }
 
+/// All bodies of higher priority that may affect the mover are resolved before the turn of the mover.
 Conflicts::Resolver::Place Conflicts::Resolver::place_now(const Mover& mover, std::uint32_t row) const {
-  if (is_pushable(row)) return {pushed_to(row, position_now(row)), crowd_.poses[row].z};
+  if (is_pushable(row)) return {pushed_to(row, position_now(mover, row)), crowd_.poses[row].z};
+  return place_at_turn(mover, row);
+}
+
+/// The place of a body that nothing pushes.
+Conflicts::Resolver::Place Conflicts::Resolver::place_at_turn(const Mover& mover, std::uint32_t row) const {
   switch (outcome_before(mover, row)) {
     case Outcome::moved: return {crowd_.motions[row].there(), crowd_.motions[row].to.z};
     case Outcome::turned: return {turned(row), crowd_.poses[row].z};
@@ -165,15 +170,30 @@ std::span<const Conflicts::Push> Conflicts::Resolver::pushes_before(const Mover&
   return {conflicts_.pushes_.data() + of.first, of.count};
 }
 
-/// Index in Conflicts::pushes_ of the last push of the row in this tick, plus 1; 0: the row was not pushed.
-std::uint32_t Conflicts::Resolver::last_push(std::uint32_t row) const {
-  return atomic(conflicts_.pushed_last_[row]).load(std::memory_order_acquire);
+/// The last push of the row before the turn of the mover; null: the row was not pushed. At its turn, the
+/// mover has no push after it in its zone. Afterwards (Mover::is_past), the pushes of the movers that had
+/// their turns before it count.
+const Conflicts::Push* Conflicts::Resolver::last_push(const Mover& mover, std::uint32_t row) const {
+  if (!mover.is_past) {
+    const std::uint32_t last = atomic(conflicts_.pushed_last_[row]).load(std::memory_order_acquire);
+    return last == 0 ? nullptr : &conflicts_.pushes_[last - 1];
+  }
+  const Push* found = nullptr;
+  std::uint32_t by = mover.row;
+  for_each_zone(mover.row, [&](std::uint32_t other) {
+    for (const Push& push : pushes_before(mover, other)) {
+      if (push.row != row || (found != nullptr && goes_before(other, by))) continue;
+      found = &push;
+      by = other;
+    }
+  });
+  return found;
 }
 
-/// Position of a pushable body after all pushes of this tick that are recorded so far, m, world frame.
-Vec2 Conflicts::Resolver::position_now(std::uint32_t row) const {
-  const std::uint32_t push = last_push(row);
-  return push == 0 ? crowd_.transforms[row].position : conflicts_.pushes_[push - 1].position;
+/// Position of a pushable body at the turn of the mover, m, world frame.
+Vec2 Conflicts::Resolver::position_now(const Mover& mover, std::uint32_t row) const {
+  const Push* const push = last_push(mover, row);
+  return push == nullptr ? crowd_.transforms[row].position : push->position;
 }
 
 Transform Conflicts::Resolver::pushed_to(std::uint32_t row, const Vec2& position) const {
@@ -210,19 +230,22 @@ void Conflicts::Resolver::find_near(Mover& mover, std::size_t limit, RowList& pu
     if (!is_pushable(row)) {
       add(row);
       for (const Push& push : pushes_before(mover, row))
-        if (last_push(push.row) == static_cast<std::size_t>(&push - conflicts_.pushes_.data()) + 1)
-          add(push.row);
-    } else if (last_push(row) == 0) {
+        if (last_push(mover, push.row) == &push) add(push.row);
+    } else if (last_push(mover, row) == nullptr) {
       add(row);
     }
   });
 }
 
+/// Number of bodies that the row may push in this tick.
+std::size_t Conflicts::Resolver::push_limit(std::uint32_t row) const {
+  return conflicts_.zones_[row] == Zone::pushes ? crowd_.pushables.limits[row] : 0;
+}
+
 /// Returns whether the motion of the mover is free, or becomes free by pushing other bodies. In the second
 /// case, records the pushes.
 bool Conflicts::Resolver::push(Mover& mover) {
-  const std::size_t limit =
-      conflicts_.zones_[mover.row] == Zone::pushes ? crowd_.pushables.limits[mover.row] : 0;
+  const std::size_t limit = push_limit(mover.row);
   conflicts_.pushes_of_[mover.row] = {};
   RowList near_pushable;
   RowList near_others;
@@ -242,7 +265,7 @@ bool Conflicts::Resolver::push(Mover& mover) {
   for (std::size_t k = 1; k <= n; ++k) {
     const Pose pose = k < n ? mover.between(k, n) : mover.motion.to;
     const Transform at = k < n ? Transform(pose) : mover.motion.there();
-    if (!make_way(mover.row, PlacedShape(mover.shape, at, pose.z), pushable, limit, set, count)) return false;
+    if (!make_way(mover, PlacedShape(mover.shape, at, pose.z), pushable, limit, set, count)) return false;
     for (Pushed& pushed : std::span(set).first(count)) {
       if (pushed.now == pushed.last) continue;
       if (!can_stand(mover, pushed, near_others.all())) return false;
@@ -270,11 +293,13 @@ void Conflicts::Resolver::record(std::uint32_t row, std::span<const Pushed> push
 /// `count` are updated. Returns false if more than `limit` bodies would have to be pushed, or if the last
 /// allowed pass still shifts a body.
 ///
-/// row: row of the mover
+/// placed: the shape of the mover at this pose
 /// pushable: rows near the mover that it can push, in the order of their ids
-bool Conflicts::Resolver::make_way(std::uint32_t row, const PlacedShape& mover,
+/// halt: if not null, is set to the last body that had to give way, and to the body that it met
+bool Conflicts::Resolver::make_way(const Mover& mover, const PlacedShape& placed,
                                    std::span<const std::uint32_t> pushable, std::size_t limit,
-                                   std::array<Pushed, k_most_pushed>& set, std::size_t& count) const {
+                                   std::array<Pushed, k_most_pushed>& set, std::size_t& count,
+                                   Halt* halt) const {
   /// Shifts the bodies that row `by` at the place `at` overlaps, except the first `after` entries of `set`,
   /// which were met before `by` or are `by` itself. Sets `shifted` if it shifts any body. Returns false if
   /// more than `limit` bodies would have to be pushed.
@@ -284,11 +309,13 @@ bool Conflicts::Resolver::make_way(std::uint32_t row, const PlacedShape& mover,
       std::size_t i = 0;
       while (i < count && set[i].row != other) ++i;
       if (i < after && i < count) continue;
-      const Vec2 now = i < count ? set[i].now : position_now(other);
+      const Vec2 now = i < count ? set[i].now : position_now(mover, other);
       const ObstacleShape& shape = *crowd_.shapes[other];
       if (!partition::in_reach(at.position(), at.shape().radius, now, shape.radius)) continue;
       const PlacedShape theirs(shape, pushed_to(other, now), crowd_.poses[other].z);
       if (!meet(by, at, other, theirs)) continue;
+      if (halt != nullptr)
+        *halt = by == mover.row ? Halt{other, BodyId()} : Halt{by, BodyId(crowd_.ids[other])};
       const std::optional<Vec2> way = partition::way_out(at, theirs);
       if (!way || (i == count && count == limit)) return false;
       if (i == count) set[count++] = {other, now, now};
@@ -301,7 +328,7 @@ bool Conflicts::Resolver::make_way(std::uint32_t row, const PlacedShape& mover,
   };
   for (int pass = 0; pass < k_push_passes; ++pass) {
     bool shifted = false;
-    if (!shift(row, mover, 0, shifted)) return false;
+    if (!shift(mover.row, placed, 0, shifted)) return false;
     for (std::size_t b = 0; b < count; ++b) {
       const std::uint32_t by = set[b].row;
       const PlacedShape at(*crowd_.shapes[by], pushed_to(by, set[b].now), crowd_.poses[by].z);
@@ -312,7 +339,82 @@ bool Conflicts::Resolver::make_way(std::uint32_t row, const PlacedShape& mover,
   return false;
 }
 
-bool Conflicts::Resolver::can_stand(Mover& mover, const Pushed& pushed,
+/// Whether a body that is not pushed is in the way of a body that the mover pushes, at the shape `there`;
+/// before() returns its shape at the sample before.
+template <class Before>
+bool Conflicts::Resolver::holds(const Mover& mover, std::uint32_t pushed, const PlacedShape& there,
+                                Before&& before, std::uint32_t row) const {
+  const Place now = place_now(mover, row);
+  const ObstacleShape& theirs = *crowd_.shapes[row];
+  if (!partition::in_reach(there.position(), there.shape().radius, now.at.position, theirs.radius))
+    return false;
+  const PlacedShape placed(theirs, now.at, now.z);
+  return meet(pushed, there, row, placed) &&
+         (!meet(pushed, before(), row, placed) || partition::deepens(before(), there, placed));
+}
+
+/// What stops a pushed body that cannot stand at its new position (can_stand()): a static body if there is
+/// one, otherwise the body with the lowest id. Not valid() if it is a bound of the world, or if the body was
+/// pushed too far.
+BodyId Conflicts::Resolver::stopper(const Mover& mover, const Pushed& pushed,
+                                    std::span<const std::uint32_t> bodies) const {
+  if (!crowd_.bounds.contains(pushed.now)) return {};
+  const ObstacleShape& shape = *crowd_.shapes[pushed.row];
+  const double z = crowd_.poses[pushed.row].z;
+  const PlacedShape before(shape, pushed_to(pushed.row, pushed.last), z);
+  const PlacedShape there(shape, pushed_to(pushed.row, pushed.now), z);
+  if (scene_.has_obstacles())
+    if (const BodyId body = scene_.blocker(before, there); body.valid()) return body;
+  BodyId lowest;
+  for (const std::uint32_t row : bodies) {
+    const BodyId body(crowd_.ids[row]);
+    if (body < lowest && holds(
+                             mover, pushed.row, there, [&]() -> const PlacedShape& { return before; }, row))
+      lowest = body;
+  }
+  return lowest;
+}
+
+/// What blocks a pusher, or a mover near one, at its turn, which is over: `earliest` has the static scene.
+void Conflicts::Resolver::explain_in_zone(Mover& mover, Earliest& earliest) const {
+  mover.is_past = true;
+  RowList near_pushable;
+  RowList near_others;
+  const std::size_t limit = push_limit(mover.row);
+  find_near(mover, limit, near_pushable, near_others);
+  for (const std::uint32_t row : near_others.all()) take(earliest, mover, row, place_now(mover, row));
+  set_block(earliest, mover);
+  const std::span<std::uint32_t> pushable = near_pushable.all();
+  std::ranges::sort(pushable, {}, [&](std::uint32_t row) { return crowd_.ids[row]; });
+  std::array<Pushed, k_most_pushed> set;
+  std::size_t count = 0;
+  const std::size_t n =
+      motion_samples(mover.displacement(), std::min(mover.shape.thinnest, crowd_.pushables.thinnest));
+  // A push counts only if it fails before the mover's own way is blocked.
+  const std::size_t last_k = earliest.sample == 0 ? n : (earliest.sample * n - 1) / mover.samples();
+  for (std::size_t k = 1; k <= last_k && !pushable.empty(); ++k) {
+    const Pose pose = k < n ? mover.between(k, n) : mover.motion.to;
+    const Transform at = k < n ? Transform(pose) : mover.motion.there();
+    Halt halt;
+    const PlacedShape placed(mover.shape, at, pose.z);
+    bool is_free = make_way(mover, placed, pushable, limit, set, count, &halt);
+    for (std::size_t i = 0; is_free && i < count; ++i) {
+      is_free = set[i].now == set[i].last || can_stand(mover, set[i], near_others.all());
+      if (!is_free) halt = {set[i].row, stopper(mover, set[i], near_others.all())};
+      set[i].last = set[i].now;
+    }
+    if (is_free) continue;
+    const Place place = place_now(mover, halt.row);
+    crowd_.blocks[mover.row] = {{Contact::k_pushed, crowd_.ids[halt.row] + 1, halt.behind.value + 1},
+                                static_cast<std::uint32_t>(k),
+                                static_cast<std::uint32_t>(n),
+                                place.at,
+                                place.z};
+    return;
+  }
+}
+
+bool Conflicts::Resolver::can_stand(const Mover& mover, const Pushed& pushed,
                                     std::span<const std::uint32_t> bodies) const {
   const ObstacleShape& shape = *crowd_.shapes[pushed.row];
   if ((pushed.now - pushed.last).squaredNorm() > 0.25 * shape.thinnest * shape.thinnest) return false;
@@ -326,14 +428,8 @@ bool Conflicts::Resolver::can_stand(Mover& mover, const Pushed& pushed,
   if (scene_.has_obstacles() && scene_.overlaps(there) &&
       (!scene_.overlaps(before()) || scene_.deepens(before(), there)))
     return false;
-  return std::ranges::none_of(bodies, [&](std::uint32_t row) {
-    const Place now = place_now(mover, row);
-    const ObstacleShape& theirs = *crowd_.shapes[row];
-    if (!partition::in_reach(pushed.now, shape.radius, now.at.position, theirs.radius)) return false;
-    const PlacedShape placed(theirs, now.at, now.z);
-    return meet(pushed.row, there, row, placed) &&
-           (!meet(pushed.row, before(), row, placed) || partition::deepens(before(), there, placed));
-  });
+  return std::ranges::none_of(
+      bodies, [&](std::uint32_t row) { return holds(mover, pushed.row, there, before, row); });
 }
 
 }  // namespace troupe::engine

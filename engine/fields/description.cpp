@@ -50,7 +50,9 @@ void say(Field& field, const Fact& fact) {
     case Fact::Kind::sparse: field.sparse = true; break;
     case Fact::Kind::appearance: field.appearance = true; break;
     case Fact::Kind::mirror: field.mirror = fact.words; break;
-    case Fact::Kind::in_json: field.in_json = fact.number; break;
+    case Fact::Kind::in_json:
+      field.in_json = field.type == FieldType::boolean ? Value(fact.number != 0) : Value(fact.number);
+      break;
     case Fact::Kind::required: break;
   }
 }

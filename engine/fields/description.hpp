@@ -173,7 +173,7 @@ constexpr Fact columns(std::size_t n) { return Fact(Fact::Kind::columns, static_
 /// other (Field::mirror). The defaults of the two must have different signs.
 constexpr Fact mirrors(std::string_view other) { return Fact(Fact::Kind::mirror, other); }
 /// A world file in JSON that lacks the member gives it this value instead of its default, in SI units
-/// (Field::in_json). Only for numbers.
+/// (Field::in_json). Only for numbers and bools (1: true).
 constexpr Fact in_json(double value) { return Fact(Fact::Kind::in_json, value); }
 /// The member has no default: a file must give it. Not allowed for a std::optional or a struct.
 inline constexpr Fact required{Fact::Kind::required};

@@ -121,6 +121,10 @@ struct Field {
   Value fallback = {};
   /// Value of the field if a world file in JSON lacks it, in SI units. Empty: `fallback`.
   Value in_json = {};
+  /// Value of the field if a world file in JSON lacks it.
+  const Value& usual_in_json() const { return in_json.given() ? in_json : fallback; }
+  /// Whether a world file in JSON that lacks the field means that there is no limit.
+  bool is_without_limit() const { return in_json.given() && type == FieldType::number; }
   /// Lower limit of the number, or of each number of a list, in SI units. The limit itself is allowed, unless
   /// above_min is set.
   double min = -std::numeric_limits<double>::infinity();

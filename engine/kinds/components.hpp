@@ -1,5 +1,6 @@
 #pragma once
 
+#include "base/ids.hpp"
 #include "base/pose.hpp"
 
 #include <array>
@@ -16,8 +17,8 @@ namespace troupe::engine {
 /// `joint` stands for the components `joint/NAME`, one for each joint. A kind (an implementation of a device
 /// or controller) must not have one of these names, because saved states and recordings store the components
 /// of a kind in a group with its name. worldio::check_kind_name() checks this.
-inline constexpr std::array<std::string_view, 9> k_engine_components{
-    "carrier", "command", "condition", "joint", "life", "odometry", "pose", "stall", "velocity"};
+inline constexpr std::array<std::string_view, 10> k_engine_components{
+    "carrier", "command", "condition", "contact", "joint", "life", "odometry", "pose", "stall", "velocity"};
 
 /// Whether a text can be the name of a kind (a controller, device, drive, measure or fault) or of a plug-in:
 /// one word without slash, colon, equals sign, quotation mark, backslash and white space, which does not
@@ -82,5 +83,33 @@ struct Condition {
   /// Whether no fault affects the body and the body is not disabled.
   bool is_sound() const { return speed == 0 && dead == 0 && out == 0; }
 };
+
+/// A row of the component (state table) `contact`: what blocked the row's body in the last tick. All members
+/// are zero if nothing did.
+///
+/// A motion is tested at several poses, its *samples* (class Conflicts). Of all bodies that block it at the
+/// earliest blocked sample, `body` is a static one if there is any, and of several the one with the lowest
+/// id. Of a tree (bodies that carry one another), the root counts.
+struct Contact {
+  /// What blocked the body.
+  enum Cause : std::uint32_t {
+    k_none,    ///< nothing
+    k_body,    ///< the body `body` was in the way
+    k_pushed,  ///< the body would have pushed `body`, which `behind`, a bound of the world or a limit stops
+    k_bounds,  ///< the motion would have ended outside the bounds of the world
+    k_joint,   ///< the body could move, but `body` was in the way of a joint, such as that of a gripper
+  };
+  std::uint32_t cause = k_none;  ///< a value of Cause
+  std::uint32_t body = 0;        ///< id of the body that blocked the motion, plus 1; 0: none
+  std::uint32_t behind = 0;      ///< id of the body that stops the pushed body, plus 1; 0: none
+
+  BodyId blocker() const { return body == 0 ? BodyId() : BodyId(body - 1); }      ///< `body` as an id
+  BodyId stopper() const { return behind == 0 ? BodyId() : BodyId(behind - 1); }  ///< `behind` as an id
+
+  bool operator==(const Contact&) const = default;
+};
+/// Throws std::logic_error because the state does not have the component `contact`. The text says how to get
+/// it.
+[[noreturn]] void throw_no_contacts();
 
 }  // namespace troupe::engine

@@ -138,6 +138,8 @@ void decide_one_by_one(const C& controller, const DecideBatch& batch) {
         devices[s] = {batch.device_command(s, i), batch.device_commands[s].row_bytes};
       }
       percept.estimate = batch.estimate(i);
+      percept.stalled = batch.stalled(i);
+      percept.blocked_by = batch.blocked_by(i);
       Random random = batch.random(i);
       Actions actions{
           batch.command(i), {devices.data(), batch.devices}, {batch.switches.data(), batch.devices}};
@@ -240,6 +242,7 @@ std::vector<StateField> memory_fields() {
 ///     struct Memory { ...; TROUPE_FIELDS(...) };  // memory of each robot; may have `describe` instead
 ///     static constexpr bool needs_drive = false;  // default: true, the robot must have a drive
 ///     static constexpr bool switches = true;      // default: false; true: it switches devices on and off
+///     static constexpr bool reads_contacts = true;  // default: false; true: it reads Percept::blocked_by
 ///     static C make(const Params&);               // makes the object; default: C{params}
 ///         // If C has no Params: static C make(); default: C{}
 ///     Result<std::vector<std::size_t>> choose(std::span<const DeviceInfo>, std::vector<bool>& claimed);
@@ -266,6 +269,7 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
   ControllerKind kind = detail::controller_kind(name, text, params, memory_fields<Memory>, sizeof(Memory));
   if constexpr (requires { C::needs_drive; }) kind.needs_drive = C::needs_drive;
   if constexpr (requires { C::switches; }) kind.switches = C::switches;
+  if constexpr (requires { C::reads_contacts; }) kind.reads_contacts = C::reads_contacts;
   kind.start = [](std::byte* memory) { std::construct_at(reinterpret_cast<Memory*>(memory)); };
   kind.prepare = [](const Record& record, std::span<const DeviceInfo> devices,
                     std::vector<bool>& claimed) -> Result<ControllerKind::Prepared> {

@@ -81,6 +81,7 @@ DeviceKind device_kind(std::string_view name, std::string_view text, const Field
 ///     std::uint64_t sense(const SenseBatch&) const;                      // or a const DeviceBatch&
 ///     void act(const DeviceBatch&) const;
 ///     void joints_moved(const DeviceBatch&) const;
+///     void collide(const DeviceBatch&, const Collision&) const;
 ///     void start(StateTable&, std::size_t slot) const;                   // row
 ///     static void halt(StateTable&, std::size_t slot);                   // row
 ///     bool is_spent(const StateTable&, std::size_t slot) const;          // row
@@ -161,6 +162,10 @@ DeviceKind make_device_kind(std::string_view name, std::string_view text) {
     kind.act = [](const DeviceBatch& batch) { std::any_cast<C>(&batch.data)->act(batch); };
   if constexpr (requires { &C::joints_moved; })
     kind.joints_moved = [](const DeviceBatch& batch) { std::any_cast<C>(&batch.data)->joints_moved(batch); };
+  if constexpr (requires { &C::collide; })
+    kind.collide = [](const DeviceBatch& batch, const Collision& collision) {
+      std::any_cast<C>(&batch.data)->collide(batch, collision);
+    };
   if constexpr (requires { &C::apply; })
     kind.apply = [](World& world, const std::any& data, const Effect& effect) {
       std::any_cast<C>(&data)->apply(world, effect);

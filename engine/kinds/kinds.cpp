@@ -57,6 +57,13 @@ void throw_no_device(std::size_t index, std::size_t count) {
                           " (counted from 0), but has chosen only " + std::to_string(count) + " devices");
 }
 
+void throw_no_contacts() {
+  throw std::logic_error(
+      "this world does not note what blocks its bodies: add \"contacts\": true to the world file, or set "
+      "this "
+      "key when you load it (in C++: SimulationOptions::contacts; in Python: set={\"/contacts\": True})");
+}
+
 void throw_no_robot(std::size_t index, std::size_t count) {
   throw std::out_of_range("uses the robot with the index " + std::to_string(index) +
                           " (counted from 0) of a batch of " + std::to_string(count) + " robots");

@@ -7,6 +7,7 @@
 #include "base/result.hpp"
 #include "engine/fields/fields.hpp"
 #include "engine/fields/state_table.hpp"
+#include "engine/kinds/components.hpp"
 #include "engine/kinds/effects.hpp"
 #include "engine/kinds/energy.hpp"
 #include "engine/kinds/fault_kind.hpp"
@@ -27,6 +28,7 @@
 
 namespace troupe::engine {
 
+class Collision;
 class CommittedView;
 class Links;
 class SensingView;
@@ -365,7 +367,8 @@ struct DeviceKind {
     /// the effects of all bodies when it builds the world, and reports an error if the world then takes too
     /// much.
     std::size_t most_effects = 0;
-    bool ends_lives = false;  ///< whether the device may request deaths: DeviceBatch::emit_death()
+    bool feels_collisions = false;  ///< whether DeviceKind::collide is called
+    bool ends_lives = false;        ///< whether the device may request deaths: DeviceBatch::emit_death()
     /// Power that the device draws from its power supply, W. It draws this power while it is in use
     /// (DeviceBatch::senses()) and switched on (DeviceBatch::is_on()), even if a fault has broken it.
     double watts = 0;
@@ -417,6 +420,13 @@ struct DeviceKind {
   /// DeviceBatch::move_joint(). The batches contain all bodies in the world with a device of this kind that
   /// moves joints. DeviceBatch::moved_joint() says whether a joint reached its goal. Null: not needed.
   void (*joints_moved)(const DeviceBatch& batch) = nullptr;
+  /// Called after it is decided which bodies move, and before they move, for each motion that was blocked in
+  /// this tick: once for the devices of the mover, and once for those of the body that blocked it first. The
+  /// bodies that they carry have part in it. The batch has one body. The hook may change the state of the
+  /// device, for example so that `sense` reports the collision later. It is called in each tick in which the
+  /// device runs (DeviceBatch::runs()), also if the device is not due, with the movers in the order of their
+  /// ids; and only if Prepared::feels_collisions is set. It must not throw. Null: not needed.
+  void (*collide)(const DeviceBatch& batch, const Collision& collision) = nullptr;
   /// Called after the bodies have moved: applies one effect that a device of this kind emitted with
   /// DeviceBatch::emit(). Effects are applied one by one, in ascending order of (Effect::source,
   /// Effect::device, Effect::sequence). Each call sees the results of the earlier calls. Poses are those
@@ -608,6 +618,10 @@ struct Percept {
   /// (engine/kinds/localization.hpp). If the controller commands a drive device (DeviceKind::drives):
   /// estimated pose of the drive device, as the state of the drive device gives it.
   Pose estimate = {};
+  bool stalled = false;  ///< whether the robot's last motion was blocked or would have left the bounds
+  /// What blocked the robot in the last tick; all zero if nothing did, or without
+  /// ControllerKind::reads_contacts.
+  Contact blocked_by = {};
 
   /// Ranges that a ranger (range sensor) measured, m, one per beam. `ranger` is the index of the ranger in
   /// `devices`. Throws std::out_of_range if there is no such index. The device must be a ranger: throws
@@ -691,7 +705,10 @@ struct DecideBatch {
   std::span<const BodyId> ids;           ///< id of each row of the world
   std::span<const std::uint32_t> slots;  ///< slot of each row of the world in the tables of its type
   std::span<Command> commands;           ///< drive command of each row of the world
-  Estimates estimates;                   ///< estimated poses of the robots, as their drives estimate them
+  std::span<const std::uint8_t> stalls;  ///< component `stall` of each row of the world: 0 unless stalled
+  /// Component `contact` of each row of the world; empty if the state does not have it.
+  std::span<const Contact> contacts;
+  Estimates estimates;  ///< estimated poses of the robots, as their drives estimate them
 
   /// The rows of one state table of the type. The table has one row per robot of the type, indexed by slot.
   struct Rows {
@@ -735,6 +752,14 @@ struct DecideBatch {
   Pose estimate(std::size_t i) const {
     if (drive_state != nullptr) return drive_state->as<Pose>(slot(i));
     return estimates.of(row(i), slot(i));
+  }
+  /// Whether the last motion of robot i was blocked, or would have left the bounds of the world.
+  bool stalled(std::size_t i) const { return stalls[row(i).index()] != 0; }
+  /// What blocked robot i in the last tick; all zero if nothing did, or if the state does not say so
+  /// (ControllerKind::reads_contacts).
+  Contact blocked_by(std::size_t i) const {
+    const std::size_t r = row(i).index();
+    return contacts.empty() ? Contact() : contacts[r];
   }
   /// The random numbers of robot i in this tick. Each call returns the same sequence from its beginning.
   Random random(std::size_t i) const { return {seed, stream, body(i), static_cast<std::uint32_t>(tick)}; }
@@ -786,6 +811,9 @@ struct ControllerKind {
   FieldTable params = {};      ///< table of the parameters of a controller of this kind
   bool needs_drive = true;     ///< false: bodies without a drive may also have the controller
   bool switches = false;       ///< whether controllers of this kind may call Actions::switch_device()
+  /// Whether controllers of this kind read what blocked their robots: Percept::blocked_by,
+  /// DecideBatch::blocked_by(). The state then has the component `contact`.
+  bool reads_contacts = false;
   /// True: one call of `decide` decides for all robots of a type that decide in a tick. The batch has them in
   /// the order of their ids, and the commands may depend on all of them. The call is made on the thread that
   /// steps the world, after the calls of all controllers for which this member is false. If several ranks

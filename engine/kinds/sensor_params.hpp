@@ -105,6 +105,8 @@ struct BumperStripParams {
 struct BumperParams {
   std::vector<BumperStripParams> bumpers;
   double thickness = 0.02;
+  /// False, as in Stage, unless a JSON world says otherwise: worlds that were stored before had no crashes.
+  bool crashes = false;
 
   static constexpr void describe(Description<BumperParams>& d) {
     using namespace facts;
@@ -112,6 +114,11 @@ struct BumperParams {
     d.member<&BumperParams::bumpers>("bumpers", required, "contact strips, each with its own pose");
     d.member<&BumperParams::thickness>("thickness", meters, within(0, 10),
                                        "distance up to which a strip detects bodies");
+    d.member<&BumperParams::crashes>(
+        "crashes", in_json(1), is_sparse,
+        "true: a strip also detects a body if a motion that was blocked since the last reading, of the robot "
+        "or of that body, would have brought them together; a blocked robot stops short of what it hits, by "
+        "up to the way of a tick");
   }
 };
 

@@ -94,6 +94,7 @@ void Links::build() {
     resize_with_room(*buffers, composites_.size());
   resize_with_room(samples_, composites_.size());
   resize_with_room(blocked_, composites_.size());
+  resize_with_room(blockers_, composites_.size());
   near_.resize(std::max(near_.size(), (composites_.size() + k_trees_per_task - 1) / k_trees_per_task));
   for (std::vector<std::uint32_t>& list : near_) list.reserve(k_room_near);
 
@@ -375,7 +376,7 @@ void Links::resolve_joints(double longest_motion, Border* border) {
     });
     if (border) border->exchange_blocked(*this);
     for_roots([&](std::size_t c, std::uint32_t r) {
-      if (samples_[c] > 0) answer_joints(Row(r), round, blocked_[c] != 0);
+      if (samples_[c] > 0) answer_joints(Row(r), round, blocked_[c] != 0, blockers_[c]);
     });
   }
 }
@@ -482,10 +483,26 @@ bool Links::joints_blocked(std::size_t c, Row root, std::size_t round, double re
     if (!meets_scene && !meets_others(root, others, after)) continue;
     shape_at(k - 1, before_[c]);
     const PlacedShape before(before_[c].shape(), at, z);
-    if (meets_scene && (!state_.scene.overlaps(before) || state_.scene.deepens(before, after))) return true;
-    if (blocked_by_others(root, others, before, after)) return true;
+    if ((meets_scene && (!state_.scene.overlaps(before) || state_.scene.deepens(before, after))) ||
+        blocked_by_others(root, others, before, after)) {
+      if (state_.has_contacts()) blockers_[c] = joint_blocker(root, others, before, after);
+      return true;
+    }
   }
   return false;
+}
+
+/// The body that blocks the moving pieces of a tree at a sample, by the rule of Contact.
+BodyId Links::joint_blocker(Row root, std::span<const std::uint32_t> others, const PlacedShape& before,
+                            const PlacedShape& after) const {
+  if (state_.scene.has_obstacles())
+    if (const BodyId body = state_.scene.blocker(before, after); body.valid()) return body;
+  BodyId lowest;
+  for (const std::uint32_t other : others) {
+    const BodyId body = state_.view.body(Row(other));
+    if (body < lowest && blocked_by_others(root, {&other, 1}, before, after)) lowest = body;
+  }
+  return lowest;
 }
 
 /// Lists the roots of the other trees that may overlap the moving pieces of a tree at any pose of this round,
@@ -581,8 +598,8 @@ void Links::mark_joints(Row row, std::size_t round, Goal state) {
 }
 
 /// Ends a round of resolution for a body and for all bodies that it carries. If `blocked` is false, their
-/// joints move to their goals. If it is true, the joints stay, and are marked as blocked.
-void Links::answer_joints(Row row, std::size_t round, bool blocked) {
+/// joints move to their goals. If it is true, the joints stay, and are marked as blocked: by the body `by`.
+void Links::answer_joints(Row row, std::size_t round, bool blocked, BodyId by) {
   const BodyType& type = state_.type(row);
   if (round < type.joint_devices.size()) {
     const BodyType::Device& device = type.devices[type.joint_devices[round]];
@@ -591,6 +608,9 @@ void Links::answer_joints(Row row, std::size_t round, bool blocked) {
       const std::size_t j = static_cast<std::size_t>(device.moves) + n;
       if (all[j].state != Goal::asked) continue;
       all[j].state = blocked ? Goal::blocked : Goal::moved;
+      if (blocked && state_.has_contacts() && row.index() < state_.own_rows)
+        if (Contact& contact = state_.contact(row); contact.cause == Contact::k_none)
+          contact = {Contact::k_joint, by.value + 1, 0};
       if (!blocked) state_.joint_state(row, j) = all[j].goal;
     }
   }
@@ -600,7 +620,7 @@ void Links::answer_joints(Row row, std::size_t round, bool blocked) {
     if (state_.roots[row.index()] == row.value) state_.update_outlines(row, type, state_.view.transform(row));
   }
   for (std::uint32_t c = first_cargo_[row.index()]; c != k_none; c = next_cargo_[c])
-    answer_joints(Row(c), round, blocked);
+    answer_joints(Row(c), round, blocked, by);
   if (!blocked) reshape(row.value);
 }
 

@@ -193,6 +193,8 @@ class Links {
   double ask_joints(std::size_t c, Row root, std::size_t round);
   double shape_moving(Row root, ShapeBuffer& shape) const;
   bool joints_blocked(std::size_t c, Row root, std::size_t round, double reach);
+  BodyId joint_blocker(Row root, std::span<const std::uint32_t> others, const partition::PlacedShape& before,
+                       const partition::PlacedShape& after) const;
   std::span<const std::uint32_t> roots_near(std::size_t c, Row root, double reach);
   template <class Visit>
   bool any_near(Row root, const partition::PlacedShape& mine, std::span<const std::uint32_t> others,
@@ -202,7 +204,7 @@ class Links {
   bool blocked_by_others(Row root, std::span<const std::uint32_t> others,
                          const partition::PlacedShape& before, const partition::PlacedShape& after) const;
   void mark_joints(Row row, std::size_t round, Goal state);
-  void answer_joints(Row row, std::size_t round, bool blocked);
+  void answer_joints(Row row, std::size_t round, bool blocked, BodyId by);
   void carry_cargo_of(Row carrier);
   template <class Work>
   void for_roots(Work&& work);
@@ -226,6 +228,7 @@ class Links {
   std::vector<ShapeBuffer> before_;      // the same pieces, at the pose that was tested before
   std::vector<std::uint32_t> samples_;   // number of poses to test in this round; 0: no motion
   std::vector<std::uint8_t> blocked_;    // 1 if the motion of this round is blocked
+  std::vector<BodyId> blockers_;         // what blocks it, if WorldState::has_contacts()
   // One per task of for_roots(): the roots of the trees near the tree that is tested now.
   std::vector<std::vector<std::uint32_t>> near_;
 

@@ -34,7 +34,10 @@ std::span<const EventKind> event_kinds() {
 
 std::string_view event_name(EventType type) { return event_kinds()[static_cast<std::size_t>(type)].name; }
 
-EventWatch::EventWatch(const World& world) { remember(world); }
+EventWatch::EventWatch(World& world) {
+  world.watch_contacts();
+  remember(world);
+}
 
 EventWatch::Stall EventWatch::stall_of(const World& world, Row row) {
   if (!world.stalled(row)) return k_free;
@@ -101,8 +104,8 @@ std::span<const Event> EventWatch::see(const World& world) {
         events_.push_back(
             {before == k_out_of_bounds ? EventType::held_ends : EventType::stall_ends, body, {}});
       if (now != k_free)
-        events_.push_back(
-            {now == k_out_of_bounds ? EventType::held_begins : EventType::stall_begins, body, {}});
+        events_.push_back({now == k_out_of_bounds ? EventType::held_begins : EventType::stall_begins, body,
+                           world.contact(Row(r)).blocker()});
       before = now;
     }
     BodyId& carrier = carriers_[body.index()];

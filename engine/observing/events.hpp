@@ -47,7 +47,9 @@ std::string_view event_name(EventType type);  ///< name in files and tables: "st
 struct Event {
   EventType type;  ///< type of the event
   BodyId body;     ///< the body that the event concerns; for `release` and `grip`, the carrier
-  BodyId other;    ///< for `release` and `grip`: the carried body; not valid() for other types
+  /// For `release` and `grip`: the carried body. For `stall_begins`: the body that blocked the motion
+  /// (Contact::body). Not valid() for other types.
+  BodyId other;
 };
 
 /// Finds the events of each tick by comparing the state of a world after the tick with the state before it.
@@ -55,10 +57,11 @@ struct Event {
 /// object can watch only one world.
 class EventWatch {
  public:
-  /// Starts from the present state of the world: the first events are those of the next tick. The last step
+  /// Starts from the present state of the world: the first events are those of the next tick. Calls
+  /// World::watch_contacts(). The last step
   /// of the world must not have thrown an exception, because its state is then incomplete
   /// (World::require_whole()). The constructor does not check this.
-  explicit EventWatch(const World& world);
+  explicit EventWatch(World& world);
 
   /// Returns the events of the tick that has just ended, sorted by (Event::body, Event::type, Event::other).
   /// Call this after every step. The result is valid until the next call.

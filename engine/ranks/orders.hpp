@@ -37,6 +37,7 @@ enum class Order : std::uint8_t {
   outcomes,    ///< in a tick: outcomes of motions of rows that are ghosts on the receiver (RankBorder)
   places,      ///< in a tick: final positions of pushed bodies (RankBorder)
   joints,      ///< in a tick: whether joint motions of ghosts on the receiver are blocked (RankBorder)
+  blocks,      ///< in a tick: what blocked rows that are ghosts on the receiver (RankBorder)
   candidates,  ///< in a tick: bodies of own rows of the sender that an intervention may choose
   moves,       ///< in a tick: whether interventions have moved a body on the sender (RankRows::on_any_rank())
   effects,     ///< in a tick: rows that effects change, or whether ranks lack ghosts (SharedEffects)

@@ -16,6 +16,26 @@ namespace {
 using partition::MessageReader;
 using partition::MessageWriter;
 
+void put_block(MessageWriter& message, const Conflicts::Block& block) {
+  message.put(block.contact);
+  message.put(block.sample);
+  message.put(block.samples);
+  message.put_point(block.at.position);
+  message.put(block.at.rotation);
+  message.put(block.z);
+}
+
+Conflicts::Block get_block(MessageReader& message) {
+  Conflicts::Block block;
+  block.contact = message.get<Contact>();
+  block.sample = message.get<std::uint32_t>();
+  block.samples = message.get<std::uint32_t>();
+  block.at.position = message.get_point();
+  block.at.rotation = message.get<Rotation>();
+  block.z = message.get<double>();
+  return block;
+}
+
 [[noreturn]] void throw_bad_message() {
   throw std::logic_error(
       "internal error: a message between ranks has the rows of other bodies; this is no error of your input: "
@@ -171,6 +191,32 @@ void RankBorder::exchange_blocked(Links& links) {
       if (!links.moves_joints(Row(row))) continue;
       if (!received) received = post_.receive(Order::joints, from);
       if (received->rest.get<std::uint8_t>() != 0) links.block(Row(row));
+    }
+  }
+}
+
+/// Ranks that have ghosts of each other send one message to each other: if a rank has rows in the list
+/// shown[to], rank `to` has rows in the list seen[this rank].
+void RankBorder::exchange_blocks(std::span<Conflicts::Block> blocks) {
+  for (unsigned to = 0; to < post_.ranks; ++to) {
+    const std::vector<std::uint32_t>& rows = rows_.shown[to];
+    if (rows.empty()) continue;
+    MessageWriter message = post_.begin(Order::blocks);
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+      if (blocks[rows[i]].sample == 0) continue;
+      message.put(i);
+      put_block(message, blocks[rows[i]]);
+    }
+    post_.send(to, std::move(message));
+  }
+  for (unsigned from = 0; from < post_.ranks; ++from) {
+    const std::vector<std::uint32_t>& rows = rows_.seen[from];
+    if (rows.empty()) continue;
+    ReceivedOrder received = post_.receive(Order::blocks, from);
+    while (!received.rest.is_done()) {
+      const auto i = received.rest.get<std::uint32_t>();
+      if (i >= rows.size()) throw_bad_message();
+      blocks[rows[i]] = get_block(received.rest);
     }
   }
 }

@@ -55,6 +55,9 @@ class RankBorder final : public Conflicts::Border, public Links::Border {
   /// ranks if a body was pushed farther than begin_tick() allows.
   void exchange_places(Conflicts& conflicts) override;
   void exchange_blocked(Links& links) override;
+  /// Sends what blocked own rows to the ranks with ghosts of them, and writes that of the ghosts of this
+  /// rank. Called in each tick of a world with devices that feel collisions.
+  void exchange_blocks(std::span<Conflicts::Block> blocks);
 
  private:
   void send_outcomes(unsigned to, const Conflicts& conflicts);

@@ -126,6 +126,7 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
     has_callback_ = has_callback;
     MessageWriter message = message_of(Order::step);
     message.put(has_callback);
+    message.put(world_.watches_contacts());
     message.put(rejections_);
     put_changes(message);
     transport_.send_to_all(std::move(message));

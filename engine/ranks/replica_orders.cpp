@@ -37,6 +37,7 @@ void Replica::follow(Order order, MessageReader message) {
   switch (order) {
     case Order::step:
       has_callback_ = message.get<bool>();
+      if (message.get<bool>()) world_.watch_contacts();
       require_equal_rejections(message.get<std::uint64_t>());
       get_changes(message, false);
       require_whole();

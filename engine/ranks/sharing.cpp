@@ -50,6 +50,8 @@ std::vector<Sharing> sharing_of(const World& world) {
                                             tables.begin())];
   };
   of("velocity") = Sharing::sent;
+  if (std::ranges::find(tables, "contact", &StateTable::component) != tables.end())
+    of("contact") = Sharing::kept;
   of("command") = is_read(world, k_command_of_others) ? Sharing::sent : Sharing::kept;
   const bool is_running_read = is_read(world, k_runs_of_others);
   for (const BodyType& type : world.types()) {

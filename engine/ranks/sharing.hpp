@@ -29,8 +29,9 @@ enum class Sharing : std::uint8_t {
 ///   (DeviceKind::joints_moved, apply or born)
 /// - all other states and commands that a kind in the world declares in DeviceKind::reads
 ///
-/// kept: all other states of devices (these are the readings of most sensors), all other commands, and the
-/// memories of controllers. Only the devices and controllers of the row's own body read them.
+/// kept: all other states of devices (these are the readings of most sensors), all other commands, what
+/// blocked bodies, and the memories of controllers. Only the devices and controllers of the row's own body
+/// read them.
 ///
 /// alike: all other tables.
 std::vector<Sharing> sharing_of(const World& world);

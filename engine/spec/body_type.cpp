@@ -247,6 +247,8 @@ class TypeCompiler {
     type_.carries = type_.carries || kind->carries;
     type_.joint_reach += type_.devices.back().prepared.joint_reach_m;
     if (moves_joints(device, *kind)) type_.joint_devices.push_back(type_.devices.size() - 1);
+    if (type_.devices.back().prepared.feels_collisions && kind->collide != nullptr)
+      type_.collision_devices.push_back(type_.devices.size() - 1);
   }
 
   static bool moves_joints(const DeviceSpec& device, const DeviceKind& kind) {

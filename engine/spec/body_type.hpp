@@ -134,6 +134,8 @@ struct BodyType {
   /// Indices of the devices that move joints, ascending. If add_device() has added the devices of the type, a
   /// device that moves a joint comes before the devices that are mounted on this joint.
   std::vector<std::size_t> joint_devices;
+  /// Indices of the devices that feel collisions (DeviceKind::Prepared::feels_collisions), ascending.
+  std::vector<std::size_t> collision_devices;
   /// Whether the bodies can carry other bodies: a device of the type, such as a gripper, can pick them up.
   bool carries = false;
 

@@ -263,6 +263,7 @@ constexpr void describe(Description<WorldSpec>& d) {
   d.member<&WorldSpec::reserves>("reserves", is_sparse);
   d.member<&WorldSpec::empty_populations>("empty_populations", is_sparse);
   d.member<&WorldSpec::mortal>("mortal", is_sparse);
+  d.member<&WorldSpec::contacts>("contacts", is_sparse);
   d.member<&WorldSpec::types>("types");
   d.apart<&WorldSpec::bodies>("bodies");
   d.apart<&WorldSpec::aliases>("aliases");

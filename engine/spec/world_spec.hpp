@@ -274,6 +274,9 @@ struct WorldSpec {
   /// because of a reserve (World::has_lives()). They may disable bodies if the world has faults, or
   /// interventions that disable or enable bodies (World::has_conditions()).
   bool mortal = false;
+  /// True: the state has the component `contact` (Contact), which says what blocked each body in the last
+  /// tick. It also has it if a controller reads it (ControllerKind::reads_contacts).
+  bool contacts = false;
   /// Further names of bodies; each occurs only once in this list. For example, a model that has a `name` in a
   /// Stage file can also be found under the name that Stage would generate for a model without a name.
   std::vector<NamedBody> aliases;

@@ -100,6 +100,7 @@ void WorldState::update_jointed_outlines(Row row, const BodyType& type, const Tr
 
 void WorldState::clear(Row row) {
   for_tables_of(row, [this](std::size_t t, std::size_t at) { tables[t].clear_row(at); });
+  if (!contacts.empty()) contacts[row.index()] = {};
 }
 
 }  // namespace troupe::engine

@@ -113,12 +113,20 @@ struct WorldState {
   /// set: no body can be disabled or have a fault.
   std::optional<std::size_t> condition_table;
 
+  /// Index in `tables` of the component `contact`, which says what blocked the bodies. Not set: the state has
+  /// no such component, because nothing that the world contains reads it.
+  std::optional<std::size_t> contact_table;
+
   // State.
   std::vector<StateTable> tables;  ///< the state tables
   TickCounts now;  ///< number of the tick, which is state, and counts of certain rows, which are derived
 
   // Set by the program.
   std::vector<std::uint8_t> subscribed;  ///< public: 1 if World::subscribe() was called for the body
+  bool watches_contacts = false;         ///< whether World::watch_contacts() was called
+  /// What blocked the body of each row in the last tick, if `watches_contacts`, but the state has no
+  /// component for it; otherwise empty. No later tick depends on it.
+  std::vector<Contact> contacts;
 
   // Derived.
   std::vector<Transform> transforms;  ///< public: the poses as transforms
@@ -200,6 +208,17 @@ struct WorldState {
   ///@{
   Condition& condition(Row row) { return tables[*condition_table].as<Condition>(row.index()); }
   const Condition& condition(Row row) const { return tables[*condition_table].as<Condition>(row.index()); }
+  ///@}
+  /// Whether it is known what blocked the bodies in the last tick: contact() may be called.
+  bool has_contacts() const { return contact_table || watches_contacts; }
+  /// What blocked the row's body in the last tick.
+  ///@{
+  Contact& contact(Row row) {
+    return contact_table ? tables[*contact_table].as<Contact>(row.index()) : contacts[row.index()];
+  }
+  const Contact& contact(Row row) const {
+    return contact_table ? tables[*contact_table].as<Contact>(row.index()) : contacts[row.index()];
+  }
   ///@}
   /// Present pose of a joint of the row's body, relative to the pose of the joint at rest, m and rad. `joint`
   /// is an index into BodyType::joints.

@@ -103,6 +103,7 @@ void World::move_rows(std::span<const std::uint32_t> to,
   move_elements(state_.row_types, moved, to);
   move_elements(state_.slots, moved, to);
   move_elements(state_.subscribed, moved, to);
+  move_elements(state_.contacts, moved, to);
   for (std::size_t r = 0; r < rows(); ++r) {
     const std::uint32_t t = state_.row_types[r];
     state_.rows[state_.bodies[r].index()] = Row(r);
@@ -214,6 +215,7 @@ void World::drop_rows(const std::vector<bool>& leaves) {
   state_.slots.resize(kept);
   state_.outline_begins.resize(kept);
   state_.subscribed.resize(kept);
+  if (!state_.contacts.empty()) state_.contacts.resize(kept);
   std::vector<std::size_t> counts(state_.tables.size(), kept);
   for (std::size_t t = 0; t < state_.types.size(); ++t)
     if (state_.pools[t].rows > 0)
@@ -270,6 +272,7 @@ void World::append_rows(std::span<const RowState> added) {
     state_.slots.push_back(counts[t]++);
     state_.outline_begins.push_back(state_.outline_begin(t, state_.slots.back()));
     state_.subscribed.push_back(0);
+    if (state_.watches_contacts && !state_.contact_table) state_.contacts.emplace_back();
     for (std::size_t table = 0; table < state_.tables.size(); ++table)
       if (!is_of_type[table]) state_.tables[table].add_rows({&each.body, 1});
     for_tables_of_type(state_.types[t], [&](std::size_t table) {
@@ -281,11 +284,13 @@ void World::append_rows(std::span<const RowState> added) {
     if (!each.bytes.empty()) set_state(row(each.body), each.bytes);
 }
 
-/// Returns all data of a row that are neither constant nor derived: whether its body is subscribed, the
-/// entries of the row in the lists of placed bodies (set_poses()), and the row's data in the state tables.
+/// Returns all data of a row that are neither constant nor derived: whether its body is subscribed, what
+/// blocked it if that is watched, the entries of the row in the lists of placed bodies (set_poses()), and the
+/// row's data in the state tables.
 std::vector<std::byte> World::row_bytes(Row row) {
   partition::MessageWriter message;
   message.put(state_.subscribed[row.index()]);
+  message.put(state_.contacts.empty() ? Contact() : state_.contacts[row.index()]);
   for (const PlacedRows* list : {&placed_, &placed_before_}) {
     const Pose* const pose = list->find(row);
     message.put(static_cast<std::uint8_t>(pose != nullptr));
@@ -302,6 +307,8 @@ std::vector<std::byte> World::row_bytes(Row row) {
 void World::set_state(Row row, std::span<const std::byte> bytes) {
   partition::MessageReader message(bytes);
   state_.subscribed[row.index()] = message.get<std::uint8_t>();
+  const auto contact = message.get<Contact>();
+  if (!state_.contacts.empty()) state_.contacts[row.index()] = contact;
   for (PlacedRows* list : {&placed_, &placed_before_})
     if (message.get<std::uint8_t>() != 0) list->set(row, message.get<Pose>());
   state_.for_tables_of(row, [&](std::size_t t, std::size_t at) {

@@ -1,5 +1,6 @@
 #include "base/fp_environment.hpp"
 #include "base/raised.hpp"
+#include "engine/conflicts/collision.hpp"
 #include "engine/kinds/finite.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/state/batches.hpp"
@@ -431,6 +432,9 @@ void World::decide(std::span<const Row> rows, const BodyType& type, const BodyTy
                     .ids = state_.bodies,
                     .slots = state_.slots,
                     .commands = state_.as<Command>(WorldState::k_command),
+                    .stalls = state_.stalls(),
+                    .contacts = state_.contact_table ? state_.as<Contact>(*state_.contact_table)
+                                                     : std::span<const Contact>(),
                     .estimates = estimates(type)};
   const auto rows_of = [this](std::size_t table) {
     return DecideBatch::Rows{state_.tables[table].row(0), state_.tables[table].row_bytes()};
@@ -460,6 +464,7 @@ void World::move() {
   movement_.propose();
   movement_.resolve(links_.composites(), replica_ ? replica_->border() : nullptr);
   conflict_rounds_ += movement_.rounds();
+  if (has_collisions_) report_collisions();
   movement_.commit();
   if (links_.any()) {
     links_.resolve_joints(movement_.longest(), replica_ ? replica_->border() : nullptr);
@@ -470,6 +475,54 @@ void World::move() {
   else
     report_joints();
   apply_effects();
+}
+
+/// Calls the hook collide of the devices of the own rows whose body ran into another one in this tick, or was
+/// run into: for each body in the order of the ids of the movers. The bodies are still at their old poses.
+void World::report_collisions() {
+  if (replica_ && replica_->border()) replica_->border()->exchange_blocks(movement_.blocks());
+  felt_.clear();
+  const std::span<const Conflicts::Block> blocks = movement_.blocks();
+  for (std::uint32_t r = 0; r < blocks.size(); ++r) {
+    if (blocks[r].sample == 0) continue;
+    add_feelers(Row(r), r);
+    const BodyId other = blocks[r].contact.blocker();
+    if (location(other) == RowLocation::here) add_feelers(row(other), r);
+  }
+  std::ranges::sort(felt_, {},
+                    [this](const Felt& felt) { return std::pair(felt.feeler, state_.ids[felt.mover]); });
+  constexpr std::size_t k_batch = 16;
+  parallel_.for_batches(felt_.size(), k_batch, [&](std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) {
+      if (i > 0 && felt_[i - 1].feeler == felt_[i].feeler) continue;  // the task of the first one does all
+      for (std::size_t j = i; j < felt_.size() && felt_[j].feeler == felt_[i].feeler; ++j) {
+        const auto& [feeler, mover, as_mover] = felt_[j];
+        const BodyId other = blocks[mover].contact.blocker();
+        const Row blocker = location(other) == RowLocation::here ? row(other) : Row();
+        const Collision collision = movement_.collision(mover, blocker.value, as_mover);
+        const BodyType& type = state_.type(feeler);
+        for (const std::size_t d : type.collision_devices) {
+          const BodyType::Device& device = type.devices[d];
+          const DeviceBatch batch = device_batch({&feeler, 1}, type, device);
+          if (batch.runs(0, d)) device.kind->collide(batch, collision);
+        }
+      }
+    }
+  });
+}
+
+/// Adds the bodies of a tree whose devices feel a collision of `mover` to felt_.
+void World::add_feelers(Row root, std::uint32_t mover) {
+  const RowRange own = own_rows();
+  const auto add = [&](Row row) {
+    if (own.first <= row.index() && row.index() < own.end && !type(row).collision_devices.empty())
+      felt_.push_back({row, mover, root.value == mover});
+  };
+  add(root);
+  if (state_.now.carried == 0 || !links_.any()) return;
+  std::vector<Row> cargo;
+  links_.add_cargo(root, cargo);
+  std::ranges::for_each(cargo, add);
 }
 
 /// Throws std::logic_error if the hook `apply` of a kind is running that does not declare `carries`. If such

@@ -86,6 +86,7 @@ void World::derive() {
 }
 
 void World::derive_state() {
+  std::ranges::fill(state_.contacts, Contact());
   derive_lives();
   count_impaired();
   movement_.count_stalls();
@@ -247,6 +248,7 @@ void World::place(Row row, const Pose& pose) {
   const Pose placed = at_start(pose);
   state_.poses()[row.index()] = placed;
   state_.stalls()[row.index()] = WorldState::k_free;
+  if (state_.has_contacts()) state_.contact(row) = {};
   movement_.rest(row);
   state_.update_outlines(row, type(row), Transform(placed));
   remember_placed(row);
@@ -307,6 +309,16 @@ bool World::stalled(Row row) const { return state_.stalls()[row.index()] != Worl
 bool World::is_out_of_bounds(Row row) const {
   return state_.stalls()[row.index()] == WorldState::k_out_of_bounds;
 }
+
+void World::watch_contacts() {
+  require_between_steps("watch_contacts()");
+  if (state_.watches_contacts) return;
+  state_.watches_contacts = true;
+  movement_.find_blocks();
+  if (!state_.contact_table) state_.contacts.resize(rows());
+}
+
+Contact World::contact(Row row) const { return state_.has_contacts() ? state_.contact(row) : Contact(); }
 
 void World::throw_half_made() const {
   throw std::logic_error(fmt::format(

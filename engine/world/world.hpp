@@ -447,6 +447,19 @@ class World {
   bool stalled(Row row) const;
   /// Whether the row's last motion was out of bounds.
   bool is_out_of_bounds(Row row) const;
+  /// What blocked the row's body in the last tick. Known only if the state has the component `contact`
+  /// (WorldSpec::contacts), or in ticks that begin after a call of watch_contacts(); otherwise all members
+  /// are zero, as for a body that nothing blocked.
+  Contact contact(Row row) const;
+  /// Calls throw_no_contacts() if the state does not have the component `contact`.
+  void require_contacts() const {
+    if (!state_.contact_table) throw_no_contacts();
+  }
+  /// Lets each later step find out what blocks bodies, for contact(). The state and its hashes do not change.
+  /// If the rows are distributed among ranks, call gather() before contact(). Call this between steps.
+  void watch_contacts();
+  /// Whether watch_contacts() was called.
+  bool watches_contacts() const { return state_.watches_contacts; }
   /// Estimated pose of a robot, m and rad. The Localization of the robot's drive says how the robot estimates
   /// its pose, and in which frame. By default, the estimate is the true pose in the world frame. With
   /// odometry, its frame is by default the robot's pose at tick 0 or at its birth. For a body without a
@@ -875,6 +888,8 @@ class World {
   void forget_settings();
 
   void report_joints();
+  void report_collisions();
+  void add_feelers(Row root, std::uint32_t mover);
   void redraw_ray_grid();
   void place(Row row, const Pose& pose);
   void carry_placed();
@@ -911,6 +926,7 @@ class World {
   mutable NameMap names_;  // built by the first find(), because most runs never call it
   mutable std::once_flag names_made_;
   std::size_t robots_at_start_ = 0;
+  bool has_collisions_ = false;  // a device feels collisions (DeviceKind::collide)
   bool has_collective_ = false;  // a type has a controller with ControllerKind::is_collective
 
   // State, and counters.
@@ -946,6 +962,13 @@ class World {
 
   // Scratch: data of the current tick, and the poses that programs set, which measures read.
   Effects effects_;
+  /// A collision of the body `mover` that devices of the body `feeler` feel, both as rows.
+  struct Felt {
+    Row feeler;
+    std::uint32_t mover;
+    bool as_mover;  // the feeler belongs to the tree of the mover
+  };
+  std::vector<Felt> felt_;
   std::vector<Row> deciding_;  // robots with collective controllers, then those for which one of them decides
   PlacedRows placed_;          // set since the last step
   PlacedRows placed_before_;   // set between the last two steps

@@ -242,6 +242,19 @@ void add_carrier_table(WorldState& state) {
       state.bodies);
 }
 
+void add_contact_table(WorldState& state) {
+  state.contact_table = state.tables.size();
+  state.tables.emplace_back(
+      "contact", HashGroup::velocity, Layout::rows,
+      sparse(
+          {{"cause", Element::u32, 1, "",
+            "what blocked the body in the last tick: 0 nothing, 1 another body, 2 a body that it would have "
+            "pushed, 3 the bounds of the world, 4 a body in the way of a joint"},
+           {"body", Element::u32, 1, "", "id of the body that blocked the motion, plus 1; 0: none"},
+           {"behind", Element::u32, 1, "", "id of the body that stops the pushed body, plus 1; 0: none"}}),
+      state.bodies);
+}
+
 // The functions below add the tables of one type. These have one row for each of `bodies`, the bodies of the
 // type.
 
@@ -502,6 +515,16 @@ void World::build_tables() {
   if (std::ranges::any_of(state_.types, &BodyType::carries)) add_carrier_table(state_);
   build_lives();
   build_conditions();
+  const auto reads_contacts = [](const BodyType::Controller& controller) {
+    return controller.kind->reads_contacts;
+  };
+  if (state_.spec.contacts || std::ranges::any_of(state_.types, [&](const BodyType& type) {
+        return std::ranges::any_of(type.controllers, reads_contacts);
+      }))
+    add_contact_table(state_);
+  has_collisions_ =
+      std::ranges::any_of(state_.types, [](const BodyType& type) { return !type.collision_devices.empty(); });
+  if (state_.contact_table || has_collisions_) movement_.find_blocks();
 
   std::vector<std::vector<BodyId>> bodies(state_.types.size());  // by type
   for (std::size_t r = 0; r < rows(); ++r) bodies[state_.row_types[r]].push_back(state_.bodies[r]);

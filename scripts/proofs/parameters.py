@@ -8,7 +8,7 @@ SHAPE = {"transducers", "bumpers", "width", "height", "payload", "directions", "
          "localization", "localization_origin_m", "localization_origin_heading_rad", "odom_error", "odom_heading", "most",
          "paddle_size", "size_m", "type", "drive", "source", "sink", "map", "task", "task2", "task3", "task4", "task5", "task6",
          "task7", "task8", "charger", "puck", "stored_J", "yellow", "paddles", "lift", "start_position", "start_x_mps",
-         "start_y_mps", "start_turn_radps", "clearances_m", "channel", "shows", "unused", "pushes", "turns_when_blocked", "most_heard", "most_targets",
+         "start_y_mps", "start_turn_radps", "clearances_m", "channel", "shows", "unused", "pushes", "turns_when_blocked", "crashes", "most_heard", "most_targets",
          "most_blobs", "when_empty", "min_position", "max_position", "axis"}
 SHAPE_OF = {"ranger": {"intensity"}, "dynamic": {"count", "reach_m"}}
 

@@ -325,6 +325,8 @@ class Generator(Parameters):
         self._measures()
         if self.chance(0.2):
             world["mortal"] = True
+        if self.chance(0.3):
+            world["contacts"] = True
         world["overlaps"] = "warn"
 
     def _fixtures(self):

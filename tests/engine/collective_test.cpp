@@ -78,6 +78,43 @@ struct ChoirScene {
   }
 };
 
+/// Remembers whether its robot is stalled, and the body that blocks it.
+struct Feels {
+  static constexpr bool reads_contacts = true;
+  struct Memory {
+    bool stalled = false;
+    std::uint32_t by = 0;
+    TROUPE_FIELDS(stalled, by)
+  };
+  void operator()(Memory& memory, const Percept& percept, Random&, Actions& actions) const {
+    memory = {percept.stalled, percept.blocked_by.body};
+    actions.set_speed(1, 0, 0);
+  }
+};
+
+TEST(Controller, ReadsWhatBlockedItsRobot) {
+  Registry registry = choir_registry();
+  registry.controllers.push_back(make_controller_kind<Feels>("feels", "..."));
+  test::SceneBuilder scene;
+  const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
+  scene[bot].controllers.push_back({.kind = "feels", .params = {}});
+  const BodyId first = scene.body("first", bot);
+  const BodyId wall = scene.wall(0.35, -1, 0.5, 1);
+  Diagnostics diagnostics;
+  World world(scene.spec, registry, {.threads = 1}, diagnostics);
+  std::vector<std::pair<bool, std::uint32_t>> seen;
+  for (int tick = 0; tick < 5; ++tick) {
+    world.step();
+    const StateTable& memories = world.tables()[*world.type(Row(0)).controllers[0].table];
+    const auto& memory = memories.as<Feels::Memory>(world.slot(world.row(first)));
+    seen.emplace_back(memory.stalled, memory.by);
+  }
+  // It moves in tick 2 and 3, by 0.1 m each, and is blocked from tick 4 on.
+  const std::pair<bool, std::uint32_t> blocked(true, wall.value + 1);
+  EXPECT_THAT(seen, ::testing::ElementsAre(::testing::Pair(false, 0u), ::testing::Pair(false, 0u),
+                                           ::testing::Pair(false, 0u), ::testing::Pair(false, 0u), blocked));
+}
+
 /// As Choir, but first makes a step of another world.
 struct Rehearsal : Choir {
   void operator()(const DecideBatch& batch) const {

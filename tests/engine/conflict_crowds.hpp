@@ -250,11 +250,13 @@ inline partition::StaticScene scene_of(const TestCrowd& crowd, double cell_m) {
 
 /// Returns the outcome that the engine computes for each motion of the crowd. free: data that the engine
 /// keeps from tick to tick, one entry per body; pass the same vector in each tick. pushables: which bodies
-/// can be pushed; by default none. border: the connection to other ranks, if there are any
+/// can be pushed; by default none. border: the connection to other ranks, if there are any. blocks: if not
+/// null, receives what blocked each body
 inline std::vector<engine::Conflicts::Outcome> resolve(
     const TestCrowd& crowd, const partition::StaticScene& scene, const partition::GridGeometry& grid,
     partition::Parallel& parallel, engine::Conflicts& conflicts, std::vector<engine::FreeCircle>& free,
-    const engine::Pushables& pushables = {}, engine::Conflicts::Border* border = nullptr) {
+    const engine::Pushables& pushables = {}, engine::Conflicts::Border* border = nullptr,
+    std::vector<engine::Conflicts::Block>* blocks = nullptr) {
   std::vector<Pose> poses;
   std::vector<Transform> transforms;
   std::vector<engine::Motion> motions;
@@ -269,8 +271,10 @@ inline std::vector<engine::Conflicts::Outcome> resolve(
   partition::BodyIndex index(grid);
   index.rebuild(transforms, radii, parallel);
   free.resize(crowd.size());
+  if (blocks != nullptr) blocks->assign(crowd.size(), {});
   conflicts.resolve({poses, transforms, motions, crowd.shapes, crowd.ids, free, crowd.seed, crowd.tick,
-                     crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9)), pushables, crowd.turns},
+                     crowd.bounds.value_or(Box::around(Vec2::Zero(), 1e9)), pushables, crowd.turns,
+                     blocks != nullptr ? std::span(*blocks) : std::span<engine::Conflicts::Block>()},
                     scene, index, parallel, border);
   std::vector<engine::Conflicts::Outcome> outcomes;
   for (std::size_t i = 0; i < crowd.size(); ++i) outcomes.push_back(conflicts.outcome(i));

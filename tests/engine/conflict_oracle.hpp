@@ -140,8 +140,11 @@ inline Motion turn_of(const Motion& m) {
 /// Computes the outcomes of the motions in the simplest way: one body after the other, in the order of their
 /// priorities (a hash of seed, tick and id), without a spatial index and without threads. Tests compare the
 /// outcomes with those of the engine. by_priority: false moves the bodies in the order of their ids instead,
-/// which is wrong. Tests use this to check that the order matters for their crowds.
-inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool by_priority = true) {
+/// which is wrong. Tests use this to check that the order matters for their crowds. contacts: if not null,
+/// receives what blocked each body; the id of a wall is its index.
+inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool by_priority = true,
+                                                       std::vector<engine::Contact>* contacts = nullptr) {
+  using engine::Contact;
   using enum engine::Conflicts::Outcome;
   const std::size_t count = q.motions.size();
   std::vector<std::size_t> order(count);
@@ -163,16 +166,19 @@ inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool b
   }
 
   std::vector<engine::Conflicts::Outcome> outcomes(count, stands);
+  if (contacts != nullptr) contacts->assign(count, {});
   for (const std::size_t i : order) {
     const Motion& m = q.motions[i];
     if (!m.moves) continue;
     const Box all = q.bounds.value_or(Box{Vec2(-1e300, -1e300), Vec2(1e300, 1e300)});
     if (m.to.x < all.min.x() || m.to.x > all.max.x() || m.to.y < all.min.y() || m.to.y > all.max.y()) {
       outcomes[i] = out_of_bounds;
+      if (contacts != nullptr) (*contacts)[i].cause = Contact::k_bounds;
       continue;
     }
     const std::vector<ConvexPrism>& pieces = q.bodies[i]->pieces;
     Blocks there;
+    Contact contact;
     const auto is_free = [&](const Motion& motion) {
       Pose last = m.from;
       there = placed[i];
@@ -182,16 +188,24 @@ inline std::vector<engine::Conflicts::Outcome> resolve(const Question& q, bool b
           return overlap(there, other) &&
                  (!overlap(before, other) || goes_deeper(pieces, last, pose, its, at));
         };
+        std::vector<std::uint32_t> by;  // the ids of the walls in the way or, if there are none, of bodies
         for (std::size_t w = 0; w < walls.size(); ++w)
-          if (forbids(walls[w], wall_pieces[w], {})) return false;
-        for (std::size_t o = 0; o < count; ++o)
-          if (o != i && forbids(placed[o], q.bodies[o]->pieces, now[o])) return false;
+          if (forbids(walls[w], wall_pieces[w], {})) by.push_back(static_cast<std::uint32_t>(w));
+        const bool is_walled = !by.empty();
+        for (std::size_t o = 0; o < count && !is_walled; ++o)
+          if (o != i && forbids(placed[o], q.bodies[o]->pieces, now[o])) by.push_back(q.ids[o]);
+        if (!by.empty()) {
+          contact = {Contact::k_body, std::ranges::min(by) + 1, 0};
+          return false;
+        }
         last = pose;
       }
       return true;
     };
     const Motion turn = turn_of(m);
-    outcomes[i] = is_free(m) ? moved : may_turn(q, i) && is_free(turn) ? turned : blocked;
+    outcomes[i] = is_free(m) ? moved : blocked;
+    if (contacts != nullptr) (*contacts)[i] = contact;
+    if (outcomes[i] == blocked && may_turn(q, i) && is_free(turn)) outcomes[i] = turned;
     if (outcomes[i] == blocked) continue;
     now[i] = outcomes[i] == moved ? m.to : turn.to;
     placed[i] = std::move(there);

@@ -37,17 +37,23 @@ struct Tally {
 };
 
 void compare(const TestCrowd& crowd, Teams& teams, Tally& tally) {
-  const std::vector<Outcome> expected = resolve(crowd.question());
+  std::vector<engine::Contact> contacts;
+  const std::vector<Outcome> expected = resolve(crowd.question(), true, &contacts);
   std::uint64_t rounds = 0;
   for (std::size_t t = 0; t < k_threads.size(); ++t) {
     const partition::GridGeometry& grid = k_grids[(tally.crowds + t) % k_grids.size()];
     const double cell = k_scene_cells[(tally.crowds + t) % k_scene_cells.size()];
-    const std::vector<Outcome> got =
-        resolve(crowd, scene_of(crowd, cell), grid, teams.parallel[t], teams.conflicts[t]);
-    for (std::size_t i = 0; i < crowd.size(); ++i)
+    std::vector<engine::FreeCircle> free;
+    std::vector<Conflicts::Block> blocks;
+    const std::vector<Outcome> got = resolve(crowd, scene_of(crowd, cell), grid, teams.parallel[t],
+                                             teams.conflicts[t], free, {}, nullptr, &blocks);
+    for (std::size_t i = 0; i < crowd.size(); ++i) {
       ASSERT_EQ(static_cast<int>(got[i]), static_cast<int>(expected[i]))
           << "body " << i << " of " << crowd.size() << ", " << k_threads[t] << " threads, cells of "
           << grid.cell_m;
+      ASSERT_EQ(blocks[i].contact.cause, contacts[i].cause) << "body " << i;
+      ASSERT_EQ(blocks[i].contact.body, contacts[i].body) << "body " << i;
+    }
     ASSERT_TRUE(t == 0 || teams.conflicts[t].rounds() == rounds) << k_threads[t] << " threads";
     rounds = teams.conflicts[t].rounds();
   }

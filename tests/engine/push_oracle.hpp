@@ -20,6 +20,7 @@ struct PushQuestion {
 struct PushAnswer {
   std::vector<engine::Conflicts::Outcome> outcomes;
   std::vector<Pose> poses;
+  std::vector<engine::Contact> contacts;  ///< what blocked each body; the id of a wall is its index
   std::size_t shifts = 0;    ///< number of pushes: a robot pushes a body, directly or through other bodies
   std::size_t chained = 0;   ///< number of pushes through other bodies
   std::size_t again = 0;     ///< number of pushes of a body that another robot pushed before in the tick
@@ -97,6 +98,7 @@ inline double radius_of(const std::vector<ConvexPrism>& pieces) {
 inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority = true,
                                   bool only_near = true) {
   using enum engine::Conflicts::Outcome;
+  using engine::Contact;
   const Question& q = question.base;
   const std::size_t count = q.motions.size();
   const auto squared = [](const Pose& a, const Pose& b) {
@@ -139,7 +141,7 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
     return p.x < all.min.x() || p.x > all.max.x() || p.y < all.min.y() || p.y > all.max.y();
   };
 
-  PushAnswer answer{std::vector(count, stands), {}};
+  PushAnswer answer{std::vector(count, stands), {}, std::vector<Contact>(count)};
   std::vector<Pose>& now = answer.poses;
   std::vector<Blocks> placed;
   for (std::size_t i = 0; i < count; ++i) {
@@ -156,13 +158,17 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
            (!overlap(before, placed[o]) ||
             goes_deeper(q.bodies[i]->pieces, from, to, q.bodies[o]->pieces, now[o]));
   };
-  const auto is_walled = [&](std::size_t i, const Pose& from, const Blocks& before, const Pose& to,
-                             const Blocks& there) {
+  /// What forbids that body i goes from one sample to the next, as an id plus 1: the first wall, otherwise
+  /// the body with the lowest id for which `counts` is true. 0: nothing.
+  const auto in_way = [&](std::size_t i, const Pose& from, const Blocks& before, const Pose& to,
+                          const Blocks& there, auto&& counts) -> std::uint32_t {
     for (std::size_t w = 0; w < walls.size(); ++w)
       if (overlap(there, walls[w]) &&
           (!overlap(before, walls[w]) || goes_deeper(q.bodies[i]->pieces, from, to, wall_pieces[w], {})))
-        return true;
-    return false;
+        return static_cast<std::uint32_t>(w) + 1;
+    for (const std::size_t o : by_id)
+      if (o != i && counts(o) && forbids(o, i, from, before, to, there)) return q.ids[o] + 1;
+    return 0;
   };
 
   for (const std::size_t i : order) {
@@ -170,23 +176,28 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
     if (!m.moves) continue;
     if (outside(m.to)) {
       answer.outcomes[i] = out_of_bounds;
+      answer.contacts[i].cause = Contact::k_bounds;
       continue;
     }
     std::vector<bool> gives_way(count);
     const bool may_push = question.limits[i] > 0 && (!only_near || has_something_near(i));
     for (std::size_t o = 0; o < count; ++o)
       gives_way[o] = may_push && question.pushable[o] && !overlap(placed[i], placed[o]);
+    double free_part = 1;  // of the motion, before the sample at which is_free() has found it blocked
+    std::uint32_t by = 0;  // what blocks it there, as an id plus 1
     /// Whether the motion is free of the walls, and of all bodies that do not give way or, if it pushes
     /// nothing, of all bodies.
     const auto is_free = [&](const Motion& motion, bool pushes) {
       Pose last = m.from;
       Blocks there = placed[i];
-      for (const Pose& pose : poses_of_motion(motion, *q.bodies[i])) {
-        const Blocks before = std::exchange(there, body(i, pose));
-        if (is_walled(i, last, before, pose, there)) return false;
-        for (std::size_t o = 0; o < count; ++o)
-          if (o != i && !(pushes && gives_way[o]) && forbids(o, i, last, before, pose, there)) return false;
-        last = pose;
+      const std::vector<Pose> samples = poses_of_motion(motion, *q.bodies[i]);
+      for (std::size_t k = 0; k < samples.size(); ++k) {
+        const Blocks before = std::exchange(there, body(i, samples[k]));
+        by = in_way(i, last, before, samples[k], there,
+                    [&](std::size_t o) { return !pushes || !gives_way[o]; });
+        free_part = static_cast<double>(k + 1) / static_cast<double>(samples.size());
+        if (by != 0) return false;
+        last = samples[k];
       }
       return true;
     };
@@ -199,10 +210,8 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
       now[i] = turn.to;
       placed[i] = body(i, turn.to);
     };
-    if (!is_free(m, true)) {
-      turn_or_block();
-      continue;
-    }
+    const bool is_own_way_free = is_free(m, true);
+    if (!is_own_way_free) answer.contacts[i] = {Contact::k_body, by, 0};
 
     std::vector<std::size_t> pushed;  // in the order in which they are met
     std::vector<Pose> to = now;
@@ -210,10 +219,16 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
     std::size_t shifts = 0;
     std::size_t chained = 0;
     bool too_many = false;
+    Contact stop{Contact::k_pushed, 0, 0};
+    /// Pushes until the own way is blocked.
     const auto push = [&] {
       Body fine = *q.bodies[i];
       fine.thinnest = std::min(fine.thinnest, thinnest);
-      for (const Pose& pose : poses_of_motion(m, fine)) {
+      const std::vector<Pose> samples = poses_of_motion(m, fine);
+      for (std::size_t k = 0; k < samples.size(); ++k) {
+        const Pose& pose = samples[k];
+        const double part = static_cast<double>(k + 1) / static_cast<double>(samples.size());
+        if (!is_own_way_free && part > free_part - 1e-9) return true;
         to[i] = pose;
         at[i] = body(i, pose);
         const std::vector<Pose> last = to;
@@ -225,6 +240,8 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
             for (const std::size_t o : by_id) {
               const auto known = static_cast<std::size_t>(std::ranges::find(pushed, o) - pushed.begin());
               if (!gives_way[o] || o == by || known < b || !overlap(at[by], at[o])) continue;
+              stop.body = q.ids[b == 0 ? o : by] + 1;
+              stop.behind = b == 0 ? 0 : q.ids[o] + 1;
               if (known == pushed.size()) {
                 if (pushed.size() == question.limits[i]) {
                   too_many = true;
@@ -247,21 +264,23 @@ inline PushAnswer resolve_pushing(const PushQuestion& question, bool by_priority
         if (!is_clear) return false;
         for (const std::size_t o : pushed) {
           if (to[o].x == last[o].x && to[o].y == last[o].y) continue;
-          if (std::sqrt(squared(to[o], last[o])) > 0.5 * q.bodies[o]->thinnest || outside(to[o]))
-            return false;
-          const Blocks before = body(o, last[o]);
-          if (is_walled(o, last[o], before, to[o], at[o])) return false;
-          for (std::size_t other = 0; other < count; ++other)
-            if (other != i && !gives_way[other] && forbids(other, o, last[o], before, to[o], at[o]))
-              return false;
+          const bool is_far = std::sqrt(squared(to[o], last[o])) > 0.5 * q.bodies[o]->thinnest;
+          stop.body = q.ids[o] + 1;
+          stop.behind = 0;
+          if (outside(to[o])) return false;
+          stop.behind = in_way(o, last[o], body(o, last[o]), to[o], at[o],
+                               [&](std::size_t other) { return other != i && !gives_way[other]; });
+          if (is_far || stop.behind != 0) return false;
         }
       }
       return true;
     };
-    if (!push()) {
+    const bool is_pushed = push();
+    if (!is_pushed) answer.contacts[i] = stop;
+    if (!is_own_way_free || !is_pushed) {
       turn_or_block();
-      ++answer.stopped;
-      answer.too_many += too_many;
+      answer.stopped += is_own_way_free;
+      answer.too_many += is_own_way_free && too_many;
       continue;
     }
     answer.outcomes[i] = moved;

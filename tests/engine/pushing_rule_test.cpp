@@ -40,6 +40,7 @@ struct PushCrowd : TestCrowd {
 struct Resolved {
   std::vector<Outcome> outcomes;
   std::vector<Pose> poses;
+  std::vector<Conflicts::Block> blocks;
   std::uint64_t rounds = 0;
 };
 
@@ -47,8 +48,10 @@ Resolved resolve_engine(const PushCrowd& crowd, const partition::StaticScene& sc
                         const partition::GridGeometry& grid, partition::Parallel& parallel,
                         Conflicts& conflicts) {
   std::vector<engine::FreeCircle> free;
-  Resolved resolved{
-      resolve(crowd, scene, grid, parallel, conflicts, free, crowd.pushables()), {}, conflicts.rounds()};
+  Resolved resolved;
+  resolved.outcomes =
+      resolve(crowd, scene, grid, parallel, conflicts, free, crowd.pushables(), nullptr, &resolved.blocks);
+  resolved.rounds = conflicts.rounds();
   for (std::size_t i = 0; i < crowd.size(); ++i) {
     const Motion& motion = crowd.motions[i];
     resolved.poses.push_back(resolved.outcomes[i] == Outcome::moved ? motion.to : motion.from);
@@ -134,7 +137,7 @@ void propose(PushCrowd& crowd, Draw& draw, double most_poses) {
 
 struct Tally {
   std::size_t crowds = 0, moving = 0, blocked = 0, shifts = 0, chained = 0, again = 0, stopped = 0,
-              too_many = 0, order_matters = 0, deep = 0;
+              too_many = 0, order_matters = 0, deep = 0, held = 0, behind = 0;
   void report() const {
     std::printf(
         "%zu crowds, %zu motions, %zu blocked; %zu pushed, %zu of them by others, %zu again; %zu stopped, "
@@ -165,6 +168,11 @@ class PushingRule : public ::testing::Test {
         ASSERT_NEAR(got.poses[i].y, expected.poses[i].y, 1e-9) << "body " << i;
         ASSERT_EQ(got.poses[i].heading, expected.poses[i].heading) << "body " << i;
         ASSERT_TRUE(t == 0 || got.poses[i] == first.poses[i]) << k_threads[t] << " threads";
+        const engine::Contact& contact = got.blocks[i].contact;
+        const engine::Contact& wanted = expected.contacts[i];
+        ASSERT_TRUE(contact == wanted)
+            << "body " << i << ": " << contact.cause << " " << contact.body << " " << contact.behind
+            << ", expected " << wanted.cause << " " << wanted.body << " " << wanted.behind;
       }
       ASSERT_TRUE(t == 0 || got.rounds == first.rounds) << k_threads[t] << " threads";
       if (t == 0) first = std::move(got);
@@ -177,6 +185,10 @@ class PushingRule : public ::testing::Test {
     tally.again += expected.again;
     tally.stopped += expected.stopped;
     tally.too_many += expected.too_many;
+    for (const engine::Contact& contact : expected.contacts) {
+      tally.held += contact.cause == engine::Contact::k_pushed;
+      tally.behind += contact.behind != 0;
+    }
     tally.deep += first.rounds > 2;
     const PushAnswer other = resolve_pushing(crowd.ask(), false);
     tally.order_matters += other.outcomes != expected.outcomes || other.poses != expected.poses;
@@ -207,6 +219,8 @@ TEST_F(PushingRule, RandomCrowdsAreResolvedAsTheRuleSays) {
   EXPECT_GT(tally.chained, tally.crowds / 10);
   EXPECT_GT(tally.again, tally.crowds / 300);
   EXPECT_GT(tally.too_many, tally.crowds / 50);
+  EXPECT_GT(tally.held, tally.crowds / 10);
+  EXPECT_GT(tally.behind, tally.crowds / 20);
 }
 
 TEST_F(PushingRule, LargeCrowdsAreResolvedAsTheRuleSays) {

@@ -33,7 +33,7 @@ void run_to(Simulation& simulation, std::uint64_t tick) {
 // backwards, 1.2 m further to 2.4 m, a puck 0.3 m ahead at 2.7 m, and 1.44 m in: that one lies at 0.66 m.
 TEST(GripperScene, EveryPuckLiesInTheDropZone) {
   Simulation simulation(k_worlds / "gripper.json", {.threads = 1});
-  const engine::World& world = simulation.world();
+  engine::World& world = simulation.world();
   engine::EventWatch watch(world);
   std::map<std::string, int> grips;
   std::map<std::string, int> releases;

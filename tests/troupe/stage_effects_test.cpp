@@ -120,6 +120,7 @@ constexpr Effect k_effects[] = {
     {"position", "gps_origin", "mover( localization_origin [1 0 0 0] @ )", "gps_origin 1", loaded},
     {"position", "odom_error", "mover( localization \"odom\" @ )", "odom_error [0.1 0 0 0]"},
     {"position", "goal_bounds", "mover( @ )", "goal_bounds [0.1 10]", loaded},
+    {"bumper", "crashes", "mover( bumper( bcount 1 blength 0.1 @ ) )", "crashes 1", loaded},
     {"position", "odom_heading", "mover( localization \"odom\" @ )", "odom_heading \"old\""},
 
     {"sensor", "pose",

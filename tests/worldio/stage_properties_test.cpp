@@ -136,6 +136,7 @@ constexpr Tested k_tests[] = {
     {"position", "odom_error", "StageWorld.DrivesKnowWhereTheyAre"},
     {"position", "odom_heading", "StageWorld.DrivesKnowWhereTheyAre"},
     {"position", "goal_bounds", "StageWorld.GoalsHaveStagesSpeeds"},
+    {"bumper", "crashes", "StageWorld.BumpersFeelCrashesIfAsked"},
     {"ranger", "intensity", "StageSensors.NoiseIsAVarianceAShareAndAPartOfTheAngleBetweenBeams"},
     {"sensor", "pose", "StageWorld.RangersBecomeSensors"},
     {"sensor", "size", "StageWorld.RangersBecomeSensors"},

@@ -856,6 +856,18 @@ TEST_F(StageWorld, GoalsHaveStagesSpeeds) {
   EXPECT_THAT(messages(), ElementsAre());
 }
 
+TEST_F(StageWorld, BumpersFeelCrashesIfAsked) {
+  const auto spec = load(
+      "position( bumper( size [0.1 0.1 0.1] bcount 1 blength 0.1 ) )\nposition( bumper( size [0.1 0.1 0.1] "
+      "bcount 1 blength 0.1 crashes 1 ) )");
+  const auto crashes = [&](std::size_t body) {
+    const engine::TypeSpec& type = spec.types[spec.bodies[body].type.index()];
+    return engine::from_record<engine::BumperParams>(type.devices.front().params).crashes;
+  };
+  EXPECT_FALSE(crashes(1));
+  EXPECT_TRUE(crashes(2));
+}
+
 TEST_F(StageWorld, RefusesGoalsAtNoSpeed) {
   load("position( goal_bounds [0 90] )");
   EXPECT_THAT(

@@ -164,6 +164,7 @@ void WorldContractor::contract_settings(const Checks& checks, bool with_bounds,
   if (spec_.watch != engine::WatchSpec()) document.watch = engine::watch_record(spec_.watch);
   document.window = spec_.window;
   document.mortal = spec_.mortal;
+  document.contacts = spec_.contacts;
   if (!checks.overlaps) document.overlaps = WorldDocument::Check::warn;
   if (!checks.same_names) document.same_names = WorldDocument::Check::warn;
 }

@@ -164,6 +164,7 @@ void WorldExpander::expand_settings() {
   if (document_.watch) spec_.watch = engine::watch_spec(*document_.watch);
   spec_.window = document_.window;
   spec_.mortal = document_.mortal;
+  spec_.contacts = document_.contacts;
 }
 
 /// Sets the shape of a floor plan to that of its image, and extends the bounds of the world so that they

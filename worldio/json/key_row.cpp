@@ -155,8 +155,8 @@ std::string meaning_text(const Field& field) {
 }
 
 KeyRow key_row(const Field& field) {
-  return {key_text(field), what(field), field.in_json.given() ? "none" : value_text(field.fallback, field),
-          meaning_text(field)};
+  return {key_text(field), what(field),
+          field.is_without_limit() ? "none" : value_text(field.usual_in_json(), field), meaning_text(field)};
 }
 
 }  // namespace troupe::worldio

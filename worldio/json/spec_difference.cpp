@@ -234,8 +234,8 @@ std::string spec_difference(const WorldSpec& a, const WorldSpec& b, Places place
 }
 
 std::uint64_t hash_of_content(const WorldSpec& spec) {
-  constexpr std::array<std::string_view, 8> k_without_effect{
-      "title", "quit_time", "record", "measures", "measure_every", "watch", "window", "mortal"};
+  constexpr std::array<std::string_view, 9> k_without_effect{
+      "title", "quit_time", "record", "measures", "measure_every", "watch", "window", "mortal", "contacts"};
   HashStream hash;
   Bytes bytes;
   for (const Field& field : engine::world_fields().fields)

@@ -40,8 +40,8 @@ std::string compared_bytes(const engine::TypeSpec& type);
 
 /// Returns a hash of all content of a spec that can affect the states of a run. Equal specs have equal
 /// hashes. Places, names of files and these members are left out, because they affect no state: the title,
-/// `quit_time_s`, `record`, `measures`, `measure_every_s`, `watch` and `window`. WorldSpec::mortal is left
-/// out, because the state hash includes its effects.
+/// `quit_time_s`, `record`, `measures`, `measure_every_s`, `watch` and `window`. WorldSpec::mortal and
+/// contacts are left out, because the state hash includes their effects.
 std::uint64_t hash_of_content(const engine::WorldSpec& spec);
 
 }  // namespace troupe::worldio

@@ -1125,6 +1125,10 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
       "true: programs that use Troupe as a library may remove and disable bodies; "
       "false: they may do so only in worlds with reserves, faults or other causes "
       "of removing or disabling (docs/lives.md)");
+  d.value<&WorldDocument::contacts>(
+      "contacts",
+      "true: the state has the component `contact`, which says what blocked each body in the last tick, also "
+      "if no controller reads it (docs/driving.md#who-blocked-whom)");
   d.choice<&WorldDocument::overlaps>(
       "overlaps", k_checks,
       "whether a model that overlaps another body at the start is an error or a warning");

@@ -487,6 +487,8 @@ struct WorldDocument : Placed {
   /// as an intervention. To disable bodies, it must have faults, or interventions that disable or enable
   /// bodies.
   bool mortal = false;
+  /// Whether the state says what blocked each body (engine::WorldSpec::contacts).
+  bool contacts = false;
   Check overlaps = Check::error;              ///< how a model that overlaps a body at the start is treated
   Check same_names = Check::error;            ///< how bodies with the same name are treated
   std::vector<FloorplanDocument> floorplans;  ///< walls, as images or lines

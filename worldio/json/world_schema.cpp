@@ -134,13 +134,13 @@ JsonNode value_schema(const Field& field, const UnitSuffix& suffix) {
 }
 
 void add_default(const Field& field, const UnitSuffix& suffix, Members& schema) {
-  if (suffix.to_si != 1 || field.in_json.given() ||
+  if (suffix.to_si != 1 || field.is_without_limit() ||
       std::holds_alternative<std::vector<engine::Record>>(field.fallback.v))
     return;
   Members one;
   Field bare = field;
   bare.unit = Unit::none;
-  write_field(bare, field.fallback, one);
+  write_field(bare, field.usual_in_json(), one);
   if (!one.empty()) add_node(schema, "default", std::move(one.front().node));
 }
 

@@ -94,6 +94,7 @@ void write_bumpers(const DeviceSpec& device, StageText& text) {
     text.numbers(fmt::format("bpose[{}]", k), std::array{pose.x, pose.y, pose.z, pose.heading});
     text.number(fmt::format("blength[{}]", k), length);
   }
+  if (params.crashes) text.flag("crashes", true);
 }
 
 void write_blob_colors(const DeviceSpec& device, const DeviceKind& kind, StageText& text) {

@@ -296,6 +296,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"blobfinder", "channel_count", obsolete, "replaced by `colors_count`"},
     {"blobfinder", "channels", obsolete, "replaced by `colors`"},
 
+    {"bumper", "crashes", honoured,
+     "added by Troupe: 1: the bumpers also detect blocked motions that would have reached them; 0 (default): "
+     "only what touches them, as in Stage"},
     {"bumper", "bcount", honoured, "number of bumpers; without it, the model has no bumpers"},
     {"bumper", "blength", honoured, "length of all bumpers without a `blength[k]`; above 0"},
     {"bumper", "blength[k]", honoured, "length of bumper k; above 0"},

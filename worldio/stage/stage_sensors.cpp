@@ -75,6 +75,11 @@ bool StageKinds::add_bumpers(const StageModel& model, engine::DeviceSpec& spec) 
                   fmt::format("\"bcount\" must be from 1 to {}, found {}", k_most, *count));
     return false;
   }
+  if (const StageProperty* property = model.find(document_, "crashes")) {
+    const auto crashes = values_.flag(*property);
+    if (!crashes) return false;
+    params.crashes = *crashes;
+  }
   for (const StageEntity* layer : model.layers) warn_of_missing_bumpers(document_, *layer, *count, values_);
   const engine::Field& length_field = engine::described<engine::BumperStripParams>().at("length");
   const StageProperty* common = model.find(document_, "blength");

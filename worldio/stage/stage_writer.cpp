@@ -127,6 +127,7 @@ void WorldText::refuse_what_stage_lacks() {
         fmt::format("population \"{}\" has no bodies, so the .world file does not contain it",
                     population.name));
   if (spec_.mortal) lacks("mortal", "a .world file has no such property: remove this key");
+  if (spec_.contacts) lacks("contacts", "a .world file has no such property: remove this key");
   if (!spec_.experiment.stop_when.empty())
     lacks("stop_when", "in Stage, a run can end only at its \"quit_time\": remove this key");
   if (!spec_.experiment.at.empty()) lacks("at", "a .world file has no interventions: remove this key");

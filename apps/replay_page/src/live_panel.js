@@ -42,6 +42,7 @@ export class LivePanel extends Panel {
     this.shown = inspected;
     if (!this.rows) this.build(inspected);
     this.commands.update(inspected.commands ?? {});
+    this.blockedBy.value.textContent = inspected.blocked_by || "nothing";
     inspected.components.forEach(({ fields }, c) => fields.forEach((field, f) => this.rows[c]?.[f]?.(field)));
     for (const { plot, read, label, unit } of this.plots.values())
       plot.add(this.recording.state.time_s, { column: label, value: read(inspected) ?? null, unit });
@@ -88,7 +89,8 @@ export class LivePanel extends Panel {
 
   /** Builds one row per field. */
   build({ components }) {
-    this.state.replaceChildren();
+    this.blockedBy = row("blocked by", "what blocked the motion of the robot, or one of its joints, in the last tick");
+    this.state.replaceChildren(this.blockedBy.object);
     this.rows = components.map(({ component, name, runs, fields }) => {
       this.state.append(element("h3", { textContent: runs ? name : `${name} (does not run)` }));
       return fields.map((field) => {
