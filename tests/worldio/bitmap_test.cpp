@@ -156,7 +156,7 @@ TEST_F(BitmapFile, ABrokenFileIsAnError) {
   EXPECT_FALSE(read(folder_ / "b.png"));
   EXPECT_THAT(error(),
               testing::StartsWith("w.world:7: error: " + (folder_ / "b.png").string() +
-                                  " is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image ("));
+                                  " is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image ("));
   write_png(folder_ / "c.png",
             Image{.width = 64, .height = 64, .rgba = std::vector<std::uint8_t>(64 * 64 * 4, 9)});
   fs::resize_file(folder_ / "c.png", 60);

@@ -158,7 +158,7 @@ TEST_F(Conformance14, MissingOrUnreadableBitmap) {
   EXPECT_THAT(
       messages(),
       ElementsAre(HasSubstr(
-          "w.world:1: error: text.png is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image")));
+          "w.world:1: error: text.png is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image")));
 }
 
 TEST_F(Conformance14, ColoursNeedNoFile) {  // Stage reads rgb.txt, and ends where there is none
