@@ -13,7 +13,7 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t k_names_listed = 50;
-constexpr std::size_t k_names_listed_with_hint = 12;
+constexpr std::size_t k_names_listed_with_hint = 24;
 constexpr std::size_t k_names_compared = 2000;
 constexpr std::size_t k_longest_compared = 100;  // bytes of a name
 constexpr std::size_t k_longest_message = 8000;

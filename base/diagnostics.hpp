@@ -190,7 +190,7 @@ class Diagnostics {
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// Returns the message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean
 /// "diff"?)`. The message lists the first 50 known names in alphabetical order; if there are more, ` and N
-/// more` follows. If there are more than 12 known names and a suggestion, none is listed. did_you_mean() makes the suggestion, which is omitted if there are more than 2000 known
+/// more` follows. If there are more than 24 known names and a suggestion, none is listed. did_you_mean() makes the suggestion, which is omitted if there are more than 2000 known
 /// names. If `known` is empty, the message is `unknown drive "dif"; no drive exists`.
 ///
 /// what: what the name stands for, here `drive`

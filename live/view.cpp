@@ -125,8 +125,11 @@ std::string View::Impl::make_greeting(const std::string& header) const {
 void View::Impl::run() {
   // At the end, also if a step throws.
   const std::shared_ptr<void> told(nullptr, [this](void*) {
-    const std::string again = command();
-    if (report_ && !again.empty()) report_(fmt::format("this command repeats the session: {}", again));
+    try {
+      const std::string again = command();
+      if (report_ && !again.empty()) report_(fmt::format("this command repeats the session: {}", again));
+    } catch (const std::exception&) {  // ignored: the text is lost
+    }
   });
   const Raised running(is_running_);  // also if a step throws, and the program then steps the simulation
   while (!is_over() && !simulation_.stopped()) {

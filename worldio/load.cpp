@@ -1,6 +1,7 @@
 #include "worldio/load.hpp"
 
 #include "worldio/files.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/stage/stage_files.hpp"
 #include "worldio/wrong_file.hpp"
 
@@ -31,9 +32,12 @@ Result<> check_world_ending(const std::filesystem::path& file) {
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics) {
   const auto found = find_stage_file(file, options.search_path);
-  if (found && check_readable(*found))
-    if (auto wrong = wrong_file_text(start_of(*found, k_wrong_file_bytes)))
+  if (found && check_readable(*found)) {
+    const std::string start = start_of(*found, k_wrong_file_bytes);
+    const bool may_be_read = check_readable(*found, k_most_input_bytes) || start.starts_with(k_hdf5_signature);
+    if (auto wrong = may_be_read ? wrong_file_text(start) : std::nullopt)
       return fail(*found, diagnostics, {*std::move(wrong)});
+  }
   if (const Result<> ending = check_world_ending(file); !ending) {
     std::error_code ignored;
     const bool is_folder = std::filesystem::is_directory(file, ignored);

@@ -119,6 +119,12 @@ std::optional<std::string> wrong_text(std::string_view text) {
   const std::string_view word = text.substr(0, end);
   std::string_view rest = text.substr(end);
   skip(rest, k_white_space_of_files);
+  const std::string_view first_line = rest.substr(0, rest.find('\n'));
+  const bool begins = word == "begin" && !rest.starts_with('(') && text.find("\nend") != text.npos;
+  const bool sets = word == "set" && first_line.find(" = ") != first_line.npos;
+  if (begins || sets)
+    return wrong_line("in the syntax of the first versions of Stage",
+                      "write each model in parentheses, as in position( pose [0 0 0 0] )");
   if (word == "driver" && rest.starts_with('(')) {
     std::string_view world = text;
     skip_to_after(world, "worldfile");

@@ -31,8 +31,8 @@ earlier, the logs differ.
 Also compares two recordings (troupe run --record), in the ticks and fields that both recordings have. Prints the first
 frame that differs, with the component, the robot, the field, and the values in B and A, in hexadecimal and decimal.
 
-Also compares two tables of results of troupe sweep (table.csv), row by row: prints the rows of the same run that differ,
-with the values in A and B, and the rows and columns that only one of the tables has.
+Also compares two tables of results of troupe sweep (table.csv), row by row: prints the rows of the same run that
+differ, with the values in A and B, and the rows and columns that only one of the tables has.
 
 Two files of different versions, compilers, flags or instruction sets are compared only with --across-domains, and two
 files of different worlds, seeds, options or plug-ins only with --across-runs: the latter also finds the first tick at

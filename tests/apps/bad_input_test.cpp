@@ -91,7 +91,7 @@ std::vector<BadInput> json_inputs() {
       {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3",
        "a comma is missing before"},
       {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:7", "no closing quotation mark"},
-      {"empty", "bad.json", "", "bad.json:1", "the text is empty"},
+      {"empty", "bad.json", "", "bad.json", "the file is empty: a world has at least one model"},
       {"repeated_key", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1, \"tick_s\": 0.2,"),
        "bad.json:2", "tick_s"},
       {"unknown_key", "bad.json", json_world("\"count\": 5", "\"cuont\": 5"), "bad.json:10",

@@ -102,7 +102,7 @@ void StageMacros::report_unknown_type(std::string_view type, Where where) {
   // Many models may use the same macro, and the names that are similar to its unknown base take time to find.
   if (!reported_.insert(type.data()).second) return;
   if (const StageRow* old = find_stage_row("type", type)) {
-    values_.error(where, old_type_text(*old));
+    if (reported_.insert(old->name.data()).second) values_.error(where, old_type_text(*old));
     return;
   }
   if (!document_.missing_includes.empty()) {

@@ -305,8 +305,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "number of `colors` that are used; without it, every colour is reported"},
     {"blobfinder", "colors", fixed, "X11 names; an unknown one is an error"},
     {"blobfinder", "range_max", obsolete, "write `range 12`"},
-    {"blobfinder", "channel_count", obsolete, "write `colors_count 2`"},
-    {"blobfinder", "channels", obsolete, "write `colors [\"red\" \"green\"]`"},
+    {"blobfinder", "channel_count", obsolete, "write `colors_count 2 colors [\"red\" \"green\"]`"},
+    {"blobfinder", "channels", obsolete, "write `colors_count 2 colors [\"red\" \"green\"]`"},
 
     {"bumper", "bcount", honoured, "number of bumpers; without it, the model has no bumpers"},
     {"bumper", "blength", honoured, "length of all bumpers without a `blength[k]`; above 0"},
@@ -408,7 +408,7 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"window", "energy_stored", window_only, ""},
 
     {"type", "map", obsolete,
-     "Stage 2: write `model( bitmap \"map.png\" size [16 16 0.6] boundary 1 )`, or `floorplan( )` after `include "
+     "write `model( bitmap \"map.png\" size [16 16 0.6] boundary 1 )`, or `floorplan( )` after `include "
      "\"map.inc\"`, a file of Stage"},
     {"type", "environment", obsolete, "write `model( bitmap \"map.png\" size [16 16 0.6] boundary 1 )`"},
     {"type", "region", obsolete, "write `model( size [4 4 0.01] obstacle_return 0 ranger_return -1 )`"},
@@ -423,6 +423,19 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"type", "truth", obsolete, "remove it"},
     {"type", "gps", obsolete, "write `localization \"gps\"` in the `position( )`"},
     {"type", "box", obsolete, "write `model( size [1 1 1] )`"},
+    {"type", "bitmap", obsolete, "write `model( bitmap \"map.png\" size [16 16 0.6] boundary 1 )`"},
+    {"type", "gui", obsolete, "write `window( size [800 600] center [0 0] scale 20 )`"},
+    {"type", "player", obsolete, "remove it: a controller, `ctrl`, drives the robot"},
+    {"type", "misc", obsolete, "remove it"},
+    {"type", "broadcast", obsolete, "write `radio( range 5 )`"},
+    {"type", "mcom", obsolete, "write `radio( range 5 )`"},
+    {"type", "audio", obsolete, "write `radio( range 5 )`"},
+    {"type", "laserbeacon", obsolete, "write `model( size [0.1 0.1 0.5] fiducial_return 1 )`"},
+    {"type", "visionbeacon", obsolete, "write `model( size [0.1 0.1 0.5] color \"red\" )`"},
+    {"type", "lbd", obsolete, "write `fiducial( range_max 8 fov 180 )`"},
+    {"type", "bps", obsolete, "write `localization \"gps\"` in the `position( )`"},
+    {"type", "foofinder", obsolete, "write `fiducial( range_max 8 fov 180 )`"},
+    {"type", "omniposition", obsolete, "write `position( drive \"omni\" )`"},
 });
 
 /// Whether entities of this type are models. Models also have the properties in the rows of "model".
