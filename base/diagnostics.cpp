@@ -52,8 +52,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b,
   return last[b.size()];
 }
 
-/// The names of units by quantity, as the last word of a name may have them: those of keys in JSON worlds, and
-/// others that a user may expect.
+/// The names of units by quantity, as the last word of a name may have them: those of keys in JSON worlds,
+/// and others that a user may expect.
 constexpr std::string_view k_units[][12] = {
     {"m", "cm", "mm", "km", "meter", "meters", "metre", "metres", "px"},
     {"rad", "deg", "rads", "degree", "degrees", "radian", "radians"},

@@ -46,9 +46,9 @@ enum class Severity {
 
 /// An error or a warning about the input.
 struct Finding {
-  Severity severity;    ///< only errors make a load fail
-  Where where;          ///< the place in the input that the message is about
-  std::string message;  ///< one sentence, without the place and without a full stop
+  Severity severity;      ///< only errors make a load fail
+  Where where;            ///< the place in the input that the message is about
+  std::string message;    ///< one sentence, without the place and without a full stop
   bool explains = false;  ///< of a warning: whether it was added by Diagnostics::explain()
 };
 
@@ -190,8 +190,9 @@ class Diagnostics {
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// Returns the message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean
 /// "diff"?)`. The message lists the first 50 known names in alphabetical order; if there are more, ` and N
-/// more` follows. If there are more than 24 known names and a suggestion, none is listed. did_you_mean() makes the suggestion, which is omitted if there are more than 2000 known
-/// names. If `known` is empty, the message is `unknown drive "dif"; no drive exists`.
+/// more` follows. If there are more than 24 known names and a suggestion, none is listed. did_you_mean()
+/// makes the suggestion, which is omitted if there are more than 2000 known names. If `known` is empty, the
+/// message is `unknown drive "dif"; no drive exists`.
 ///
 /// what: what the name stands for, here `drive`
 /// known: the allowed names, in any order

@@ -63,10 +63,10 @@ class View {
     /// thread that steps the simulation; while it waits, at least every 50 ms. Null: the run does not end for
     /// this reason.
     std::function<bool()> is_over;
-    /// Called with one line of text when run() ends, with command(); when the server refuses something, such as
-    /// a request with a wrong token; and when a recording that a viewer has started ends because it cannot be written, or because the files
-    /// that viewers requested have reached 10 GB. The same refusal is reported only once. May be called on
-    /// the thread of the server. Null: the texts are dropped.
+    /// Called with one line of text when run() ends, with command(); when the server refuses something, such
+    /// as a request with a wrong token; and when a recording that a viewer has started ends because it cannot
+    /// be written, or because the files that viewers requested have reached 10 GB. The same refusal is
+    /// reported only once. May be called on the thread of the server. Null: the texts are dropped.
     std::function<void(const std::string&)> report;
   };
   /// Starts the server and creates the session file. Throws std::runtime_error if Options::bind is not an IP

@@ -126,8 +126,9 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       .def_property_readonly("read_only_address", &HeldView::look_address,
                              "Address of the page for read-only access.")
       .def_property_readonly("session", &HeldView::session, "Path of the session file.")
-      .def_property_readonly("command", &HeldView::command,
-                             "The shell command that repeats the session; empty if a program built the world.")
+      .def_property_readonly(
+          "command", &HeldView::command,
+          "The shell command that repeats the session; empty if a program built the world.")
       .def(
           "run",
           [](const py::object& self, const std::optional<double>& for_s) {

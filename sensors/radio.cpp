@@ -97,7 +97,8 @@ struct Radio {
       d.member<&Params::power_loss_coefficient>(
           "power_loss_coefficient", within(0, 100), used_if("law", "itu_indoor"),
           "parameter N of the law `itu_indoor`: loss in dB per factor of ten in the distance");
-      d.member<&Params::path_loss_exponent>("path_loss_exponent", within(0, 10), used_if("law", "log_distance"),
+      d.member<&Params::path_loss_exponent>("path_loss_exponent", within(0, 10),
+                                            used_if("law", "log_distance"),
                                             "exponent n of the law `log_distance`: 2 in free space");
       d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000), used_if("walls", "weaken"),
                                    "loss for each wall between the radios, if `walls` is `weaken`");

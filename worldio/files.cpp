@@ -20,15 +20,14 @@ Result<> check_readable(const std::filesystem::path& file, std::uintmax_t most_b
     return Error{fmt::format("cannot be read: {}", std::generic_category().message(errno))};
   };
   struct stat status {};
-  if (stat(file.c_str(), &status) != 0 && errno == ENOENT) {
+  if (stat(file.c_str(), &status) != 0) {
+    if (errno != ENOENT && errno != ENOTDIR) return system_reason();
     std::error_code ignored;
     if (std::filesystem::is_symlink(file, ignored))
       return Error{fmt::format("this is a link to {}, which does not exist",
                                std::filesystem::read_symlink(file, ignored).string())};
     return Error{"there is no such file"};
   }
-  if (stat(file.c_str(), &status) != 0)
-    return errno == ENOENT || errno == ENOTDIR ? Error{"there is no such file"} : system_reason();
   if (S_ISDIR(status.st_mode)) return Error{"this is a folder, not a file"};
   if (S_ISFIFO(status.st_mode)) return Error{"this is a pipe, not a regular file"};
   if (S_ISSOCK(status.st_mode)) return Error{"this is a socket, not a regular file"};

@@ -34,7 +34,8 @@ engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Re
   const auto found = find_stage_file(file, options.search_path);
   if (found && check_readable(*found)) {
     const std::string start = start_of(*found, k_wrong_file_bytes);
-    const bool may_be_read = check_readable(*found, k_most_input_bytes) || start.starts_with(k_hdf5_signature);
+    const bool may_be_read =
+        check_readable(*found, k_most_input_bytes) || start.starts_with(k_hdf5_signature);
     if (auto wrong = may_be_read ? wrong_file_text(start) : std::nullopt)
       return fail(*found, diagnostics, {*std::move(wrong)});
   }

@@ -23,7 +23,8 @@ struct FileType {
 };
 
 constexpr FileType k_types[] = {
-    {k_hdf5_signature, "an HDF5 file", "if it is a recording, troupe replay plays it; troupe info describes it"},
+    {k_hdf5_signature, "an HDF5 file",
+     "if it is a recording, troupe replay plays it; troupe info describes it"},
     {"troupe checkpoint", "a checkpoint", "troupe resume continues its run"},
     {"# troupe hash log", "a hash log", "troupe diff compares two of them"},
     {"{\"troupe_sweep\"", "a journal of troupe sweep", "troupe info describes it"},
@@ -33,8 +34,9 @@ constexpr FileType k_types[] = {
     {"GIF8", "a GIF picture", "convert it to PNG; then a model of a world can name it as its \"bitmap\""},
     {"II*", "a TIFF picture", "convert it to PNG; then a model of a world can name it as its \"bitmap\""},
     {"MM\0*", "a TIFF picture", "convert it to PNG; then a model of a world can name it as its \"bitmap\""},
-    {"\x7f" "ELF", "a program or a shared library",
-     "if it is a plug-in, --plugin-path names its folder"},
+    {"\x7f"
+     "ELF",
+     "a program or a shared library", "if it is a plug-in, --plugin-path names its folder"},
     {"PK\x03\x04", "a ZIP archive", "unpack it first"},
     {"\x1f\x8b", "compressed (gzip)", "unpack it first"},
     {"%PDF", "a PDF document", k_no_command},
@@ -75,8 +77,9 @@ std::string root_element(std::string_view text) {
     } else {
       const std::string_view name = text.substr(1, text.find_first_of(" \t\r\n/>", 1) - 1);
       std::string lower(name.substr(0, 40));
-      std::ranges::transform(lower, lower.begin(),
-                             [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+      std::ranges::transform(lower, lower.begin(), [](char c) {
+        return 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+      });
       return lower;
     }
     is_xml = true;
@@ -109,8 +112,9 @@ std::optional<std::string> wrong_text(std::string_view text) {
   if (const std::string root = root_element(text); !root.empty()) {
     const auto* known = std::ranges::find(k_elements, root, &FileType::mark);
     if (known != std::end(k_elements)) return wrong_line(known->what, known->use);
-    return wrong_line(root == "?" ? "an XML file" : fmt::format("an XML file with the root element <{}>", root),
-                k_no_command);
+    return wrong_line(
+        root == "?" ? "an XML file" : fmt::format("an XML file with the root element <{}>", root),
+        k_no_command);
   }
   if (has_key(text, "image") && has_key(text, "resolution"))
     return wrong_line("the YAML file of a ROS map", k_as_bitmap);
@@ -131,20 +135,21 @@ std::optional<std::string> wrong_text(std::string_view text) {
     skip_to_after(world, "\"");
     world = world.substr(0, world.find('"'));
     return wrong_line("a configuration of the Player server",
-                world.empty() || world.size() > 200
-                    ? "give the world file that it names"
-                    : fmt::format("give the world file that it names, \"{}\"", world));
+                      world.empty() || world.size() > 200
+                          ? "give the world file that it names"
+                          : fmt::format("give the world file that it names, \"{}\"", world));
   }
   const bool is_key = word.size() > 1 && word.ends_with(':') && word.find_first_of("\"'<{") == word.npos;
   if (word == "---" || word == "%YAML" || is_key) return wrong_line("a YAML file", k_no_command);
   return std::nullopt;
 }
 
-/// Whether the bytes are not text: more than one in twenty is a control character that texts do not have.
-bool is_binary(std::string_view start) {
-  const auto is_control = [](char c) {
+/// Whether the bytes are not text: more than one in twenty is a control character that texts do not have. In
+/// UTF-16, texts have NUL bytes.
+bool is_binary(std::string_view start, bool is_utf16) {
+  const auto is_control = [is_utf16](char c) {
     const auto byte = static_cast<unsigned char>(c);
-    return byte < 7 || (byte > 13 && byte < 32 && byte != 27) || byte == 127;
+    return (byte < 7 && !(is_utf16 && byte == 0)) || (byte > 13 && byte < 32 && byte != 27) || byte == 127;
   };
   const auto controls = static_cast<std::size_t>(std::ranges::count_if(start, is_control));
   return controls >= 4 && 20 * controls > start.size();
@@ -154,17 +159,19 @@ bool is_binary(std::string_view start) {
 
 std::optional<std::string> wrong_file_text(std::string_view start) {
   start = start.substr(0, k_wrong_file_bytes);
-  if (is_utf16(start)) return std::nullopt;  // the readers of worlds say so
+  const bool is_wide = is_utf16(start);
+  if (is_wide && !is_binary(start, true)) return std::nullopt;  // the readers of worlds say so
   if (start.starts_with("\xef\xbb\xbf")) start.remove_prefix(3);
-  if (start.find_first_not_of(k_white_space_of_files) == start.npos) return "the file is empty: a world has at least one model";
+  if (start.find_first_not_of(k_white_space_of_files) == start.npos)
+    return "the file is empty: a world has at least one model";
   for (const FileType& type : k_types)
     if (start.starts_with(type.mark)) return wrong_line(type.what, type.use);
   const bool is_pnm = start.size() > 2 && start[0] == 'P' && start[1] >= '1' && start[1] <= '6' &&
                       k_white_space_of_files.find(start[2]) != k_white_space_of_files.npos;
   if (is_pnm) return wrong_line("a PBM, PGM or PPM picture", k_as_bitmap);
-  if (start.starts_with("BM") && start.size() > 6 && is_binary(start))
+  if (start.starts_with("BM") && start.size() > 6 && is_binary(start, is_wide))
     return wrong_line("a BMP picture", k_as_bitmap);
-  if (is_binary(start)) return wrong_line("a binary file", k_no_command);
+  if (is_binary(start, is_wide)) return wrong_line("a binary file", k_no_command);
   return wrong_text(start);
 }
 

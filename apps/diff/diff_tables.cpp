@@ -58,9 +58,9 @@ Table read_table(const fs::path& file) {
   const std::optional<std::string> content = worldio::read_file(file);
   if (!content || !is_start_of_results(*content)) {
     const Result<> readable = worldio::check_readable(file, worldio::k_most_input_bytes);
-    throw InputError(fmt::format("{}: error: {}", file.string(),
-                                 !readable ? readable.error().text
-                                           : "this is not a table of troupe sweep, which the other file is"));
+    throw InputError(fmt::format(
+        "{}: error: {}", file.string(),
+        !readable ? readable.error().text : "this is not a table of troupe sweep, which the other file is"));
   }
   std::string_view text = *content;
   Table table{.columns = take_row(text)};
@@ -109,7 +109,8 @@ ExitCode diff_tables(const DiffOptions& options) {
   const Table b = read_table(options.second);
   std::vector<std::string> lines;
   const auto only_in = [&lines](std::string_view what, const Cells& names, const fs::path& file) {
-    if (!names.empty()) lines.push_back(fmt::format("only in {}: {} {}", file.string(), what, joined(names, ", ")));
+    if (!names.empty())
+      lines.push_back(fmt::format("only in {}: {} {}", file.string(), what, joined(names, ", ")));
   };
   only_in("column", columns_without(a, b), options.first);
   only_in("column", columns_without(b, a), options.second);

@@ -90,12 +90,12 @@ bool names_file(const nlohmann::json& value, const fs::path& world, const std::v
   });
 }
 
-/// What is known of the worlds with each listed value of a parameter that names a file, such as the image of a
-/// floor plan or a plug-in: the file is not part of the study, and run 0 may not read it.
+/// What is known of the worlds with each listed value of a parameter that names a file, such as the image of
+/// a floor plan or a plug-in: the file is not part of the study, and run 0 may not read it.
 struct Choices {
-  std::string hashes = {};   ///< of contents_of()
-  std::string files = {};    ///< files_of()
-  StudyFacts plugins = {};   ///< plugins_of()
+  std::string hashes = {};  ///< of contents_of()
+  std::string files = {};   ///< files_of()
+  StudyFacts plugins = {};  ///< plugins_of()
 };
 
 Choices choices_of(const Study& study, const SweepOptions& options) {

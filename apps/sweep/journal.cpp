@@ -57,9 +57,10 @@ void check_head(const std::string& line, std::string_view study, const StudyFact
   for (const auto& [name, value] : facts)  // journals of earlier versions have none
     if (head.contains(name) && !has(name, value)) differing.push_back(said(name));
   const std::string what =
-      differing.empty() ? "of another study, of an earlier version of the world file or of a plug-in, or of another "
-                          "version of the program"
-                        : fmt::format("with another {}", joined(differing, " and another "));
+      differing.empty()
+          ? "of another study, of an earlier version of the world file or of a plug-in, or of another "
+            "version of the program"
+          : fmt::format("with another {}", joined(differing, " and another "));
   throw OutputError(fmt::format("{}: error: the folder contains runs {}: choose another folder with -o",
                                 file.string(), what));
 }

@@ -143,7 +143,7 @@ class Fact {
   double high = std::numeric_limits<double>::infinity();  ///< upper limit, for Kind::at_least
   std::string_view words;  ///< the text or name, for Kind::text, mirror, used_if and used_unless
   std::string_view value;  ///< the value, for Kind::used_if and used_unless
-  std::span<const std::string_view> choices;              ///< the allowed values, for Kind::choices
+  std::span<const std::string_view> choices;  ///< the allowed values, for Kind::choices
 };
 
 /// The facts that a description can give, in addition to units.

@@ -161,8 +161,8 @@ struct Field {
   /// True: the field tells where the data come from, for example the file and the line. It is stored, but
   /// ignored when two records are compared.
   bool provenance = false;
-  /// The condition on which the parameter has an effect. While it does not hold, the readers of files accept a
-  /// number outside the limits with a warning (is_used()).
+  /// The condition on which the parameter has an effect. While it does not hold, the readers of files accept
+  /// a number outside the limits with a warning (is_used()).
   FieldCondition used_if = {};
   /// For a field of the state of a world: the field adds nothing to the hash of the state while it is zero
   /// (StateField::sparse). For other fields: a stored record may lack the field, which then has its default.
@@ -229,8 +229,8 @@ inline Value& get(const FieldTable& table, Record& record, std::string_view name
 bool is_used(const FieldTable& table, const Record& record, const Field& field);
 /// Returns why a parameter for which is_used() is false has no effect: `"localization" is "gps"`.
 std::string unused_reason(const FieldTable& table, const Record& record, const Field& field);
-/// Checks the limits of all parameters with a condition, and of those in blocks, that have an effect. A reader
-/// has accepted their values while they had none.
+/// Checks the limits of all parameters with a condition, and of those in blocks, that have an effect. A
+/// reader has accepted their values while they had none.
 Result<> check_used(const FieldTable& table, const Record& record);
 
 /// Returns the table of the fields of a pose: x, y, z (m) and heading (rad), each 0 by default. Every call

@@ -211,13 +211,15 @@ TEST_F(Diff, ComparesTablesOfSweepsRowByRow) {
   const Outcome other = troupe({"diff", "a.csv", "c.csv"});
   EXPECT_EQ(other.code, 1);
   EXPECT_EQ(other.out,
-            "differs in 1 of 1 common row:\n  only in c.csv: column stalls\n  run 0: coverage 0.5 and 0.51, state_hash aa "
+            "differs in 1 of 1 common row:\n  only in c.csv: column stalls\n  run 0: coverage 0.5 and 0.51, "
+            "state_hash aa "
             "and ac\n  only in a.csv: run 1\n  only in c.csv: run 2\n");
   write("x.log", header() + lines(0, 3));
   EXPECT_EQ(troupe({"diff", "a.csv", "x.log"}).err,
             "x.log: error: this is not a table of troupe sweep, which the other file is\n");
   write("cut.csv", head + "0,0.1\n");
-  EXPECT_EQ(troupe({"diff", "a.csv", "cut.csv"}).err, "cut.csv: error: row 2 has 2 cells, but there are 9 columns\n");
+  EXPECT_EQ(troupe({"diff", "a.csv", "cut.csv"}).err,
+            "cut.csv: error: row 2 has 2 cells, but there are 9 columns\n");
 }
 
 TEST_F(Diff, TakesWhatARunWrites) {

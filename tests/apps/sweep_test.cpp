@@ -242,9 +242,10 @@ TEST_F(Sweep, DoesNotMixStudies) {
   write("w.json", other);
   const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_EQ(outcome.err,
-            "out/runs-1-of-1.jsonl: error: the folder contains runs with another world: choose another folder with "
-            "-o\n");
+  EXPECT_EQ(
+      outcome.err,
+      "out/runs-1-of-1.jsonl: error: the folder contains runs with another world: choose another folder with "
+      "-o\n");
   EXPECT_EQ(table("out"), before);
   write("w.json", k_world);
   write("study.json", std::string(k_study) + "\n");

@@ -77,7 +77,8 @@ TEST_F(Usage, HelpIsACommandToo) {
   EXPECT_EQ(outcome.out, troupe({"lint", "--help"}).out);
   const Outcome wrong = troupe({"help", "lnit"});
   EXPECT_EQ(wrong.code, 2);
-  EXPECT_EQ(wrong.err, "troupe: error: unknown command \"lnit\" (did you mean \"lint\"?); see troupe --help\n");
+  EXPECT_EQ(wrong.err,
+            "troupe: error: unknown command \"lnit\" (did you mean \"lint\"?); see troupe --help\n");
 }
 
 TEST_F(Usage, HelpOfCheckAndDiffNamesTheirOptionsAndExitCodes) {
@@ -299,7 +300,8 @@ TEST_F(Describe, FieldsHaveKeyDefaultRangeAndMeaning) {
   const Outcome outcome = troupe({"describe", "ranger"});
   EXPECT_EQ(outcome.code, 0);
   EXPECT_THAT(outcome.out, HasSubstr("sensor ranger: "));
-  EXPECT_THAT(lines_of(outcome.out), ::testing::Contains(MatchesRegex("    ring +none +an object +copies .+")));
+  EXPECT_THAT(lines_of(outcome.out),
+              ::testing::Contains(MatchesRegex("    ring +none +an object +copies .+")));
   EXPECT_THAT(lines_of(outcome.out), ::testing::Contains(MatchesRegex("  key +default +range +meaning")));
   EXPECT_THAT(lines_of(outcome.out),
               ::testing::Contains(MatchesRegex(" +fov_rad .?_deg. +0\\.1 +number .*rad .+")));
@@ -457,7 +459,8 @@ TEST_F(Describe, WhatJsonTakesComesBeforeWhatStagesFilesDo) {
   EXPECT_THAT(json, ::testing::EndsWith(
                         "\n`troupe describe ranger --stage` lists the properties in Stage's world files.\n"));
   EXPECT_THAT(json, ::testing::Not(HasSubstr("model ranger: ")));
-  EXPECT_THAT(troupe({"describe", "position"}).out, HasSubstr("properties in a Stage world"));  // it has no others
+  EXPECT_THAT(troupe({"describe", "position"}).out,
+              HasSubstr("properties in a Stage world"));  // it has no others
   const std::string text = troupe({"describe", "ranger", "--stage"}).out;
   EXPECT_THAT(text, StartsWith("sensor ranger: "));
   EXPECT_LT(text.find("sensor ranger: "), text.find("model ranger: "));

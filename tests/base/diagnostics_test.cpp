@@ -179,7 +179,8 @@ TEST(DidYouMean, ComparesNamesWordByWordAndByTheirUnits) {
   EXPECT_EQ(did_you_mean("max_range_m", k_names), " (did you mean \"range_max_m\"?)");
   EXPECT_EQ(did_you_mean("range_maximum_meters", k_names), " (did you mean \"range_max_m\"?)");
   EXPECT_EQ(did_you_mean("turn_rate_max_dps", k_names), " (did you mean \"turn_max_radps\"?)");
-  EXPECT_EQ(did_you_mean("velocity_max_y_mps", k_names), " (did you mean \"velocity_max_x_mps\"?)");  // one letter
+  EXPECT_EQ(did_you_mean("velocity_max_y_mps", k_names),
+            " (did you mean \"velocity_max_x_mps\"?)");  // one letter
   EXPECT_EQ(did_you_mean("speed_max_mps", k_names), " (did you mean \"goal_speed_max_mps\"?)");
   EXPECT_EQ(did_you_mean("battery_capacity_J", k_names), "");
   EXPECT_EQ(did_you_mean("max_payload_kg", k_names), "");
@@ -190,9 +191,11 @@ TEST(UnknownName, ListsFewNamesOrASuggestion) {
   for (int i = 10; i < 35; ++i) names.push_back(fmt::format("key_{}", i));
   std::vector<std::string_view> known(names.begin(), names.end());
   EXPECT_EQ(unknown_name("key", "kee_12", known), "unknown key \"kee_12\" (did you mean \"key_12\"?)");
-  EXPECT_THAT(unknown_name("key", "wibble", known), testing::StartsWith("unknown key \"wibble\"; known: key_10, "));
+  EXPECT_THAT(unknown_name("key", "wibble", known),
+              testing::StartsWith("unknown key \"wibble\"; known: key_10, "));
   known.pop_back();
-  EXPECT_THAT(unknown_name("key", "kee_12", known), testing::StartsWith("unknown key \"kee_12\"; known: key_10, "));
+  EXPECT_THAT(unknown_name("key", "kee_12", known),
+              testing::StartsWith("unknown key \"kee_12\"; known: key_10, "));
 }
 
 TEST(Diagnostics, WarningsThatExplainErrorsAreListedWithThem) {
@@ -210,7 +213,8 @@ TEST(Diagnostics, WarningsThatExplainErrorsAreListedWithThem) {
     EXPECT_STREQ(error.what(), "a.world:1: warning: old syntax\na.world:3: error: needs a ranger");
   }
   EXPECT_THAT(diagnostics.warnings(),
-              testing::ElementsAre("a.world:1: warning: old syntax (and 1 more such warning)", "a.world:2: warning: odd"));
+              testing::ElementsAre("a.world:1: warning: old syntax (and 1 more such warning)",
+                                   "a.world:2: warning: odd"));
 }
 
 TEST(CommaList, JoinsNames) {

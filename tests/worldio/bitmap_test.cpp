@@ -154,9 +154,8 @@ TEST_F(BitmapFile, AMissingFileIsAnError) {
 TEST_F(BitmapFile, ABrokenFileIsAnError) {
   std::ofstream(folder_ / "b.png") << "not an image";
   EXPECT_FALSE(read(folder_ / "b.png"));
-  EXPECT_THAT(error(),
-              testing::StartsWith("w.world:7: error: " + (folder_ / "b.png").string() +
-                                  " is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image ("));
+  EXPECT_THAT(error(), testing::StartsWith("w.world:7: error: " + (folder_ / "b.png").string() +
+                                           " is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image ("));
   write_png(folder_ / "c.png",
             Image{.width = 64, .height = 64, .rgba = std::vector<std::uint8_t>(64 * 64 * 4, 9)});
   fs::resize_file(folder_ / "c.png", 60);
@@ -189,8 +188,10 @@ TEST_F(BitmapFile, ADamagedPnmInAsciiIsAnError) {
   const std::string header =
       "is damaged: its header is invalid, has a number above 999999, or the image is cut off";
   for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
-           {"P2\n3 1\n255\n0 1 x3\n", "is damaged: after 2 of 3 values, the next one is missing or no number"},
-           {"P2\n3 1\n255\n0 1    \n", "is damaged: after 2 of 3 values, the next one is missing or no number"},
+           {"P2\n3 1\n255\n0 1 x3\n",
+            "is damaged: after 2 of 3 values, the next one is missing or no number"},
+           {"P2\n3 1\n255\n0 1    \n",
+            "is damaged: after 2 of 3 values, the next one is missing or no number"},
            {"P1\n2 1\n1 -1\n", "is damaged: after 1 of 2 values, the next one is missing or no number"},
            {"P2\n3 1\n0\n0 0 0\n", header},
            {"P2\n3\n", header},

@@ -584,9 +584,8 @@ INSTANTIATE_TEST_SUITE_P(
               "maze.json:2: error: /troupe: unknown format version 2: this program reads version 1"},
         Wrong{R"("troupe": 1)", R"("troupe": "1")",
               R"(maze.json:2: error: /troupe: expected 1, the version of the format, found the text "1")"},
-        Wrong{
-            R"("seed": 7)", R"("sede": 7)",
-            R"(maze.json:3: error: unknown key "sede" (did you mean "seed"?))"},
+        Wrong{R"("seed": 7)", R"("sede": 7)",
+              R"(maze.json:3: error: unknown key "sede" (did you mean "seed"?))"},
         Wrong{R"("seed": 7)", R"("seed": -7)",
               "maze.json:3: error: /seed: expected a whole number from 0 to 2^64 - 1, found the number -7"},
         Wrong{R"("seed": 7)", R"("seed": 7.5)",
@@ -615,7 +614,8 @@ INSTANTIATE_TEST_SUITE_P(
             R"("seed": 7)", R"("ranging": "exakt")",
             R"(maze.json:3: error: /ranging: unknown ranging "exakt"; known: exact, grid (did you mean "exact"?))"},
         Wrong{R"("seed": 7)", R"("resolution_m": 0)",
-              "maze.json:3: warning: /resolution_m: must be from 0.0001 to 100 m, found 0; it has no effect, because "
+              "maze.json:3: warning: /resolution_m: must be from 0.0001 to 100 m, found 0; it has no effect, "
+              "because "
               "\"ranging\" is \"exact\""},
         Wrong{R"("seed": 7)", R"("ranging": "grid", "resolution_m": 0)",
               "maze.json:3: error: /resolution_m: must be from 0.0001 to 100 m, found 0"},
@@ -647,9 +647,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{
             R"({"size_m": [1, 1, 1]})", R"({"size": [1, 1, 1]})",
             R"(maze.json:11: error: /types/crate: "size" needs its unit: write "size_m", "size_cm" or "size_mm")"},
-        Wrong{
-            R"([1, 1, 1])", R"([1, 1, 1], "colour": "red")",
-            R"(maze.json:11: error: /types/crate: unknown key "colour" (did you mean "color"?))"},
+        Wrong{R"([1, 1, 1])", R"([1, 1, 1], "colour": "red")",
+              R"(maze.json:11: error: /types/crate: unknown key "colour" (did you mean "color"?))"},
         Wrong{
             R"([1, 1, 1])", R"([1, 1, 1], "color": "rde")",
             R"(maze.json:11: error: /types/crate/color: unknown color "rde": give an X11 name or [r, g, b] (did you mean "red"?))"},
@@ -889,7 +888,8 @@ TEST_F(JsonWorldOfPictures, FloorPlanErrors) {
     return text;
   };
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm", "size_m": [4, 4, 1]})"),
-            "maze.json:2: warning: /floorplans/0/bitmap: the image white.pgm has no solid pixel, so it has no walls; "
+            "maze.json:2: warning: /floorplans/0/bitmap: the image white.pgm has no solid pixel, so it has "
+            "no walls; "
             "pixels whose first channel is at most 127 are solid");
   EXPECT_EQ(wrong(R"({"name": "a", "bitmap": "white.pgm", "size_m": [4, 4, 1], "boundary": true})"),
             "maze.json:2: warning: /floorplans/0/bitmap: the image white.pgm has no solid pixel, so only its "

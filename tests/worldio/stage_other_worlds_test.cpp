@@ -82,13 +82,17 @@ TEST_F(StageOtherWorlds, TypesOfOlderVersionsAreCalledSo) {
   const std::vector<std::string> found = messages();
   ASSERT_THAT(found, SizeIs(3));
   EXPECT_EQ(found[0],
-            "w.world:1: error: \"charger\" is a model type of older versions of Stage: write model( give_watts 1000 "
+            "w.world:1: error: \"charger\" is a model type of older versions of Stage: write model( "
+            "give_watts 1000 "
             "joules -1 alwayson 1 )");
   EXPECT_EQ(found[1],
-            "w.world:3: error: \"puck\" is a model type of older versions of Stage: write model( size [0.2 0.2 0.2] "
+            "w.world:3: error: \"puck\" is a model type of older versions of Stage: write model( size [0.2 "
+            "0.2 0.2] "
             "gripper_return 1 )");
-  EXPECT_THAT(found[2],
-              HasSubstr("w.world:4: error: \"map\" is a model type of older versions of Stage: write model( bitmap "));
+  EXPECT_THAT(
+      found[2],
+      HasSubstr(
+          "w.world:4: error: \"map\" is a model type of older versions of Stage: write model( bitmap "));
   // As macros, which is how worlds for 4.3 have them, they are like any other.
   load(
       "define map model( color \"black\" boundary 1 )\ndefine puck model( size [0.1 0.1 0.2] "

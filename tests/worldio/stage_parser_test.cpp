@@ -155,10 +155,9 @@ TEST_F(Conformance14, MissingOrUnreadableBitmap) {
               ElementsAre("w.world:2: error: cannot read the image no.png: there is no such file"));
   write("text.png", "no image");
   load("model( bitmap \"text.png\" )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(HasSubstr(
-          "w.world:1: error: text.png is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image")));
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr(
+                  "w.world:1: error: text.png is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image")));
 }
 
 TEST_F(Conformance14, ColoursNeedNoFile) {  // Stage reads rgb.txt, and ends where there is none
@@ -431,29 +430,35 @@ TEST_F(StageParser, AMissingIncludeIsReported) {
 TEST_F(StageParser, AMissingIncludeOfStageIsSaidToBeOne) {
   load("include \"pioneer.inc\"\ninclude \"inc/map.inc\"\npioneer2dx( floorplan() )\n");
   const std::string hint =
-      ": there is no such file; it comes with Stage: name the folder that has it, such as worlds in the sources of "
+      ": there is no such file; it comes with Stage: name the folder that has it, such as worlds in the "
+      "sources of "
       "Stage, in the environment variable STAGEPATH (in programs: search_path)";
-  EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: cannot read the included file pioneer.inc" + hint,
-                          "w.world:2: error: cannot read the included file inc/map.inc" + hint,
-                          "w.world:3: error: \"pioneer2dx\" is no model type; pioneer.inc or map.inc may define it as a "
-                          "macro, but is missing"));
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: cannot read the included file pioneer.inc" + hint,
+          "w.world:2: error: cannot read the included file inc/map.inc" + hint,
+          "w.world:3: error: \"pioneer2dx\" is no model type; pioneer.inc or map.inc may define it as a "
+          "macro, but is missing"));
   LoadOptions options;
   options.search_path = {folder() / "nowhere"};
   load("include \"sick.inc\"", options);
-  EXPECT_THAT(messages(), ElementsAre(HasSubstr("there is no such file, and none of that name in the folders of the "
-                                                "search path; it comes with Stage: ")));
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr("there is no such file, and none of that name in the folders of the "
+                                    "search path; it comes with Stage: ")));
 }
 
 TEST_F(StageParser, ADanglingLinkIsCalledThat) {
   std::filesystem::create_symlink("../inc/gone.inc", folder() / "map.inc");
   load("include \"map.inc\"");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: cannot read the included file map.inc: this is a link to "
-                                      "../inc/gone.inc, which does not exist"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: cannot read the included file map.inc: this is a link to "
+                          "../inc/gone.inc, which does not exist"));
   std::filesystem::create_symlink("gone.png", folder() / "plan.png");
   load("model( bitmap \"plan.png\" )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: cannot read the image plan.png: this is a link to gone.png, "
-                                      "which does not exist"));
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: cannot read the image plan.png: this is a link to gone.png, "
+                          "which does not exist"));
 }
 
 TEST_F(StageParser, TheSearchPathIsTriedByBaseName) {

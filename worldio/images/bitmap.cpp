@@ -160,8 +160,8 @@ class PnmNumbers {
  public:
   explicit PnmNumbers(std::string_view bytes, std::size_t at) : bytes_(bytes), at_(at) {}
 
-  /// Returns the next number, or the next digit if `is_digit` is true. A number above 1e6 is 1e6. -1: the next
-  /// word is no number.
+  /// Returns the next number, or the next digit if `is_digit` is true. A number above 1e6 is 1e6. -1: the
+  /// next word is no number.
   double next(bool is_digit = false) {
     constexpr std::string_view k_white_space = " \t\n\v\f\r";
     while (at_ < bytes_.size() && (k_white_space.find(bytes_[at_]) != bytes_.npos || bytes_[at_] == '#'))
@@ -237,7 +237,9 @@ Result<std::string> as_read_pnm(std::string_view bytes) {
   read.reserve(read.size() + channels);
   PnmNumbers numbers(bytes, header.pixels);
   std::size_t at = header.pixels;
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(bytes[i])); };
+  const auto byte = [&](std::size_t i) {
+    return static_cast<unsigned>(static_cast<unsigned char>(bytes[i]));
+  };
   const auto width = static_cast<std::size_t>(header.width);
   for (std::size_t i = 0; i < channels; ++i) {
     unsigned value = 0;
@@ -420,8 +422,8 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
       stbi_load_from_memory(data_of(bytes), size_of(bytes), &bitmap.width, &bitmap.height, &channels, 0),
       stbi_image_free);
   if (!pixels)
-    return refuse(fmt::format("{} is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image ({})",
-                              name, stbi_failure_reason()));
+    return refuse(fmt::format("{} is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image ({})", name,
+                              stbi_failure_reason()));
   const std::size_t count = static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
   bitmap.solid.resize(count);
   const auto stride = static_cast<std::size_t>(channels);

@@ -60,12 +60,14 @@ std::optional<FloorImage> read_map(const std::filesystem::path& file, bool unkno
 
 std::string FloorImage::unsolid_text(const engine::ImageSpec& spec) const {
   const std::string walls = spec.boundary ? "only its \"boundary\" has walls" : "it has no walls";
-  return place ? fmt::format("the ROS map {} has no occupied cell, so {}; if it should have, check its image, "
-                             "\"negate\" and \"occupied_thresh\"",
-                             spec.file, walls)
-               : fmt::format("the image {} has no solid pixel, so {}; pixels whose first channel is at most 127 "
-                             "are solid",
-                             spec.file, walls);
+  return place ? fmt::format(
+                     "the ROS map {} has no occupied cell, so {}; if it should have, check its image, "
+                     "\"negate\" and \"occupied_thresh\"",
+                     spec.file, walls)
+               : fmt::format(
+                     "the image {} has no solid pixel, so {}; pixels whose first channel is at most 127 "
+                     "are solid",
+                     spec.file, walls);
 }
 
 std::string FloorImage::margins_text(const std::string& file, std::string_view keep) const {
@@ -83,9 +85,10 @@ std::string FloorImage::margins_text(const std::string& file, std::string_view k
   add(columns, width, "columns", "x");
   add(rows, height, "rows", "y");
   if (cut.empty()) return {};
-  return fmt::format("the white margins of the image {} are cut off, as in Stage: {}; the walls grow by a factor of "
-                     "{}; {} keeps the margins",
-                     file, joined(cut, " and "), joined(grown, " and "), keep);
+  return fmt::format(
+      "the white margins of the image {} are cut off, as in Stage: {}; the walls grow by a factor of "
+      "{}; {} keeps the margins",
+      file, joined(cut, " and "), joined(grown, " and "), keep);
 }
 
 Solid FloorImage::solid(const Eigen::Vector3d& size) const {

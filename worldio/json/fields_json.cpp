@@ -77,10 +77,10 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
   std::string limits = is_allowed ? "a whole number" : limits_text(field, suffix);
   if (limits.empty()) limits = "finite";
   const bool is_finite = std::isfinite(si) && std::abs(si) <= std::numeric_limits<float>::max();
-  if (may_exceed(at,
-                 fmt::format("must be {}, found {}", limits,
-                             is_whole ? digits_of(at.node()) : exact_number(*given)),
-                 is_allowed || !is_finite ? "" : unused))
+  if (may_exceed(
+          at,
+          fmt::format("must be {}, found {}", limits, is_whole ? digits_of(at.node()) : exact_number(*given)),
+          is_allowed || !is_finite ? "" : unused))
     return si;
   return std::nullopt;
 }

@@ -250,7 +250,8 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
   if (!made.image) return std::nullopt;
   if (made.image->contours.empty())
     DocumentPath(at, "bitmap", where).warning(made.image->unsolid_text(made.spec));
-  const bool says_margins = std::ranges::find(object.keys, "margins", &Placed::Key::name) != object.keys.end();
+  const bool says_margins =
+      std::ranges::find(object.keys, "margins", &Placed::Key::name) != object.keys.end();
   if (at.diagnostics().thorough() && !says_margins)
     if (const std::string margins = made.image->margins_text(made.spec.file, "\"margins\": \"keep\"");
         !margins.empty())

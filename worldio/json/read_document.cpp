@@ -157,8 +157,8 @@ void ObjectReader::read_key(const DocumentKey& key) {
   }
 }
 
-/// Returns why a key with a condition on another key, which is a choice, has no effect in this object; empty if
-/// it has one.
+/// Returns why a key with a condition on another key, which is a choice, has no effect in this object; empty
+/// if it has one.
 std::string ObjectReader::unused_reason(const Field& field) const {
   const engine::FieldCondition& condition = field.used_if;
   if (condition.field.empty()) return {};

@@ -28,8 +28,7 @@ void set(const FieldTable& table, Record& record, std::string_view name, Value v
 
 /// Returns why a property has no effect; empty if it has one.
 std::string unused(const FieldTable& table, const Record& params, const Field& field) {
-  return engine::is_used(table, params, field) ? std::string()
-                                               : engine::unused_reason(table, params, field);
+  return engine::is_used(table, params, field) ? std::string() : engine::unused_reason(table, params, field);
 }
 
 std::vector<std::string_view> words_of(std::string_view text) {
@@ -125,8 +124,7 @@ std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
   }
   const bool is_sensor = !model.alias.empty() && sensors.empty();
   if (sensors.empty() && !is_sensor) {
-    values_.explain(model.where,
-                         "a ranger without a sensor( ... ) measures nothing: add a sensor( ... )");
+    values_.explain(model.where, "a ranger without a sensor( ... ) measures nothing: add a sensor( ... )");
     return {};
   }
   engine::RangerParams params;
@@ -203,8 +201,8 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
   return spec;
 }
 
-/// Reads a parameter of a device from its property, if the model has it. False, with an error, if the value is
-/// wrong.
+/// Reads a parameter of a device from its property, if the model has it. False, with an error, if the value
+/// is wrong.
 bool StageKinds::read_parameter(const StageModel& model, const StageParameter& parameter,
                                 const FieldTable& table, Record& params) {
   const StageProperty* property = model.find(document_, parameter.property);
@@ -215,8 +213,8 @@ bool StageKinds::read_parameter(const StageModel& model, const StageParameter& p
                        : parameter.unit == StageUnit::milliseconds ? 1e-3
                                                                    : 1.0;
   const auto at = static_cast<std::size_t>(table.find(parameter.field));
-  auto given = value(*property, table.fields[at], to_si, parameter.column,
-                     unused(table, params, table.fields[at]));
+  auto given =
+      value(*property, table.fields[at], to_si, parameter.column, unused(table, params, table.fields[at]));
   if (given) params[at] = *std::move(given);
   return given.has_value();
 }

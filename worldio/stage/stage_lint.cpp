@@ -101,7 +101,8 @@ void StageLint::check_old(std::span<const StageProperty> properties, std::string
     if (old == all.end()) old = all.insert(all.end(), {row, values_.where(property), {}});
     if (std::ranges::find(old->names, row->name) == old->names.end()) old->names.push_back(row->name);
   }
-  for (const Old& old : all) values_.explain(old.first, old_words_text(old.names, sensor_of(properties), old.row->note));
+  for (const Old& old : all)
+    values_.explain(old.first, old_words_text(old.names, sensor_of(properties), old.row->note));
 }
 
 /// Returns the sensor( ) block for the first transducer of a ranger in old syntax, with its numbers; empty if
@@ -116,8 +117,8 @@ std::string StageLint::sensor_of(std::span<const StageProperty> properties) cons
   const std::vector<std::string_view> pose = numbers("spose[0]");
   const std::vector<std::string_view> view = numbers("sview");
   if (pose.size() != 3 || view.size() != 3) return {};
-  return fmt::format("sensor( pose [{} {} 0 {}] range [{} {}] fov {} )", pose[0], pose[1], pose[2], view[0], view[1],
-                     view[2]);
+  return fmt::format("sensor( pose [{} {} 0 {}] range [{} {}] fov {} )", pose[0], pose[1], pose[2], view[0],
+                     view[1], view[2]);
 }
 
 /// Warns of each property that the same entity sets again later, because only the last value counts.

@@ -106,8 +106,8 @@ void StageMacros::report_unknown_type(std::string_view type, Where where) {
     return;
   }
   if (!document_.missing_includes.empty()) {
-    values_.error(where, fmt::format("\"{}\" is no model type; {} may define it as a macro, but is missing", type,
-                                     joined(document_.missing_includes, " or ")));
+    values_.error(where, fmt::format("\"{}\" is no model type; {} may define it as a macro, but is missing",
+                                     type, joined(document_.missing_includes, " or ")));
     return;
   }
   std::vector<std::string_view> types;

@@ -301,8 +301,9 @@ class Lexer {
     }
     if (!search_path_.empty()) message += ", and none of that name in the folders of the search path";
     if (comes_with_stage(name))
-      message += "; it comes with Stage: name the folder that has it, such as worlds in the sources of Stage, in "
-                 "the environment variable STAGEPATH (in programs: search_path)";
+      message +=
+          "; it comes with Stage: name the folder that has it, such as worlds in the sources of Stage, in "
+          "the environment variable STAGEPATH (in programs: search_path)";
     errors_.add(where, std::move(message));
   }
 

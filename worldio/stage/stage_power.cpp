@@ -108,15 +108,14 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
                     model.type));
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
-    const bool has_pack = std::ranges::any_of(k_amounts, [&](const Amount& amount) {
-      return model.find(document_, amount.key) != nullptr;
-    });
+    const bool has_pack = std::ranges::any_of(
+        k_amounts, [&](const Amount& amount) { return model.find(document_, amount.key) != nullptr; });
     const bool has_effect = model.type == "position" && part == 0 && has_pack;
     if (!(kg >= 0 && kg <= engine::k_most_mass_kg))
-      values_.may_exceed(values_.where(*property),
-                         fmt::format("\"mass\" must be from 0 to {}, in kg, found {}",
-                                     engine::k_most_mass_kg, kg),
-                         has_effect ? "" : "only the power pack of a top-level position uses it");
+      values_.may_exceed(
+          values_.where(*property),
+          fmt::format("\"mass\" must be from 0 to {}, in kg, found {}", engine::k_most_mass_kg, kg),
+          has_effect ? "" : "only the power pack of a top-level position uses it");
     else if (part == 0)
       mass_ = kg;
   }

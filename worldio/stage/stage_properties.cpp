@@ -414,7 +414,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"type", "region", obsolete, "write `model( size [4 4 0.01] obstacle_return 0 ranger_return -1 )`"},
     {"type", "fiducialfinder", obsolete, "write `fiducial( range_max 8 fov 180 )`"},
     {"type", "simple_laser", obsolete, "write `ranger( sensor( range [0 8] fov 180 samples 180 ) )`"},
-    {"type", "ptz", obsolete, "write `pan 0 fov 60` in the `blobfinder( )`, or `pantilt [0 0]` in a `camera( )`"},
+    {"type", "ptz", obsolete,
+     "write `pan 0 fov 60` in the `blobfinder( )`, or `pantilt [0 0]` in a `camera( )`"},
     {"type", "puck", obsolete, "write `model( size [0.2 0.2 0.2] gripper_return 1 )`"},
     {"type", "charger", obsolete, "write `model( give_watts 1000 joules -1 alwayson 1 )`"},
     {"type", "power", obsolete, "write `joules 40000` in the model"},
@@ -517,7 +518,8 @@ std::string old_words_text(std::span<const std::string_view> names, std::string_
   std::string all;
   for (std::size_t i = 0; i < names.size(); ++i)
     all += fmt::format("{}\"{}\"", i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", names[i]);
-  return fmt::format("old syntax: {} {} ignored, as in Stage: {}", all, names.size() == 1 ? "is" : "are", today);
+  return fmt::format("old syntax: {} {} ignored, as in Stage: {}", all, names.size() == 1 ? "is" : "are",
+                     today);
 }
 
 std::string old_type_text(const StageRow& row) {

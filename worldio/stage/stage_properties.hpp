@@ -14,16 +14,16 @@ enum class StageSupport {
   no_effect,      ///< accepted and ignored: the note says why
   window_camera,  ///< accepted; it affects only Stage's window, and Troupe's pictures with `--camera window`
   window_only,    ///< accepted; it affects only Stage's window
-  /// A word of older versions of Stage. As a property, it is accepted and ignored, as by Stage 4.3; as a type,
-  /// it is an error. The note says what to write today.
+  /// A word of older versions of Stage. As a property, it is accepted and ignored, as by Stage 4.3; as a
+  /// type, it is an error. The note says what to write today.
   obsolete,
 };
 
 /// A property that entities of one type can have, and how Troupe treats it. An entity is a model, block,
 /// sensor or window of a file, or the world itself.
 struct StageRow {
-  /// "world", "block", "sensor", "window" or a model type; "model": every model type; "type": the name is that
-  /// of a type itself
+  /// "world", "block", "sensor", "window" or a model type; "model": every model type; "type": the name is
+  /// that of a type itself
   std::string_view type;
   std::string_view name;  ///< name of the property; a number in brackets is written [k], as in `point[k]`
   StageSupport support;   ///< how Troupe treats the property

@@ -34,9 +34,9 @@ class TransducerReader {
     if (is_the_ranger) {
       read("range_min", &TransducerReader::read_range_min);
       read("range_max", &TransducerReader::read_range_max);
-      if (is_right_ && !is_ordered(sensor_.where, 
-                                   fmt::format("\"range_min\", {} m, must be at most \"range_max\", {} m",
-                                               params_.range_min, params_.range_max)))
+      if (is_right_ &&
+          !is_ordered(sensor_.where, fmt::format("\"range_min\", {} m, must be at most \"range_max\", {} m",
+                                                 params_.range_min, params_.range_max)))
         return {};
     }
     read("fov", &TransducerReader::read_fov);
@@ -84,8 +84,8 @@ class TransducerReader {
   /// above the maximum.
   bool is_ordered(Where where, const std::string& message) {
     if (params_.range_min <= params_.range_max) return true;
-    return values_.may_exceed(where, message,
-                              params_.apply_range_min ? "" : "the minimum counts only with \"apply_range_min 1\"");
+    return values_.may_exceed(
+        where, message, params_.apply_range_min ? "" : "the minimum counts only with \"apply_range_min 1\"");
   }
 
   bool read_range_min(const StageProperty& property) {

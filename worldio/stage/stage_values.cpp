@@ -134,9 +134,9 @@ std::optional<Pose> StageValues::pose(const StageProperty& property, bool is_wra
   if (!v) return {};
   if (v->size() == 3)
     explain(where(property),
-                 fmt::format("old syntax: the three values of \"{}\" are read as [x y heading]; write "
-                             "[x y z heading]",
-                             key(property)));
+            fmt::format("old syntax: the three values of \"{}\" are read as [x y heading]; write "
+                        "[x y z heading]",
+                        key(property)));
   const double z = v->size() == 4 ? (*v)[2] : 0;
   for (const double part : {(*v)[0], (*v)[1], z})
     if (std::abs(part) * length_ > k_world_reach_m) {

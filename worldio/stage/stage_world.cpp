@@ -247,9 +247,10 @@ void StageWorld::read_quit_time(const StageProperty& property) {
   if (*seconds > 0 && values_.is_within(property, json_field<WorldDocument>("quit_time"), *seconds, *seconds))
     spec_->quit_time_s = *seconds;
   if (*seconds == 0)
-    values_.explain(values_.where(property),
-                    "\"quit_time 0\" has no effect: the run does not end by itself; write quit_time 60, or give "
-                    "--for 60");
+    values_.explain(
+        values_.where(property),
+        "\"quit_time 0\" has no effect: the run does not end by itself; write quit_time 60, or give "
+        "--for 60");
   if (*seconds < 0)
     values_.error(values_.where(property),
                   fmt::format("\"quit_time\" must be 0 (never) or above, in s, found {}", *seconds));
@@ -665,15 +666,17 @@ void StageWorld::check_start(const StageModel& model, const engine::DriveSpec& d
   const StageProperty* property = model.find(document_, "velocity");
   if (property == nullptr || drive.period_s > spec_->tick_s) return;
   const engine::FieldTable& table = registry_.drive(drive.kind)->params;
-  const bool is_zero = std::ranges::all_of(std::array{"start_x", "start_y", "start_turn"}, [&](const char* name) {
-    return table.find(name) < 0 || engine::get(table, drive.params, name).number() == 0;
-  });
+  const bool is_zero =
+      std::ranges::all_of(std::array{"start_x", "start_y", "start_turn"}, [&](const char* name) {
+        return table.find(name) < 0 || engine::get(table, drive.params, name).number() == 0;
+      });
   if (is_zero) return;
-  values_.explain(values_.where(*property),
-                  fmt::format("\"velocity\" has no effect: at its first update, after {:g} ms and before the first "
-                              "motion, the drive replaces this initial speed; write update_interval 3600000 to keep "
-                              "it for an hour, or command the speed with a controller",
-                              drive.period_s * 1000));
+  values_.explain(
+      values_.where(*property),
+      fmt::format("\"velocity\" has no effect: at its first update, after {:g} ms and before the first "
+                  "motion, the drive replaces this initial speed; write update_interval 3600000 to keep "
+                  "it for an hour, or command the speed with a controller",
+                  drive.period_s * 1000));
 }
 
 void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft) {
