@@ -192,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(Stage, BadInputs, ::testing::ValuesIn(stage_inputs()), 
 INSTANTIATE_TEST_SUITE_P(Json, BadInputs, ::testing::ValuesIn(json_inputs()), k_name_of_case);
 INSTANTIATE_TEST_SUITE_P(Other, BadInputs,
                          ::testing::Values(BadInput{
-                             "ending", "bad.xml", "<world/>", "bad.xml", ".world", {}}),
+                             "ending", "bad.txt", "name \"w\"\n", "bad.txt", ".world", {}}),
                          k_name_of_case);
 
 class GoodInput : public ProgramTest {};
