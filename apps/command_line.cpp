@@ -43,7 +43,7 @@ Examples:
   troupe lint worlds/hospital.json
   troupe convert worlds/minimal.world minimal.json
   troupe describe ranger
-  troupe run --help)";
+  troupe help run)";
 
 /// Opens standard streams that the caller has closed, in a mode in which using them fails. Otherwise the
 /// first file that the program opens for writing would get the file descriptor of standard output, and the
@@ -93,8 +93,16 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
 /// the option takes a value: CLI11 would take the next argument as its value.
 std::vector<std::string> split_arguments(const CLI::App& app, int argc, const char* const* argv) {
   std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
-  const auto commands = app.get_subcommands(
-      [&](const CLI::App* one) { return !arguments.empty() && one->get_name() == arguments.front(); });
+  const auto command_in_front = [&] {
+    return app.get_subcommands(
+        [&](const CLI::App* one) { return !arguments.empty() && one->get_name() == arguments.front(); });
+  };
+  // `troupe help COMMAND` is `troupe COMMAND --help`, unless there is no such command, which is an error.
+  if (!arguments.empty() && arguments.front() == "help") {
+    arguments.erase(arguments.begin());
+    if (arguments.empty() || !command_in_front().empty()) arguments.emplace_back("--help");
+  }
+  const auto commands = command_in_front();
   for (std::size_t i = 1; !commands.empty() && i < arguments.size(); ++i) {
     if (arguments[i].find('=') + 1 != arguments[i].size()) continue;
     const std::string name = arguments[i].substr(0, arguments[i].size() - 1);

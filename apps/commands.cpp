@@ -97,7 +97,7 @@ std::vector<std::unique_ptr<ProgramCommand>> program_commands() {
       row_of_ranks("check",
                    "Check that results do not depend on the number of threads or ranks or the tile size",
                    add_check_options, check_shipped),
-      row("diff", "Find the first tick at which two hash logs or recordings differ", add_diff_options, diff),
+      row("diff", "Compare two hash logs, recordings or tables of sweeps", add_diff_options, diff),
       row("repair", "Make the recording of a killed run readable by standard HDF5 tools", add_repair_options,
           repair),
       row("convert", "Write a world in another format: .world or .json", add_convert_options, convert),

@@ -116,6 +116,9 @@ void add_lines(const FieldTable& table, const std::string& indent, std::vector<L
                                                    : value_text(field.usual_in_json());
     lines.push_back(
         {indent + worldio::key_text(field), fallback, range_text(field), worldio::meaning_text(field)});
+    if (field.type == FieldType::records && field.record->find("pose") >= 0)
+      lines.push_back({indent + "  ring", "none", "an object",
+                       "copies of this object on a circle; `troupe describe ring` lists the keys"});
     if (block) add_lines(*field.record, indent + "  ", lines);
   }
 }
@@ -273,7 +276,9 @@ std::string key_description(const worldio::FoundKey& key) {
 }
 
 /// Returns the description of the kind `name` as text; empty if there is no such kind.
-std::string kind_description(const Registry& registry, std::string_view name) {
+/// with_stage: whether to describe a model that is also a sensor or device with its properties in Stage's
+/// world files
+std::string kind_description(const Registry& registry, std::string_view name, bool with_stage) {
   std::string text;  // parameters in JSON, then properties in Stage world files
   if (const auto* kind = registry.device(name))
     text +=
@@ -284,8 +289,11 @@ std::string kind_description(const Registry& registry, std::string_view name) {
   if (const auto kind = registry.find_measure(name)) text += measure_text(**kind);
   if (const auto* kind = registry.fault(name)) text += kind_text("fault", *kind);
   if (text.find("\n  key ") != std::string::npos) text += k_endings;
-  if (const auto* kind = registry.model(name))
-    text += (text.empty() ? "" : "\n") + model_text(registry, *kind);
+  const auto* model = registry.model(name);
+  if (model && (with_stage || text.empty()))
+    text += (text.empty() ? "" : "\n") + model_text(registry, *model);
+  else if (model)
+    text += fmt::format("`troupe describe {} --stage` lists the properties in Stage's world files.\n", name);
   return text;
 }
 
@@ -326,11 +334,12 @@ std::string list_script(const Script& script) {
 /// or keys have this name, such as a model and a sensor, the text describes all of them. A name such as
 /// "sensors.ranger" also refers to a kind. Throws InputError if there is no such kind or key, also in
 /// plug-ins; the error suggests similar names.
-std::string describe_name(const Registry& registry, Plugins& plugins, std::string_view name) {
-  std::string text = kind_description(registry, name);
+std::string describe_name(const Registry& registry, Plugins& plugins, std::string_view name,
+                          bool with_stage) {
+  std::string text = kind_description(registry, name, with_stage);
   if (text.empty())
     if (const std::string_view kind = worldio::kind_in_path(registry, name); !kind.empty())
-      text = kind_description(registry, kind);
+      text = kind_description(registry, kind, with_stage);
   std::string keys;
   for (const worldio::FoundKey& key : worldio::find_keys(registry, name))
     keys += (keys.empty() ? "" : "\n") + key_description(key);
@@ -376,8 +385,10 @@ void add_describe_options(CLI::App& command, DescribeOptions& options) {
             [&options](const std::string& text) { options.name = text; });
   CLI::Option* const schema = add_switch(command, "--schema", options.schema,
                                          "Print the JSON Schema of worlds, for editors and programs");
+  add_switch(command, "--stage", options.stage,
+             "Also list the properties that a sensor or device has in Stage's world files");
   add_kind_options(command, options.sources);
-  for (const char* other : {"NAME", "--plugin-path", "--controller"})  // no part of the schema
+  for (const char* other : {"NAME", "--stage", "--plugin-path", "--controller"})  // no part of the schema
     schema->excludes(command.get_option(other));
   command.footer(
       "\nA name of several keys, or of a kind and keys of its parameters, is separated by dots. A JSON "
@@ -398,7 +409,7 @@ ExitCode describe(const DescribeOptions& options) {
   const std::shared_ptr<Plugins> plugins =
       add_plugins(registry, plugin_path(options.sources.plugin_path), options.sources.scripts);
   if (!options.name.empty()) {
-    fmt::print("{}", describe_name(registry, *plugins, options.name));
+    fmt::print("{}", describe_name(registry, *plugins, options.name, options.stage));
     return k_finished;
   }
   for (const std::shared_ptr<const Script>& script : options.sources.scripts)

@@ -15,6 +15,7 @@ namespace troupe::apps {
 struct DescribeOptions {
   std::string name;     ///< kind or key of JSON worlds to describe, such as "ranger"; empty: list all kinds
   bool schema = false;  ///< print the JSON Schema of worlds instead
+  bool stage = false;   ///< also list the properties of a sensor or device in Stage's world files
   KindSources sources;  ///< plug-ins and scripts whose kinds can be described
 };
 /// Adds the options of `describe`; parsing fills `options`, which must outlive `command`.

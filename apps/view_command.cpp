@@ -46,9 +46,9 @@ With --bind, other machines can open the page directly; the connection is not en
 with TLS (--allow-host).
 
 WORLD may also be a checkpoint (troupe run --checkpoint); the run then continues from it. All actions of the users, such
-as moving a robot, are written to the session file WORLD.session.jsonl (if it exists: WORLD.session-2.jsonl, ...). The
-command troupe run WORLD --session WORLD.session.jsonl repeats the run with these actions, with the same bits. For a
-checkpoint, the command is troupe resume CHECKPOINT --session FILE. See docs/live.md.
+as moving a robot, are written to the session file WORLD.session.jsonl (if it exists: WORLD.session-2.jsonl, ...). At
+its end, the program prints the command that repeats the run with these actions, with the same bits: troupe run WORLD
+--session WORLD.session.jsonl, or troupe resume CHECKPOINT --session FILE. See docs/live.md.
 
 Exit codes: 0 ended by --for or the world's stop_when; 1 failed; 2 bad input or usage; 3 ended by Ctrl-C, SIGTERM or
 SIGHUP.

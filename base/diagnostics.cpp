@@ -13,6 +13,7 @@ namespace troupe {
 namespace {
 
 constexpr std::size_t k_names_listed = 50;
+constexpr std::size_t k_names_listed_with_hint = 24;
 constexpr std::size_t k_names_compared = 2000;
 constexpr std::size_t k_longest_compared = 100;  // bytes of a name
 constexpr std::size_t k_longest_message = 8000;
@@ -49,6 +50,83 @@ std::size_t edit_distance(std::string_view a, std::string_view b,
     std::swap(last, row);
   }
   return last[b.size()];
+}
+
+/// The names of units by quantity, as the last word of a name may have them: those of keys in JSON worlds,
+/// and others that a user may expect.
+constexpr std::string_view k_units[][12] = {
+    {"m", "cm", "mm", "km", "meter", "meters", "metre", "metres", "px"},
+    {"rad", "deg", "rads", "degree", "degrees", "radian", "radians"},
+    {"s", "ms", "us", "sec", "secs", "msec", "second", "seconds", "minutes"},
+    {"mps", "cmps", "mmps", "kmh", "kph", "mph"},
+    {"radps", "degps", "rps", "dps", "rpm"},
+    {"mps2", "cmps2", "ms2"},
+    {"radps2", "degps2", "rps2", "dps2"},
+    {"hz", "Hz"},
+    {"kg", "g", "gram", "grams", "kilogram", "kilograms"},
+    {"J", "kJ", "joule", "joules", "kjoule", "kjoules"},
+    {"W", "kW", "watt", "watts"}};
+
+/// A name as a list of words.
+struct Words {
+  std::vector<std::string_view> words;  ///< without the unit
+  std::size_t unit = 0;                 ///< number of the quantity in k_units, from 1; 0: no unit
+};
+
+Words words_of(std::string_view name) {
+  constexpr std::string_view k_separators = "_-. ";
+  Words out;
+  for (std::size_t at = 0; (at = name.find_first_not_of(k_separators, at)) != name.npos;) {
+    const std::size_t end = std::min(name.size(), name.find_first_of(k_separators, at));
+    out.words.push_back(name.substr(at, end - at));
+    at = end;
+  }
+  if (out.words.size() < 2) return out;
+  for (std::size_t q = 0; q < std::size(k_units); ++q)
+    if (std::ranges::find(k_units[q], out.words.back()) != std::end(k_units[q])) out.unit = q + 1;
+  if (out.unit > 0) out.words.pop_back();
+  return out;
+}
+
+using EditRows = std::array<std::vector<std::size_t>, 3>;
+
+/// Whether two words of names correspond: they are equal, differ by few edits, or one, of at least three
+/// letters, begins the other, as "max" begins "maximum".
+bool correspond(std::string_view a, std::string_view b, EditRows& rows) {
+  const auto [shorter, longer] = std::minmax({a.size(), b.size()});
+  if (shorter >= 3 && (a.starts_with(b) || b.starts_with(a))) return true;
+  return longer - shorter <= shorter / 3 && edit_distance(a, b, rows) <= shorter / 3;
+}
+
+/// Returns the name in `known` that corresponds to `word` best, word by word; null if there is none.
+const std::string_view* nearest_by_words(std::string_view word, std::span<const std::string_view> known,
+                                         EditRows& rows) {
+  const Words wanted = words_of(word);
+  const std::string_view* best = nullptr;
+  std::size_t fewest = 0;
+  if (wanted.words.size() + (wanted.unit > 0) < 2 || word.size() > k_longest_compared) return nullptr;
+  for (const std::string_view& name : known) {
+    if (name.size() > k_longest_compared) continue;
+    Words other = words_of(name);
+    const bool same_unit = wanted.unit > 0 && wanted.unit == other.unit;
+    std::size_t alone = (wanted.unit > 0) + (other.unit > 0) - 2 * same_unit;
+    std::size_t pairs = 0;
+    for (const std::string_view part : wanted.words) {
+      const auto same =
+          std::ranges::find_if(other.words, [&](std::string_view x) { return correspond(part, x, rows); });
+      if (same == other.words.end()) {
+        ++alone;
+        continue;
+      }
+      ++pairs;
+      other.words.erase(same);
+    }
+    alone += other.words.size();
+    if (pairs == 0 || alone > pairs + same_unit || (best != nullptr && alone >= fewest)) continue;
+    best = &name;
+    fewest = alone;
+  }
+  return best;
 }
 
 /// Returns the value of the longest key with which `text` begins and after which `text` has one of the
@@ -106,6 +184,12 @@ void Diagnostics::warning_once(Where where, std::string message) {
   } else {
     ++repeats_[place->second];
   }
+}
+
+void Diagnostics::explain(Where where, std::string message) {
+  const std::size_t before = findings_.size();
+  warning_once(where, std::move(message));
+  if (findings_.size() > before) findings_.back().explains = true;
 }
 
 std::size_t Diagnostics::kin_of(const Inheritable& part) {
@@ -205,10 +289,15 @@ void Diagnostics::throw_if_errors() const {
   if (!has_errors()) return;
   std::string message;
   std::size_t listed = 0;
+  std::size_t explained = 0;
   for (const Finding& finding : findings_) {
-    if (finding.severity != Severity::error) continue;
-    if (listed == k_most_listed) break;
-    if (listed++ > 0) message += '\n';
+    const bool is_error = finding.severity == Severity::error;
+    if (!is_error && !finding.explains) continue;
+    if (std::size_t& count = is_error ? listed : explained; count++ == k_most_listed) {
+      --count;
+      continue;
+    }
+    if (!message.empty()) message += '\n';
     message += text(finding);
   }
   if (errors_ > listed) {
@@ -222,7 +311,10 @@ void Diagnostics::throw_if_errors() const {
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known) {
   const std::string_view* best = nullptr;
   std::size_t best_distance = 0;
-  std::array<std::vector<std::size_t>, 3> rows;
+  EditRows rows;
+  constexpr std::string_view k_separators = "_-. ";
+  constexpr std::size_t k_most_in_words = 2;  // edits of a name of several words
+  const bool has_words = word.find_first_of(k_separators) != word.npos;
   const auto lower = [](char c) { return 'A' <= c && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   for (const std::string_view& name : known) {
     if (std::ranges::equal(word, name, {}, lower, lower)) {
@@ -231,7 +323,7 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
     }
     const auto [shorter, longer] = std::minmax({word.size(), name.size()});
     // A third of the letters may be wrong. Names of one or two letters get no suggestion.
-    const std::size_t most = shorter / 3;
+    const std::size_t most = has_words ? std::min(k_most_in_words, shorter / 3) : shorter / 3;
     // The edit distance is at least the difference in length, so most names of a large world are skipped
     // cheaply.
     if (longer > k_longest_compared || longer - shorter > most ||
@@ -244,6 +336,7 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
       best_distance = distance;
     }
   }
+  if (best == nullptr) best = nearest_by_words(word, known, rows);
   return best == nullptr ? std::string() : fmt::format(" (did you mean \"{}\"?)", *best);
 }
 
@@ -263,11 +356,13 @@ std::string_view first_characters(std::string_view text, std::size_t most) {
 std::string unknown_name(std::string_view what, std::string_view name, std::vector<std::string_view> known,
                          std::string hint) {
   if (known.empty()) return fmt::format("unknown {} \"{}\"; no {} exists", what, name, what);
+  if (hint.empty() && known.size() <= k_names_compared) hint = did_you_mean(name, known);
+  if (!hint.empty() && known.size() > k_names_listed_with_hint)
+    return fmt::format("unknown {} \"{}\"{}", what, name, hint);
   const std::size_t listed = std::min(known.size(), k_names_listed);
   std::ranges::partial_sort(known, known.begin() + static_cast<std::ptrdiff_t>(listed));
   const std::string more =
       known.size() > listed ? fmt::format(" and {} more", known.size() - listed) : std::string();
-  if (hint.empty() && known.size() <= k_names_compared) hint = did_you_mean(name, known);
   return fmt::format("unknown {} \"{}\"; known: {}{}{}", what, name,
                      comma_list(std::span(known).first(listed)), more, hint);
 }

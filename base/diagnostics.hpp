@@ -46,9 +46,10 @@ enum class Severity {
 
 /// An error or a warning about the input.
 struct Finding {
-  Severity severity;    ///< only errors make a load fail
-  Where where;          ///< the place in the input that the message is about
-  std::string message;  ///< one sentence, without the place and without a full stop
+  Severity severity;      ///< only errors make a load fail
+  Where where;            ///< the place in the input that the message is about
+  std::string message;    ///< one sentence, without the place and without a full stop
+  bool explains = false;  ///< of a warning: whether it was added by Diagnostics::explain()
 };
 
 /// A part of the input that can inherit content from another part, or from which other parts can inherit,
@@ -97,6 +98,9 @@ class Diagnostics {
   /// warnings)`. If thorough() is true, the warning is listed once for each place.
   void warning_once(Where where, std::string message);
 
+  /// Adds a warning as warning_once() does, which may be the cause of errors: throw_if_errors() lists it too.
+  void explain(Where where, std::string message);
+
   /// Declares that `heir` contains copies of the content of `base`. An error in such content is found once
   /// for `base` and once for each heir, but is reported only once. The same holds for warnings. For example,
   /// if the type `b` inherits from the type `a`, only the first of these two errors is reported:
@@ -124,8 +128,9 @@ class Diagnostics {
   /// Returns the texts of all warnings. A warning that warning_once() has counted ends with the number of its
   /// repetitions.
   std::vector<std::string> warnings() const;
-  /// Throws InputError if there are errors. The exception lists the first k_most_listed errors, in the order
-  /// in which they were added. If there are more errors, their number follows.
+  /// Throws InputError if there are errors. The exception lists the first warnings that explain() has added,
+  /// and the first errors, up to k_most_listed of each, in the order in which they were added. If there are
+  /// more errors, their number follows.
   void throw_if_errors() const;
 
  private:
@@ -173,13 +178,21 @@ class Diagnostics {
 /// `known` that differs from `word` by the fewest edits; of several such names, the first. An edit inserts,
 /// deletes or replaces a letter, or swaps two adjacent letters. One edit is allowed for every three letters
 /// of the shorter of the two words: none for 2 letters, one for 3 to 5, two for 6 to 8. If a name differs
-/// from `word` only in upper and lower case, the suggestion is this name. If no name is that similar, or if
-/// `word` is longer than 100 bytes, the result is empty. Names longer than 100 bytes are never suggested.
+/// from `word` only in upper and lower case, the suggestion is this name.
+///
+/// Names of several words, separated by `_`, `-`, `.` or blanks, differ by at most two edits. If there is no
+/// such name, they are compared word by word, in any order: the suggestion has the fewest words without a
+/// counterpart, and at most as many as words with one. The last word may be a unit: all units of a quantity
+/// are counterparts of each other.
+///
+/// If no name is that similar, or if `word` is longer than 100 bytes, the result is empty. Names longer than
+/// 100 bytes are never suggested.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known);
 /// Returns the message for an unknown name: `unknown drive "dif"; known: car, diff, omni (did you mean
 /// "diff"?)`. The message lists the first 50 known names in alphabetical order; if there are more, ` and N
-/// more` follows. did_you_mean() makes the suggestion, which is omitted if there are more than 2000 known
-/// names. If `known` is empty, the message is `unknown drive "dif"; no drive exists`.
+/// more` follows. If there are more than 24 known names and a suggestion, none is listed. did_you_mean()
+/// makes the suggestion, which is omitted if there are more than 2000 known names. If `known` is empty, the
+/// message is `unknown drive "dif"; no drive exists`.
 ///
 /// what: what the name stands for, here `drive`
 /// known: the allowed names, in any order

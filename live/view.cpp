@@ -124,6 +124,14 @@ std::string View::Impl::make_greeting(const std::string& header) const {
 }
 
 void View::Impl::run() {
+  // At the end, also if a step throws.
+  const std::shared_ptr<void> told(nullptr, [this](void*) {
+    try {
+      const std::string again = command();
+      if (report_ && !again.empty()) report_(fmt::format("this command repeats the session: {}", again));
+    } catch (const std::exception&) {  // ignored: the text is lost
+    }
+  });
   const Raised running(is_running_);  // also if a step throws, and the program then steps the simulation
   while (!is_over() && !simulation_.stopped()) {
     if (!clock_.is_playing()) {
@@ -448,6 +456,7 @@ View::~View() = default;
 std::string View::address() const { return impl_->address(); }
 std::string View::look_address() const { return impl_->look_address(); }
 fs::path View::session() const { return impl_->session(); }
+std::string View::command() const { return impl_->command(); }
 void View::run() { impl_->run(); }
 
 }  // namespace troupe::live

@@ -63,10 +63,10 @@ class View {
     /// thread that steps the simulation; while it waits, at least every 50 ms. Null: the run does not end for
     /// this reason.
     std::function<bool()> is_over;
-    /// Called with one line of text when the server refuses something, such as a request with a wrong token,
-    /// and when a recording that a viewer has started ends because it cannot be written, or because the files
-    /// that viewers requested have reached 10 GB. The same refusal is reported only once. May be called on
-    /// the thread of the server. Null: the texts are dropped.
+    /// Called with one line of text when run() ends, with command(); when the server refuses something, such
+    /// as a request with a wrong token; and when a recording that a viewer has started ends because it cannot
+    /// be written, or because the files that viewers requested have reached 10 GB. The same refusal is
+    /// reported only once. May be called on the thread of the server. Null: the texts are dropped.
     std::function<void(const std::string&)> report;
   };
   /// Starts the server and creates the session file. Throws std::runtime_error if Options::bind is not an IP
@@ -90,6 +90,9 @@ class View {
   /// first step after the program has reset the simulation (unless no step was made before a reset to the
   /// same seed).
   std::filesystem::path session() const;
+  /// The shell command that repeats the current session: `troupe run cave.world --session
+  /// cave.session.jsonl`. Empty if a program built the world, because no command can load it.
+  std::string command() const;
 
   /// Steps the simulation, and pauses and changes it as the viewers command. First waits until a viewer with
   /// full control has connected. Returns when Options::is_over returns true, or when a stop condition of the

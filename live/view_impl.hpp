@@ -38,6 +38,7 @@ class View::Impl {
   std::string address() const { return connections_->address(); }
   std::string look_address() const { return connections_->look_address(); }
   const std::filesystem::path& session() const { return session_->file(); }
+  std::string command() const { return simulation_.command(session_->file()); }
   void run();
 
  private:

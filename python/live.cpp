@@ -55,6 +55,7 @@ class HeldView {
   std::string address() const { return open()->view->address(); }
   std::string look_address() const { return open()->view->look_address(); }
   fs::path session() const { return open()->view->session(); }
+  std::string command() const { return open()->view->command(); }
   /// Implements View.run() in Python. simulation: the Python object, for the callbacks of on_tick().
   void run(const py::object& simulation, const std::optional<double>& for_s) {
     const std::shared_ptr<State> state = open();  // a callback may close the view
@@ -125,6 +126,9 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
       .def_property_readonly("read_only_address", &HeldView::look_address,
                              "Address of the page for read-only access.")
       .def_property_readonly("session", &HeldView::session, "Path of the session file.")
+      .def_property_readonly(
+          "command", &HeldView::command,
+          "The shell command that repeats the session; empty if a program built the world.")
       .def(
           "run",
           [](const py::object& self, const std::optional<double>& for_s) {

@@ -39,7 +39,7 @@ struct FiducialFinder {
       using enum engine::Unit;
       constexpr double k_farthest = 10000;  // m
       d.member<&Params::range_min>(
-          "range_min", meters, within(0, k_farthest),
+          "range_min", meters, within(0, k_farthest), used_if("apply_range_min", "true"),
           "if apply_range_min is true, targets with an origin nearer than this are not found");
       d.member<&Params::apply_range_min>("apply_range_min",
                                          "true: targets nearer than range_min are not found");

@@ -92,14 +92,15 @@ struct Radio {
       d.member<&Params::power>("power_dBm", within(-k_most_power, k_most_power), "transmission power");
       d.member<&Params::sensitivity>("sensitivity_dBm", within(-k_most_power, k_most_power),
                                      "messages that arrive weaker than this are not heard");
-      d.member<&Params::frequency>("frequency_GHz", within(0.001, 1000),
+      d.member<&Params::frequency>("frequency_GHz", within(0.001, 1000), used_unless("law", "disc"),
                                    "carrier frequency; all laws but `disc` use it");
       d.member<&Params::power_loss_coefficient>(
-          "power_loss_coefficient", within(0, 100),
+          "power_loss_coefficient", within(0, 100), used_if("law", "itu_indoor"),
           "parameter N of the law `itu_indoor`: loss in dB per factor of ten in the distance");
       d.member<&Params::path_loss_exponent>("path_loss_exponent", within(0, 10),
+                                            used_if("law", "log_distance"),
                                             "exponent n of the law `log_distance`: 2 in free space");
-      d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000),
+      d.member<&Params::wall_loss>("wall_loss_dB", within(0, 1000), used_if("walls", "weaken"),
                                    "loss for each wall between the radios, if `walls` is `weaken`");
       d.member<&Params::beacon>(
           "beacon",
@@ -561,7 +562,7 @@ DeviceKind::Prepared Radio::prepare(const Params& params, const Pose& pose_body_
               .hears = params.hears == 0 ? params.range : params.hears};
   constexpr double k_light = 299792458;  // m/s
   const double decade = 1 / log(10.0);   // decades in a factor of e
-  const double hertz = params.frequency * 1e9;
+  const double hertz = params.law == Law::disc ? 1 : params.frequency * 1e9;
   const double free_space = 20 * decade * log(4 * k_pi * hertz / k_light);  // dB, over the first metre
   switch (params.law) {
     case Law::disc: break;

@@ -12,6 +12,7 @@ import os
 import random
 import resource
 import shutil
+import shlex
 import signal
 import socket
 import struct
@@ -52,6 +53,12 @@ class Steered(unittest.TestCase):
                 for line in [*shown, last]:
                     self.assertEqual(log[int(line.split()[0])], line)
             self.assertEqual(max(log), int(last.split()[0]), "the run ends where the session did")
+            command = view.said().split("troupe view: this command repeats the session: ")[1].strip()
+            self.assertEqual(command, f"troupe run {view.world} --spare 2 --session {view.session}")
+            again = subprocess.run([TROUPE, *shlex.split(command)[1:], "--hash-log", view.folder / "again.log"],
+                                   capture_output=True, text=True)
+            self.assertEqual(again.returncode, 0, again.stderr)
+            self.assertEqual((view.folder / "again.log").read_text().splitlines()[-1], last)
             refused = subprocess.run([TROUPE, "run", view.world, "--session", view.session], capture_output=True, text=True)
             self.assertEqual(refused.returncode, 2)
             self.assertIn("rooms.session.jsonl:1: error: this run has other options than the run of the session: spare is 2 in the session, but not given in this run", refused.stderr)
@@ -61,6 +68,8 @@ class Steered(unittest.TestCase):
             self.assertEqual(viewer.ask(do="move", robot="blue", pose=[3, -2, 0, 1])["type"], "done")
             self.assertEqual(viewer.ask(do="disable", robot="red")["type"], "done")
             last = view.end()
+            self.assertIn(f"this command repeats the session: troupe resume {view.folder / 'c.h5'} --session {view.session}\n",
+                          view.said())
             log = view.replayed(command=("resume", "c.h5"))
             self.assertEqual(log[int(last.split()[0])], last)
             refused = subprocess.run([TROUPE, "view", view.folder / "c.h5", "--seed", "7"], capture_output=True, text=True)

@@ -571,6 +571,11 @@ class Simulation {
   /// with `set /models/- #2`, and so on.
   std::vector<std::pair<std::string, std::string>> effective_options() const;
 
+  /// The shell command that repeats the run from its file with the acts in `session`, a session file, such as
+  /// `troupe run cave.world --seed 7 --session cave.session.jsonl`, or `troupe resume ...` for a resumed run.
+  /// Empty if a program built the world.
+  std::string command(const std::filesystem::path& session) const;
+
   /// The condition in the world's list `stop_when` that ended the run, such as `coverage >= 0.9`
   /// (docs/experiments.md); empty while no condition holds. Conditions are evaluated after each step, and
   /// once when a run is resumed. At tick 0 they are not evaluated, and the result is empty.

@@ -23,6 +23,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -97,6 +98,37 @@ void add_setting(std::vector<std::pair<std::string, std::string>>& changes, cons
     std::erase_if(changes, [&key](const auto& change) { return change.first == key; });
   }
   changes.emplace_back(key, value);
+}
+
+/// Returns a word of a shell command, in quotes if it has other characters than letters, digits and a few
+/// signs.
+std::string shell_word(std::string_view word) {
+  constexpr std::string_view k_plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=:,+-";
+  if (!word.empty() && word.find_first_not_of(k_plain) == word.npos) return std::string(word);
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+/// Returns `command FILE` with the options that change which world is loaded, except the seed. `options` are
+/// SimulationOptions or ResumeOptions.
+template <class Options>
+std::string command_of(std::string_view command, const std::filesystem::path& file, const Options& options) {
+  std::string text = fmt::format("troupe {} {}", command, shell_word(file.string()));
+  const auto add = [&text](std::string_view option, const std::string& value) {
+    text += fmt::format(" {} {}", option, shell_word(value));
+  };
+  if constexpr (std::is_same_v<Options, SimulationOptions>) {
+    for (const auto& [name, count] : options.robots)
+      add("--robots", name.empty() ? std::to_string(count) : fmt::format("{}={}", name, count));
+    if (options.ranging) add("--raytracer", std::string(engine::ranging_engine_name(*options.ranging)));
+    if (options.spare > 0) add("--spare", std::to_string(options.spare));
+  }
+  for (const auto& [pointer, value] : options.set) add("--set", fmt::format("{}={}", pointer, value));
+  for (const std::filesystem::path& folder : options.plugin_path) add("--plugin-path", folder.string());
+  for (const auto& script : options.scripts) add("--controller", script->file.string());
+  return text;
 }
 
 void append(std::vector<std::string>& lines, const std::vector<std::string>& more) {
@@ -325,6 +357,12 @@ Simulation Simulation::load(const std::filesystem::path& file, const SimulationO
   check_replaced_settings(options, spec, named, diagnostics);
   diagnostics.throw_if_errors();
   impl->start(std::move(spec), options, diagnostics, populations);
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(file, ignored) || !options.search_path.empty()) {
+    impl->command = command_of("run", file, options);
+    impl->command_has_seed = options.seed.has_value();
+    impl->command_seed = impl->world->spec().seed;
+  }
   return Simulation(std::move(impl));
 }
 
@@ -387,6 +425,8 @@ Simulation Simulation::resume(const std::filesystem::path& file, const ResumeOpt
     if (key.starts_with("set ") || key == k_spare) impl->changes.emplace_back(key, value);
   for (const auto& [pointer, value] : options.set)
     add_setting(impl->changes, pointer, fmt::format(" at tick {}", checkpoint.tick()), value);
+  impl->command = command_of("resume", file, options);
+  impl->command_seed = impl->world->spec().seed;
   return Simulation(std::move(impl));
 }
 
@@ -466,6 +506,14 @@ void Simulation::on_save(const std::string& name, std::function<std::vector<std:
 std::optional<std::vector<std::byte>> Simulation::saved_memory(const std::string& name) const {
   const auto found = impl_->memories.find(name);
   return found == impl_->memories.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::string Simulation::command(const std::filesystem::path& session) const {
+  if (impl_->command.empty()) return {};
+  const std::uint64_t seed = impl_->world->spec().seed;  // reset() may have changed it
+  const bool needs_seed = impl_->command_has_seed || seed != impl_->command_seed;
+  return fmt::format("{}{} --session {}", impl_->command, needs_seed ? fmt::format(" --seed {}", seed) : "",
+                     shell_word(session.string()));
 }
 
 std::vector<std::pair<std::string, std::string>> Simulation::effective_options() const {

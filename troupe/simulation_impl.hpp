@@ -49,6 +49,10 @@ struct Simulation::Impl {
   /// are the values of the option `set` and the value of the option `spare`. If ResumeOptions::set made a
   /// change, its key contains the tick of the checkpoint. Each key occurs only once.
   std::vector<std::pair<std::string, std::string>> changes;
+  /// Simulation::command() without `--seed` and `--session`; empty if a program built the world.
+  std::string command;
+  std::uint64_t command_seed = 0;  ///< the seed of the loaded world
+  bool command_has_seed = false;   ///< whether an option gave the seed
   /// Tick of the checkpoint that the run was resumed from; std::nullopt if it was not resumed.
   std::optional<std::uint64_t> resumed_at;
   /// If the run was resumed from a checkpoint: the data that the checkpoint stores under names. Callbacks of

@@ -20,8 +20,14 @@ Result<> check_readable(const std::filesystem::path& file, std::uintmax_t most_b
     return Error{fmt::format("cannot be read: {}", std::generic_category().message(errno))};
   };
   struct stat status {};
-  if (stat(file.c_str(), &status) != 0)
-    return errno == ENOENT || errno == ENOTDIR ? Error{"there is no such file"} : system_reason();
+  if (stat(file.c_str(), &status) != 0) {
+    if (errno != ENOENT && errno != ENOTDIR) return system_reason();
+    std::error_code ignored;
+    if (std::filesystem::is_symlink(file, ignored))
+      return Error{fmt::format("this is a link to {}, which does not exist",
+                               std::filesystem::read_symlink(file, ignored).string())};
+    return Error{"there is no such file"};
+  }
   if (S_ISDIR(status.st_mode)) return Error{"this is a folder, not a file"};
   if (S_ISFIFO(status.st_mode)) return Error{"this is a pipe, not a regular file"};
   if (S_ISSOCK(status.st_mode)) return Error{"this is a socket, not a regular file"};
@@ -77,6 +83,15 @@ void require_hdf5_ending(const std::filesystem::path& file) {
         "{}: error: the file would be in the format HDF5, but {} is the ending of another format: choose "
         "another ending, such as .h5",
         file.string(), file.extension().string()));
+}
+
+std::string start_of(const std::filesystem::path& file, std::size_t most_bytes) {
+  if (!check_readable(file)) return {};
+  std::string start(most_bytes, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(stream.gcount()));
+  return start;
 }
 
 std::optional<std::string> read_file(const std::filesystem::path& path) {

@@ -44,6 +44,9 @@ bool has_ending_of_other_format(const std::filesystem::path& file);
 /// (has_ending_of_other_format()).
 void require_hdf5_ending(const std::filesystem::path& file);
 
+/// Returns the first bytes of a file, at most `most_bytes`; empty if it cannot be read.
+std::string start_of(const std::filesystem::path& file, std::size_t most_bytes);
+
 /// Returns the content of a regular file of at most k_most_input_bytes bytes. Returns nothing if the file is
 /// larger, is not a regular file or cannot be read.
 std::optional<std::string> read_file(const std::filesystem::path& path);

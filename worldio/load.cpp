@@ -1,7 +1,9 @@
 #include "worldio/load.hpp"
 
 #include "worldio/files.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/stage/stage_files.hpp"
+#include "worldio/wrong_file.hpp"
 
 #include <fmt/format.h>
 
@@ -29,12 +31,19 @@ Result<> check_world_ending(const std::filesystem::path& file) {
 
 engine::WorldSpec load_world(const std::filesystem::path& file, const engine::Registry& registry,
                              const LoadOptions& options, Diagnostics& diagnostics) {
+  const auto found = find_stage_file(file, options.search_path);
+  if (found && check_readable(*found)) {
+    const std::string start = start_of(*found, k_wrong_file_bytes);
+    const bool may_be_read =
+        check_readable(*found, k_most_input_bytes) || start.starts_with(k_hdf5_signature);
+    if (auto wrong = may_be_read ? wrong_file_text(start) : std::nullopt)
+      return fail(*found, diagnostics, {*std::move(wrong)});
+  }
   if (const Result<> ending = check_world_ending(file); !ending) {
     std::error_code ignored;
     const bool is_folder = std::filesystem::is_directory(file, ignored);
     return fail(file, diagnostics, is_folder ? check_readable(file).error() : ending.error());
   }
-  const auto found = find_stage_file(file, options.search_path);
   if (!found) return fail(file, diagnostics, check_readable(file).error());
   if (const Result<> readable = check_readable(*found, k_most_input_bytes); !readable)
     return fail(file, diagnostics, readable.error());
@@ -48,6 +57,7 @@ engine::WorldSpec load_world_text(const std::filesystem::path& file, std::string
                                   Diagnostics& diagnostics) {
   if (const Result<> ending = check_world_ending(file); !ending)
     return fail(file, diagnostics, ending.error());
+  if (auto wrong = wrong_file_text(text)) return fail(file, diagnostics, {*std::move(wrong)});
   return file.extension() == ".world"
              ? load_stage_world(file, std::move(text), registry, options, diagnostics)
              : load_json_world(file, text, registry, options, diagnostics);

@@ -1,6 +1,7 @@
 #include "apps/diff/diff.hpp"
 
 #include "apps/diff/diff_recordings.hpp"
+#include "apps/diff/diff_tables.hpp"
 #include "apps/hash_log_reader.hpp"
 #include "apps/options.hpp"
 #include "apps/run_header.hpp"
@@ -30,6 +31,9 @@ earlier, the logs differ.
 Also compares two recordings (troupe run --record), in the ticks and fields that both recordings have. Prints the first
 frame that differs, with the component, the robot, the field, and the values in B and A, in hexadecimal and decimal.
 
+Also compares two tables of results of troupe sweep (table.csv), row by row: prints the rows of the same run that
+differ, with the values in A and B, and the rows and columns that only one of the tables has.
+
 Two files of different versions, compilers, flags or instruction sets are compared only with --across-domains, and two
 files of different worlds, seeds, options or plug-ins only with --across-runs: the latter also finds the first tick at
 which two versions of a controller differ. Numbers of threads and tile sizes may differ, because they change no result.
@@ -39,7 +43,8 @@ Exit codes: 0 same bits; 1 different; 2 bad input or usage.
 Examples:
   troupe diff one-thread.log eight-threads.log
   troupe diff gcc.log clang.log --across-domains
-  troupe diff monday.h5 tuesday.h5)";
+  troupe diff monday.h5 tuesday.h5
+  troupe diff monday/table.csv tuesday/table.csv)";
 
 std::string groups_that_differ(const HashLogReader::Line& a, const HashLogReader::Line& b) {
   std::vector<std::string_view> names;
@@ -96,7 +101,7 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
 
 void add_diff_options(CLI::App& command, DiffOptions& options) {
   command.footer(k_diff_footer);
-  add_argument(command, "A", "A hash log or a recording", options.first);
+  add_argument(command, "A", "A hash log, a recording or a table of a sweep", options.first);
   add_argument(command, "B", "Another file of the same type as A", options.second);
   add_switch(command, "--across-domains", options.across_domains,
              "Compare even if version, compiler, flags or instruction set differ");
@@ -105,6 +110,7 @@ void add_diff_options(CLI::App& command, DiffOptions& options) {
 }
 
 ExitCode diff(const DiffOptions& options) {
+  if (is_results_table(options.first) || is_results_table(options.second)) return diff_tables(options);
   const bool recordings = is_hdf5(options.first) || is_hdf5(options.second);
   return recordings ? diff_recordings(options) : diff_hash_logs(options);
 }

@@ -14,6 +14,7 @@
 #include "worldio/results/checkpoint.hpp"
 #include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/stage/stage_properties.hpp"
+#include "worldio/wrong_file.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -129,6 +130,8 @@ std::optional<Summary> summary_of(const InfoOptions& options) {
       return summary_of_session(file);
     return summary_of_json(file, all_of(file), options.sources);
   }
+  if (const auto wrong = worldio::wrong_file_text(bytes); wrong && first != start.npos)
+    throw InputError(fmt::format("{}: error: {}", file.string(), *wrong));
   // The ending counts for an empty world, and for one whose start is an error, which the reader reports.
   if (file.extension() == ".world" || begins_like_a_stage_world(file, start))
     return summary_of_world(file, all_of(file), false, options.sources);

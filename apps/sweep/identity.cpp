@@ -5,6 +5,7 @@
 #include "apps/sweep/one_run.hpp"
 #include "base/hash.hpp"
 #include "engine/world/world.hpp"
+#include "troupe/input_files.hpp"
 #include "troupe/measures.hpp"
 #include "troupe/simulation.hpp"
 #include "worldio/files.hpp"
@@ -54,6 +55,18 @@ StudyFacts plugins_of(const Simulation& simulation) {
   return plugins;
 }
 
+/// The contents of the files of a loaded world, with its included files and images, but without scripts. The
+/// loaded world itself would not do: it also depends on its plug-ins.
+std::string files_of(const Simulation& simulation, const SweepOptions& options) {
+  std::string text;
+  for (const fs::path& file : input_files(simulation.world().spec())) {
+    const bool is_script = std::ranges::any_of(
+        options.sources.scripts, [&](const auto& script) { return same_file(script->file, file); });
+    if (!is_script) text += worldio::read_file(file).value_or("") + '\n';
+  }
+  return text;
+}
+
 std::string contents_of(const Simulation& simulation) {
   std::string text = world_of(simulation);
   for (const auto& [plugin, hash] : plugins_of(simulation)) text += fmt::format("{} {}\n", plugin, hash);
@@ -77,11 +90,17 @@ bool names_file(const nlohmann::json& value, const fs::path& world, const std::v
   });
 }
 
-/// A hash of the worlds with each listed value of a parameter that names a file, such as the image of a floor
-/// plan or a plug-in: the file is not part of the study, and run 0 may not read it.
-std::string hash_of_choices(const Study& study, const SweepOptions& options) {
+/// What is known of the worlds with each listed value of a parameter that names a file, such as the image of
+/// a floor plan or a plug-in: the file is not part of the study, and run 0 may not read it.
+struct Choices {
+  std::string hashes = {};  ///< of contents_of()
+  std::string files = {};   ///< files_of()
+  StudyFacts plugins = {};  ///< plugins_of()
+};
+
+Choices choices_of(const Study& study, const SweepOptions& options) {
   const std::vector<fs::path> plugins = plugin_path(options.sources.plugin_path);
-  std::string hashes;
+  Choices choices;
   for (std::size_t p = 0; p < study.choices.size(); ++p)
     for (std::size_t i = 0; i < study.choices[p].values.size(); ++i) {
       const std::string& value = study.choices[p].values[i];
@@ -90,13 +109,15 @@ std::string hash_of_choices(const Study& study, const SweepOptions& options) {
       for (std::size_t q = 0; q < study.choices.size(); ++q)  // those that vary together
         if (study.leader_of(q) == study.leader_of(p)) run.values[q] = study.choices[q].value(i);
       try {
-        hashes +=
-            hex(hash_text(contents_of(Simulation(study.world, simulation_options(study, run, options)))));
+        const Simulation simulation(study.world, simulation_options(study, run, options));
+        choices.hashes += hex(hash_text(contents_of(simulation)));
+        choices.files += files_of(simulation, options);
+        for (auto& plugin : plugins_of(simulation)) choices.plugins.push_back(std::move(plugin));
       } catch (const InputError&) {
-        hashes += value;  // only other runs, or none, can have this value
+        choices.hashes += value;  // only other runs, or none, can have this value
       }
     }
-  return hashes;
+  return choices;
 }
 
 SweepIdentity unchecked_identity(const Study& study, const SweepOptions& options, bool shows_warnings) {
@@ -105,13 +126,17 @@ SweepIdentity unchecked_identity(const Study& study, const SweepOptions& options
   end_time_s(study, simulation);
   if (shows_warnings) print_lines(simulation.warnings());
   const std::string study_text = worldio::read_file(options.study).value_or("");
-  const std::string choices = hash_of_choices(study, options);
+  const Choices choices = choices_of(study, options);
   const std::string text =
-      fmt::format("{}\n{}{}{}", study_text, contents_of(simulation), choices, version_line());
+      fmt::format("{}\n{}{}{}", study_text, contents_of(simulation), choices.hashes, version_line());
   StudyFacts facts{{"version", version_line()},
                    {"study_file", hex(hash_text(study_text))},
-                   {"world", hex(hash_text(world_of(simulation) + choices))}};
-  for (const auto& plugin : plugins_of(simulation)) facts.push_back(plugin);
+                   {"world", hex(hash_text(files_of(simulation, options) + choices.files))}};
+  StudyFacts plugins = plugins_of(simulation);
+  plugins.insert(plugins.end(), choices.plugins.begin(), choices.plugins.end());
+  for (auto& plugin : plugins)
+    if (std::ranges::find(facts, plugin.first, &StudyFacts::value_type::first) == facts.end())
+      facts.push_back(std::move(plugin));
   return {hex(hash_text(text)),
           std::move(facts),
           {measures.columns().begin(), measures.columns().end()},

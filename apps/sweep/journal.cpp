@@ -37,6 +37,14 @@ std::string head_of(std::string_view study, const StudyFacts& facts) {
   return head.dump();
 }
 
+/// Returns the name of a fact as it is in messages.
+std::string said(const std::string& fact) {
+  constexpr std::string_view k_plugin = "plugin ";
+  if (fact == "version") return "version of the program";
+  if (fact == "study_file") return "study file";
+  return fact.starts_with(k_plugin) ? fmt::format("plug-in {}", fact.substr(k_plugin.size())) : fact;
+}
+
 /// Throws OutputError if the first line of a journal is not that of this study.
 void check_head(const std::string& line, std::string_view study, const StudyFacts& facts,
                 const fs::path& file) {
@@ -47,12 +55,14 @@ void check_head(const std::string& line, std::string_view study, const StudyFact
   if (has("troupe_sweep", 1) && has("study", study)) return;
   std::vector<std::string> differing;
   for (const auto& [name, value] : facts)  // journals of earlier versions have none
-    if (head.contains(name) && !has(name, value)) differing.push_back(name);
-  throw OutputError(fmt::format(
-      "{}: error: the folder contains runs of another study, of an earlier version of the world "
-      "file or of a plug-in, or of another version of the program{}: choose another folder with "
-      "-o",
-      file.string(), differing.empty() ? "" : fmt::format(" (different: {})", joined(differing, ", "))));
+    if (head.contains(name) && !has(name, value)) differing.push_back(said(name));
+  const std::string what =
+      differing.empty()
+          ? "of another study, of an earlier version of the world file or of a plug-in, or of another "
+            "version of the program"
+          : fmt::format("with another {}", joined(differing, " and another "));
+  throw OutputError(fmt::format("{}: error: the folder contains runs {}: choose another folder with -o",
+                                file.string(), what));
 }
 
 /// Returns the lines of a file, except a last line without a line break, which is incomplete. Throws

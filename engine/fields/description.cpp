@@ -49,6 +49,8 @@ void say(Field& field, const Fact& fact) {
     case Fact::Kind::provenance: field.provenance = true; break;
     case Fact::Kind::sparse: field.sparse = true; break;
     case Fact::Kind::appearance: field.appearance = true; break;
+    case Fact::Kind::used_if: field.used_if = {fact.words, fact.value, true}; break;
+    case Fact::Kind::used_unless: field.used_if = {fact.words, fact.value, false}; break;
     case Fact::Kind::mirror: field.mirror = fact.words; break;
     case Fact::Kind::in_json:
       field.in_json = field.type == FieldType::boolean ? Value(fact.number != 0) : Value(fact.number);

@@ -115,6 +115,8 @@ class Fact {
     required,         ///< the described member has no default
     counts_readings,  ///< sets Field::counts_readings
     fixed,            ///< sets Field::fixed
+    used_if,          ///< sets Field::used_if: the field `words` has the value `value`
+    used_unless,      ///< sets Field::used_if: the field `words` has another value than `value`
     provenance,       ///< sets Field::provenance
     sparse,           ///< sets Field::sparse
     appearance,       ///< sets Field::appearance
@@ -132,15 +134,16 @@ class Fact {
   /// Sets the allowed values, Field::choices. The list must live until the call that takes the fact, such as
   /// Description::member(), returns. The characters of the values must live as long as the field.
   constexpr explicit Fact(std::span<const std::string_view> list) : kind(Kind::choices), choices(list) {}
-  /// Makes a fact of kind k with `words`, whose characters must live as long as the field.
-  constexpr Fact(Kind k, std::string_view text) : kind(k), words(text) {}
+  /// Makes a fact of kind k with `words` and `value`, whose characters must live as long as the field.
+  constexpr Fact(Kind k, std::string_view text, std::string_view of = {}) : kind(k), words(text), value(of) {}
 
   Kind kind;               ///< what the fact specifies
   Unit unit = Unit::none;  ///< the unit, for Kind::unit
   double number = 0;       ///< the number, for Kind::at_least, above, at_most, columns and in_json
   double high = std::numeric_limits<double>::infinity();  ///< upper limit, for Kind::at_least
-  std::string_view words;                                 ///< the text or name, for Kind::text and mirror
-  std::span<const std::string_view> choices;              ///< the allowed values, for Kind::choices
+  std::string_view words;  ///< the text or name, for Kind::text, mirror, used_if and used_unless
+  std::string_view value;  ///< the value, for Kind::used_if and used_unless
+  std::span<const std::string_view> choices;  ///< the allowed values, for Kind::choices
 };
 
 /// The facts that a description can give, in addition to units.
@@ -183,6 +186,15 @@ inline constexpr Fact counts_readings{Fact::Kind::counts_readings};
 /// lists) nor by World::set(). The fact has an effect only on the parameters of drives and devices
 /// (Field::fixed).
 inline constexpr Fact fixed{Fact::Kind::fixed};
+/// The member has an effect only if the field `other` has the value `value`, which is written as in JSON, but
+/// without quotes. While it has none, its limits do not count (Field::used_if).
+constexpr Fact used_if(std::string_view other, std::string_view value) {
+  return {Fact::Kind::used_if, other, value};
+}
+/// As used_if(), for a member that has an effect unless `other` has the value `value`.
+constexpr Fact used_unless(std::string_view other, std::string_view value) {
+  return {Fact::Kind::used_unless, other, value};
+}
 /// The member tells where the data come from, for example the file and the line. It is stored, but ignored
 /// when two structs are compared (Field::provenance).
 inline constexpr Fact provenance{Fact::Kind::provenance};

@@ -1,7 +1,10 @@
 #include "engine/fields/fields.hpp"
 
 #include "base/math.hpp"
+#include "base/number_text.hpp"
 #include "engine/fields/description.hpp"
+
+#include <fmt/format.h>
 
 #include <array>
 #include <utility>
@@ -83,6 +86,63 @@ std::vector<Unit> all_units() {
   for (auto unit = Unit::meters; unit <= Unit::watts; unit = static_cast<Unit>(static_cast<int>(unit) + 1))
     units.push_back(unit);
   return units;
+}
+
+namespace {
+
+/// Returns a value as FieldCondition::value writes it; empty for a value that no condition has.
+std::string condition_text(const Value& value) {
+  if (const auto* x = std::get_if<bool>(&value.v)) return *x ? "true" : "false";
+  if (const auto* x = std::get_if<std::int64_t>(&value.v)) return std::to_string(*x);
+  if (const auto* x = std::get_if<std::string>(&value.v)) return *x;
+  return {};
+}
+
+/// Checks a number against the limits of a field.
+Result<> check_number(const Field& field, double x) {
+  const std::string_view symbol = unit_suffixes(field.unit).front().symbol;
+  const auto refuse = [&](std::string_view limit, double bound) {
+    return Error{fmt::format("\"{}\" must be {} {}{}{}, found {}", field.name, limit, plain_number(bound),
+                             symbol.empty() ? "" : " ", symbol, plain_number(x))};
+  };
+  if (field.above_min && !(x > field.min)) return refuse("above", field.min);
+  if (!(x >= field.min)) return refuse("at least", field.min);
+  if (!(x <= field.max)) return refuse("at most", field.max);
+  return {};
+}
+
+}  // namespace
+
+bool is_used(const FieldTable& table, const Record& record, const Field& field) {
+  const int other = field.used_if.field.empty() ? -1 : table.find(field.used_if.field);
+  if (other < 0 || !record[static_cast<std::size_t>(other)].given()) return true;
+  const bool is = condition_text(record[static_cast<std::size_t>(other)]) == field.used_if.value;
+  return is == field.used_if.is;
+}
+
+std::string unused_reason(const FieldTable& table, const Record& record, const Field& field) {
+  const std::string value = condition_text(get(table, record, field.used_if.field));
+  const bool is_text = table.at(field.used_if.field).type == FieldType::text;
+  return fmt::format("\"{}\" is {}", field.used_if.field, is_text ? '"' + value + '"' : value);
+}
+
+Result<> check_used(const FieldTable& table, const Record& record) {
+  for (std::size_t i = 0; i < table.fields.size(); ++i) {
+    const Field& field = table.fields[i];
+    const Value& value = record[i];
+    if (!value.given()) continue;
+    if (const auto* blocks = std::get_if<std::vector<Record>>(&value.v); blocks && field.record)
+      for (const Record& block : *blocks)
+        if (const Result<> checked = check_used(*field.record, block); !checked) return checked.error();
+    if (field.used_if.field.empty() || value == field.fallback || !is_used(table, record, field)) continue;
+    std::vector<double> numbers;
+    if (const auto* x = std::get_if<double>(&value.v)) numbers = {*x};
+    if (const auto* x = std::get_if<std::int64_t>(&value.v)) numbers = {static_cast<double>(*x)};
+    if (const auto* x = std::get_if<std::vector<double>>(&value.v)) numbers = *x;
+    for (const double number : numbers)
+      if (const Result<> checked = check_number(field, number); !checked) return checked.error();
+  }
+  return {};
 }
 
 const FieldTable& pose_fields() { return described<Pose>(); }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "base/result.hpp"
+
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -106,6 +108,14 @@ enum class FieldType {
 struct FieldTable;
 struct MemberType;
 
+/// A condition on another field of the same record: its value is, or is not, `value`. A Field with such a
+/// condition has an effect only if the condition holds.
+struct FieldCondition {
+  std::string_view field = {};  ///< name of the other field; empty: no condition
+  std::string_view value = {};  ///< a text, a whole number, "true" or "false"
+  bool is = true;               ///< false: any other value than `value`
+};
+
 /// Describes a parameter of a kind (a sort of sensor, drive or controller), or a member of a described struct
 /// (engine/fields/description.hpp). Parsing, validation, error messages, `troupe describe` and the reference
 /// page use these descriptions. The characters of all strings must live as long as the field.
@@ -155,6 +165,9 @@ struct Field {
   /// True: the field tells where the data come from, for example the file and the line. It is stored, but
   /// ignored when two records are compared.
   bool provenance = false;
+  /// The condition on which the parameter has an effect. While it does not hold, the readers of files accept
+  /// a number outside the limits with a warning (is_used()).
+  FieldCondition used_if = {};
   /// For a field of the state of a world: the field adds nothing to the hash of the state while it is zero
   /// (StateField::sparse). For other fields: a stored record may lack the field, which then has its default.
   bool sparse = false;
@@ -214,6 +227,15 @@ inline Value& get(const FieldTable& table, Record& record, std::string_view name
   return record[static_cast<std::size_t>(table.find(name))];
 }
 ///@}
+
+/// Whether a parameter with these values of the other parameters has an effect (Field::used_if). Also true if
+/// `record` has no value of the field on which this depends.
+bool is_used(const FieldTable& table, const Record& record, const Field& field);
+/// Returns why a parameter for which is_used() is false has no effect: `"localization" is "gps"`.
+std::string unused_reason(const FieldTable& table, const Record& record, const Field& field);
+/// Checks the limits of all parameters with a condition, and of those in blocks, that have an effect. A
+/// reader has accepted their values while they had none.
+Result<> check_used(const FieldTable& table, const Record& record);
 
 /// Returns the table of the fields of a pose: x, y, z (m) and heading (rad), each 0 by default. Every call
 /// returns the same object. A field is therefore a pose if its Field::record has the address of this object.

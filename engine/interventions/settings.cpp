@@ -70,6 +70,7 @@ Result<> check_fixed(const FieldTable& table, const Record& before, const Record
 /// As check_fixed(), for a drive. The error may also say which value is not allowed.
 Result<> check_change(const DriveKind& kind, const Record& before, const Record& params) {
   if (const Result<> checked = check_fixed(kind.params, before, params); !checked) return checked.error();
+  if (const Result<> checked = check_used(kind.params, params); !checked) return checked.error();
   return kind.check(params);
 }
 
@@ -140,6 +141,8 @@ Result<> build_device_setting(const SettingContext& context, TypeSpec& spec,
   const std::string owner = fmt::format("device \"{}\"", device.name);
   Record params = changed(device.params, context.setting);
   if (const Result<> checked = check_fixed(kind.params, device.params, params); !checked)
+    return Error{fmt::format("{}: {}", owner, checked.error().text)};
+  if (const Result<> checked = check_used(kind.params, params); !checked)
     return Error{fmt::format("{}: {}", owner, checked.error().text)};
   // Checked before the device is prepared, because preparing too many samples could exhaust the memory.
   if (samples_asked_for(kind.params, params) != samples_asked_for(kind.params, device.params))

@@ -97,6 +97,7 @@ struct LocalizationParams {
         "heading of the frame of the estimated pose, in the world frame; used only if `localization_origin` "
         "is given");
     d.member<&LocalizationParams::odom_error>("odom_error", within(-1000, 1000), fixed,
+                                              used_if("localization", "odom"),
                                               "relative errors of `odom`, [forward, left, turn]; with [] "
                                               "each robot has random errors, from -0.015 to "
                                               "0.015 (forward and left) and from -0.025 to 0.025 (turn)");

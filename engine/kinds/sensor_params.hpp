@@ -33,13 +33,13 @@ struct TransducerParams {
     constexpr double k_most_m = 10000;
     d.member<&TransducerParams::pose>("pose", "pose of the transducer in the sensor's frame");
     d.member<&TransducerParams::range_min>(
-        "range_min", meters, at_least(0),
+        "range_min", meters, at_least(0), used_if("apply_range_min", "true"),
         "lower limit of readings; it has an effect only if apply_range_min is true");
     d.member<&TransducerParams::range_max>(
         "range_max", meters, above(0), at_most(k_most_m),
         "length of the beams, and the reading of a beam that meets nothing");
     d.member<&TransducerParams::fov>(
-        "fov", radians, within(0, 2 * k_pi),
+        "fov", radians, within(0, 2 * k_pi), used_unless("samples", "1"),
         "angle between the first and the last beam; a single beam always points straight ahead");
     d.member<&TransducerParams::samples>("samples", within(1, 100000), counts_readings, "number of beams");
     d.member<&TransducerParams::noise_stddev>(

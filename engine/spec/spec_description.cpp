@@ -254,7 +254,7 @@ constexpr void describe(Description<WorldSpec>& d) {
   d.member<&WorldSpec::watch>("watch");
   d.member<&WorldSpec::window>("window");
   d.member<&WorldSpec::ranging>("ranging");
-  d.member<&WorldSpec::resolution_m>("resolution", meters, within(k_min_resolution_m, k_max_resolution_m));
+  d.member<&WorldSpec::resolution_m>("resolution", meters);  // World checks its limits
   d.member<&WorldSpec::resolution_where>("resolution_where", provenance);
   d.member<&WorldSpec::bounds>("bounds_m", k_within_reach);
   d.apart<&WorldSpec::files>("files");

@@ -146,6 +146,13 @@ void World::build_ray_grid(Diagnostics& diagnostics) {
       outlines.push_back({r, static_cast<std::uint32_t>(state_.outline_begins[r]) + outline.first,
                           outline.count, outline.z, outline.ranger_return});
   if (links_.any()) grid_lifts_.resize(outlines.size());
+  if (const double edge_m = state_.spec.resolution_m;
+      !(k_min_resolution_m <= edge_m && edge_m <= k_max_resolution_m)) {
+    diagnostics.error(state_.spec.resolution_where,
+                      fmt::format("\"resolution\" must be from {} to {} m for the grid ray engine, found {}",
+                                  k_min_resolution_m, k_max_resolution_m, edge_m));
+    diagnostics.throw_if_errors();
+  }
   try {
     state_.ray_grid = std::make_unique<partition::RayGrid>(state_.scene.solids(), std::move(outlines),
                                                            state_.outlines, state_.spec.resolution_m);

@@ -49,7 +49,7 @@ struct Wheels {
       using namespace engine::facts;
       using enum engine::Unit;
       d.member<&Params::drive>("drive", "kind of drive that moves the part");
-      d.member<&Params::wheelbase>("wheelbase", meters, above(0),
+      d.member<&Params::wheelbase>("wheelbase", meters, above(0), used_if("drive", "car"),
                                    "distance between the axles of a car drive; no effect on other drives");
       d.part<&Params::motion>();
       d.part<&Params::goal>();

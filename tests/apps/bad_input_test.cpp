@@ -67,6 +67,12 @@ std::vector<BadInput> stage_inputs() {
       {"zero_size", "bad.world", robot + "model( size [0 1 1] )\n", "bad.world:2", "size"},
       {"negative_size", "bad.world", robot + "model( size [1 -1 1] )\n", "bad.world:2", "size"},
       {"nan", "bad.world", robot + "model( pose [nan 0 0 0] )\n", "bad.world:2", "nan"},
+      {"zero_resolution",
+       "bad.world",
+       robot + "resolution 0\n",
+       "bad.world:2",
+       "\"resolution\" must be from 0.0001 to 100 m for the grid ray engine, found 0",
+       {"--raytracer", "grid"}},
       {"zero_tick", "bad.world", robot + "interval_sim 0\n", "bad.world:2", "interval_sim"},
       {"unknown_drive", "bad.world", robot + "position( drive \"omnii\" )\n", "bad.world:2",
        "did you mean \"omni\"?"},
@@ -91,7 +97,7 @@ std::vector<BadInput> json_inputs() {
       {"syntax", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1"), "bad.json:3",
        "a comma is missing before"},
       {"cut_off", "bad.json", json_world().substr(0, 200), "bad.json:7", "no closing quotation mark"},
-      {"empty", "bad.json", "", "bad.json:1", "the text is empty"},
+      {"empty", "bad.json", "", "bad.json", "the file is empty: a world has at least one model"},
       {"repeated_key", "bad.json", json_world("\"tick_s\": 0.1,", "\"tick_s\": 0.1, \"tick_s\": 0.2,"),
        "bad.json:2", "tick_s"},
       {"unknown_key", "bad.json", json_world("\"count\": 5", "\"cuont\": 5"), "bad.json:10",
@@ -186,7 +192,7 @@ INSTANTIATE_TEST_SUITE_P(Stage, BadInputs, ::testing::ValuesIn(stage_inputs()), 
 INSTANTIATE_TEST_SUITE_P(Json, BadInputs, ::testing::ValuesIn(json_inputs()), k_name_of_case);
 INSTANTIATE_TEST_SUITE_P(Other, BadInputs,
                          ::testing::Values(BadInput{
-                             "ending", "bad.xml", "<world/>", "bad.xml", ".world", {}}),
+                             "ending", "bad.txt", "name \"w\"\n", "bad.txt", ".world", {}}),
                          k_name_of_case);
 
 class GoodInput : public ProgramTest {};
@@ -231,6 +237,26 @@ TEST_F(NoWorld, IsNamed) {
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(lines_of(outcome.err), ::testing::ElementsAre(StartsWith("none.world: error: ")));
   EXPECT_THAT(files(), IsEmpty());
+}
+
+TEST_F(NoWorld, AnInterventionMayMakeAWrongValueEffective) {
+  const auto world = [](const std::string& at) {
+    return R"({"troupe": 1, "quit_time_s": 1, "types": {"bot": {"size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff"},
+    "sensors": [{"name": "eye", "kind": "fiducial", "range_min_m": -1}]}},
+    "models": [{"name": "a", "type": "bot"}])" +
+           at + "}\n";
+  };
+  const std::string message = "/types/bot/sensors/0/range_min_m: must be from 0 to 10000 m, found -1";
+  write("w.json", world(""));
+  const Outcome warned = troupe({"run", "w.json"});
+  EXPECT_EQ(warned.code, 0) << warned.err;
+  EXPECT_THAT(warned.err, HasSubstr("w.json:2: warning: " + message +
+                                    "; it has no effect, because \"apply_range_min\" is false\n"));
+  write("w.json", world(R"(,
+    "at": [{"time_s": 0.5, "set": {"type": "bot", "device": {"name": "eye", "apply_range_min": true}}}])"));
+  const Outcome refused = troupe({"run", "w.json"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("\"range_min\" must be at least 0 m, found -1"));
 }
 
 TEST_F(NoWorld, EveryErrorOfAWorldIsReportedAtOnce) {

@@ -198,6 +198,30 @@ TEST_F(Diff, FilesThatCannotBeReadAreErrors) {
   EXPECT_EQ(folder.err, ".: error: this is a folder, not a file\n");
 }
 
+TEST_F(Diff, ComparesTablesOfSweepsRowByRow) {
+  const std::string head = "run,speed,seed,ticks,time_s,coverage,stopped_by,state_hash,error\n";
+  write("a.csv", head + "0,0.1,1,10,1,0.5,,aa,\n1,0.2,1,10,1,0.6,,bb,\"no, \"\"room\"\"\"\n");
+  write("b.csv", head + "1,0.2,1,10,1,0.6,,bb,\"no, \"\"room\"\"\"\n0,0.1,1,10,1,0.5,,aa,\n");
+  const Outcome same = troupe({"diff", "a.csv", "b.csv"});
+  EXPECT_EQ(same.code, 0) << same.err;
+  EXPECT_EQ(same.out, "same rows: 2 runs of 9 columns\n");
+  write("c.csv",
+        "run,speed,seed,ticks,time_s,coverage,stalls,stopped_by,state_hash,error\n"
+        "0,0.1,1,10,1,0.51,3,,ac,\n2,0.3,1,10,1,0.7,0,,cc,\n");
+  const Outcome other = troupe({"diff", "a.csv", "c.csv"});
+  EXPECT_EQ(other.code, 1);
+  EXPECT_EQ(other.out,
+            "differs in 1 of 1 common row:\n  only in c.csv: column stalls\n  run 0: coverage 0.5 and 0.51, "
+            "state_hash aa "
+            "and ac\n  only in a.csv: run 1\n  only in c.csv: run 2\n");
+  write("x.log", header() + lines(0, 3));
+  EXPECT_EQ(troupe({"diff", "a.csv", "x.log"}).err,
+            "x.log: error: this is not a table of troupe sweep, which the other file is\n");
+  write("cut.csv", head + "0,0.1\n");
+  EXPECT_EQ(troupe({"diff", "a.csv", "cut.csv"}).err,
+            "cut.csv: error: row 2 has 2 cells, but there are 9 columns\n");
+}
+
 TEST_F(Diff, TakesWhatARunWrites) {
   write("room.world", k_room);
   const auto run = [&](const std::string& log, std::vector<std::string> options) {

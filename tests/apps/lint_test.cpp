@@ -438,10 +438,43 @@ TEST_F(LintTest, ReportsPropertiesWithoutEffectEachWhereItStands) {
           "w.world:11: warning: \"update_interval\" has no effect: this model is not a device itself and has "
           "no "
           "drive (set it in the device)",
-          "w.world:12: warning: scount: this property is obsolete, ignored as in Stage",
+          "w.world:12: warning: old syntax: \"scount\" is ignored, as in Stage: write a sensor( pose [0.1 0 "
+          "0 90] "
+          "range [0 5] fov 15 ) for each transducer",
           "w.world:13: warning: sensor \"fiducial\" sees nothing: no other body with a fiducial_return has "
           "the fiducial_key of the finder, 0",
           "w.world: 11 findings"));
+}
+
+TEST_F(LintTest, ReportsTheMarginsThatAreCutFromAPlan) {
+  // 6 x 4 pixels, of which the solid ones are within 3 columns and 4 rows.
+  const std::string plan =
+      "P2\n6 4\n255\n255 0 0 0 255 255\n255 0 255 0 255 255\n255 0 255 0 255 255\n255 0 0 0 255 255\n";
+  write("plan.pgm", plan);
+  const std::string robot = "position( name \"r\" pose [9 9 0 0] size [0.4 0.4 0.4] )\n";
+  EXPECT_THAT(
+      findings("w.world", robot + "model( bitmap \"plan.pgm\" size [12 8 1] )\n"),
+      ElementsAre(
+          "w.world:2: warning: the white margins of the image plan.pgm are cut off, as in Stage: 3 of its "
+          "6 columns; the walls grow by a factor of 2 in x; \"bitmap_margins 1\" keeps the margins",
+          "w.world: 1 finding"));
+  expect_nothing("kept.world", robot + "model( bitmap \"plan.pgm\" size [12 8 1] bitmap_margins 1 )\n");
+  expect_nothing("meant.world", robot + "model( bitmap \"plan.pgm\" size [12 8 1] bitmap_margins 0 )\n");
+  write("full.pgm", "P5 2 2 255\n" + std::string("\0\377\377\0", 4));
+  expect_nothing("full.world", robot + "model( bitmap \"full.pgm\" size [12 8 1] )\n");
+  const auto json = [](const std::string& margins) {
+    return R"({"troupe": 1, "floorplans": [{"name": "f", "bitmap": "plan.pgm", "size_m": [12, 8, 1])" +
+           margins + "}]}";
+  };
+  EXPECT_THAT(
+      findings("w.json", json("")),
+      ElementsAre(
+          "w.json:1: warning: /floorplans/0/bitmap: the white margins of the image plan.pgm are cut off, "
+          "as in Stage: 3 of its 6 columns; the walls grow by a factor of 2 in x; \"margins\": \"keep\" "
+          "keeps the margins",
+          "w.json: 1 finding"));
+  expect_nothing("kept.json", json(R"(, "margins": "keep")"));
+  expect_nothing("meant.json", json(R"(, "margins": "trim")"));
 }
 
 TEST_F(LintTest, ReportsPropertiesThatNeedAnother) {

@@ -338,7 +338,7 @@ TEST_F(RunPictures, WhatCannotBeIsRefusedBeforeTheRun) {
       {{"--snapshot", "p.png", "--camera", "follow:missing"},
        "room.world: error: there is no model \"missing\" to follow"},
       {{"--snapshot", "p.png", "--color-by", "velocity.q"},
-       "room.world: error: unknown value \"velocity.q\"; known: "},
+       "room.world: error: unknown value \"velocity.q\""},
       {{"--snapshot", "p-{time}.png", "--snapshot-at", "0.2,0.8"},
        "room.world: error: --snapshot-at 0.8: give times within the run, which goes from 0 s to 0.5 s"},
       {{"--snapshot", "p.png", "--snapshot-at", "0.2,0.3"},

@@ -242,13 +242,14 @@ TEST_F(Sweep, DoesNotMixStudies) {
   write("w.json", other);
   const Outcome outcome = troupe({"sweep", "study.json", "-o", "out"});
   EXPECT_EQ(outcome.code, 2);
-  EXPECT_THAT(outcome.err,
-              HasSubstr("out/runs-1-of-1.jsonl: error: the folder contains runs of another study"));
-  EXPECT_THAT(outcome.err, HasSubstr(" (different: world): choose another folder with -o"));
+  EXPECT_EQ(
+      outcome.err,
+      "out/runs-1-of-1.jsonl: error: the folder contains runs with another world: choose another folder with "
+      "-o\n");
   EXPECT_EQ(table("out"), before);
   write("w.json", k_world);
   write("study.json", std::string(k_study) + "\n");
-  EXPECT_THAT(troupe({"sweep", "study.json", "-o", "out"}).err, HasSubstr(" (different: study_file): "));
+  EXPECT_THAT(troupe({"sweep", "study.json", "-o", "out"}).err, HasSubstr(" runs with another study file: "));
 }
 
 TEST_F(Sweep, ResultsTellWhatTheyDependOn) {
@@ -324,7 +325,7 @@ TEST_F(Sweep, DoesNotMixStudiesOfWhichAChosenFileHasChanged) {
   EXPECT_EQ(troupe({"sweep", "study.json", "-o", "out"}).code, 0);
   write("b.pgm", "P5 6 1 255\n" + std::string("\0\xff\xff\xff\xff\0", 6));
   EXPECT_THAT(troupe({"sweep", "study.json", "-o", "out"}).err,
-              HasSubstr("the folder contains runs of another study"));
+              HasSubstr("the folder contains runs with another world: "));
 }
 
 // The image that has changed fits only in the world of its own run: it has no room for the robots of run 0.
@@ -350,7 +351,7 @@ TEST_F(Sweep, DoesNotMixStudiesOfWhichAFileChosenTogetherWithAnotherValueHasChan
   EXPECT_EQ(table("out"), whole);
   write("b.pgm", "P5 4 1 255\n" + std::string("\0\xff\0\0", 4));
   EXPECT_THAT(troupe({"sweep", "study.json", "-o", "out"}).err,
-              HasSubstr("the folder contains runs of another study"));
+              HasSubstr("the folder contains runs with another world: "));
 }
 
 // If the journals were removed by hand, another study can write its tables into the folder.

@@ -171,6 +171,52 @@ TEST(DidYouMean, OverlooksUpperAndLowerCase) {
   EXPECT_EQ(did_you_mean("GPX", k_names), "");
 }
 
+TEST(DidYouMean, ComparesNamesWordByWordAndByTheirUnits) {
+  constexpr std::array<std::string_view, 8> k_names = {
+      "velocity_min_x_mps", "velocity_max_x_mps", "turn_min_radps", "turn_max_radps",
+      "turn_max_degps",     "range_min_m",        "range_max_m",    "goal_speed_max_mps"};
+  EXPECT_EQ(did_you_mean("velocity_max_turn_rps", k_names), " (did you mean \"turn_max_radps\"?)");
+  EXPECT_EQ(did_you_mean("max_range_m", k_names), " (did you mean \"range_max_m\"?)");
+  EXPECT_EQ(did_you_mean("range_maximum_meters", k_names), " (did you mean \"range_max_m\"?)");
+  EXPECT_EQ(did_you_mean("turn_rate_max_dps", k_names), " (did you mean \"turn_max_radps\"?)");
+  EXPECT_EQ(did_you_mean("velocity_max_y_mps", k_names),
+            " (did you mean \"velocity_max_x_mps\"?)");  // one letter
+  EXPECT_EQ(did_you_mean("speed_max_mps", k_names), " (did you mean \"goal_speed_max_mps\"?)");
+  EXPECT_EQ(did_you_mean("battery_capacity_J", k_names), "");
+  EXPECT_EQ(did_you_mean("max_payload_kg", k_names), "");
+}
+
+TEST(UnknownName, ListsFewNamesOrASuggestion) {
+  std::vector<std::string> names;
+  for (int i = 10; i < 35; ++i) names.push_back(fmt::format("key_{}", i));
+  std::vector<std::string_view> known(names.begin(), names.end());
+  EXPECT_EQ(unknown_name("key", "kee_12", known), "unknown key \"kee_12\" (did you mean \"key_12\"?)");
+  EXPECT_THAT(unknown_name("key", "wibble", known),
+              testing::StartsWith("unknown key \"wibble\"; known: key_10, "));
+  known.pop_back();
+  EXPECT_THAT(unknown_name("key", "kee_12", known),
+              testing::StartsWith("unknown key \"kee_12\"; known: key_10, "));
+}
+
+TEST(Diagnostics, WarningsThatExplainErrorsAreListedWithThem) {
+  Diagnostics diagnostics;
+  const std::uint32_t file = diagnostics.files()->add("a.world");
+  diagnostics.explain({file, 1}, "old syntax");
+  diagnostics.warning({file, 2}, "odd");
+  EXPECT_NO_THROW(diagnostics.throw_if_errors());
+  diagnostics.error({file, 3}, "needs a ranger");
+  diagnostics.explain({file, 4}, "old syntax");  // listed once
+  try {
+    diagnostics.throw_if_errors();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "a.world:1: warning: old syntax\na.world:3: error: needs a ranger");
+  }
+  EXPECT_THAT(diagnostics.warnings(),
+              testing::ElementsAre("a.world:1: warning: old syntax (and 1 more such warning)",
+                                   "a.world:2: warning: odd"));
+}
+
 TEST(CommaList, JoinsNames) {
   EXPECT_EQ(comma_list(k_drives), "car, diff, omni, tricycle, velocity");
   EXPECT_EQ(comma_list({}), "");

@@ -186,6 +186,16 @@ class Controllers(InAFolder):
         self.assertEqual(measures.values()[1:], [np.abs(world.swarm().poses()[:, :2]).max(), 30])
         self.assertEqual(measures["<lambda>"], 30)
 
+    def test_a_sweep_names_only_the_script_that_has_changed(self):
+        self.write("study.json", '{"troupe_study": 1, "world": "w.json", "for_s": 0.2, "seeds": [1, 2]}')
+        sweep = ["sweep", "study.json", "-o", "out", "--controller", "roam.py"]
+        self.troupe(*sweep)
+        self.write("roam.py", ROAM.replace("0.25", "0.5"))  # the state at the start differs too
+        self.assertTrue(self.troupe(*sweep, code=2).stderr.endswith(
+            "error: the folder contains runs with another plug-in roam: choose another folder with -o\n"))
+        self.write("w.json", WORLD.replace('"count": 30', '"count": 31'))
+        self.assertIn("runs with another world and another plug-in roam: ", self.troupe(*sweep, code=2).stderr)
+
     def test_a_function_that_declares_a_unit_has_a_column_with_the_unit(self):
         @troupe.measure(unit="m", name="edge")
         def reach(robots):

@@ -959,6 +959,15 @@ class Models(InAFolder):
         self.assertEqual(world.parameters("cart"), before)
 
     @needs_view
+    def test_a_view_names_the_command_that_repeats_its_session(self):
+        file = self.folder / "room.json"
+        file.write_text(json.dumps({**ROOM, "mortal": True}))
+        with contextlib.closing(troupe.Simulation(file, seed=7).view(out=self.folder)) as view:
+            self.assertEqual(view.command, f"troupe run {file} --seed 7 --session {view.session}")
+        with contextlib.closing(troupe.Simulation.from_text(json.dumps(ROOM), "none.json").view(out=self.folder)) as view:
+            self.assertEqual(view.command, "", "no command can load this world")
+
+    @needs_view
     def test_a_view_steps_it_or_the_program_does(self):
         world = troupe.Simulation.from_text(json.dumps({**ROOM, "mortal": True}), "room.json")
         view = world.view(rate=500, out=self.folder)  # two seconds, in which the user acts

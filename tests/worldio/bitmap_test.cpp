@@ -154,27 +154,57 @@ TEST_F(BitmapFile, AMissingFileIsAnError) {
 TEST_F(BitmapFile, ABrokenFileIsAnError) {
   std::ofstream(folder_ / "b.png") << "not an image";
   EXPECT_FALSE(read(folder_ / "b.png"));
-  EXPECT_THAT(error(),
-              testing::StartsWith("w.world:7: error: " + (folder_ / "b.png").string() +
-                                  " is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image ("));
+  EXPECT_THAT(error(), testing::StartsWith("w.world:7: error: " + (folder_ / "b.png").string() +
+                                           " is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image ("));
   write_png(folder_ / "c.png",
             Image{.width = 64, .height = 64, .rgba = std::vector<std::uint8_t>(64 * 64 * 4, 9)});
   fs::resize_file(folder_ / "c.png", 60);
   EXPECT_FALSE(read(folder_ / "c.png"));
 }
 
-TEST_F(BitmapFile, AnAsciiPnmOrABitmapOfBitsIsAnErrorThatNamesTheFormat) {
-  for (const auto& [text, format] :
-       std::vector<std::pair<std::string, std::string>>{{"P1\n2 1\n0 1\n", "PBM in ASCII (P1)"},
-                                                        {"P2 # plan\n2 1\n255\n0 255\n", "PGM in ASCII (P2)"},
-                                                        {"P3\n1 1\n255\n0 0 255\n", "PPM in ASCII (P3)"},
-                                                        {"P4\n8 1\n\xaa", "binary PBM (P4)"}}) {
+TEST(Bitmap, PortableImagesInAsciiAndOfBitsAreRead) {
+  // Comments stand anywhere; the digits of a P1 need no blanks between them; 1 is black in P1 and P4.
+  EXPECT_THAT(channels_of("P1\n# plan\n3 2 # wide\n1 0 1\n# second row\n010\n"),
+              ElementsAre(0, 255, 0, 255, 0, 255));
+  EXPECT_THAT(channels_of("P2 # plan\n3 1\n255\n0 # left\n 128\t255"), ElementsAre(0, 128, 255));
+  EXPECT_THAT(channels_of("P2\r\n2 2\r\n4\r\n0 1\r\n2 9\r\n"), ElementsAre(0, 64, 128, 255));
+  EXPECT_THAT(channels_of("P2 3 1 65535 0 32768 65535"), ElementsAre(0, 128, 255));
+  EXPECT_THAT(channels_of("P2 2 1 1 0 1"), ElementsAre(0, 255));
+  EXPECT_THAT(channels_of("P2 2 1 100000 0 100000"), ElementsAre(0, 255));
+  EXPECT_THAT(channels_of("P3\n2 1\n15\n0 0 15  15 3 0\n"), ElementsAre(0, 0, 255, 255, 51, 0));
+  EXPECT_THAT(channels_of(std::string("P4\n10 2\n\xaa\x40\x01\x80", 13)),
+              ElementsAre(0, 255, 0, 255, 0, 255, 0, 255, 255, 0,  //
+                          255, 255, 255, 255, 255, 255, 255, 0, 0, 255));
+}
+
+TEST(Bitmap, APortableImageInAsciiIsThatInBinary) {
+  const std::vector<unsigned> values{0, 17, 120, 127, 128, 130, 254, 255};
+  std::string ascii = "P2 8 1 255\n";
+  for (const unsigned value : values) ascii += std::to_string(value) + "\n";
+  EXPECT_EQ(channels_of(ascii), channels_of(pnm("P5", 255, values)));
+}
+
+TEST_F(BitmapFile, ADamagedPnmInAsciiIsAnError) {
+  const std::string header =
+      "is damaged: its header is invalid, has a number above 999999, or the image is cut off";
+  for (const auto& [text, message] : std::vector<std::pair<std::string, std::string>>{
+           {"P2\n3 1\n255\n0 1 x3\n",
+            "is damaged: after 2 of 3 values, the next one is missing or no number"},
+           {"P2\n3 1\n255\n0 1    \n",
+            "is damaged: after 2 of 3 values, the next one is missing or no number"},
+           {"P1\n2 1\n1 -1\n", "is damaged: after 1 of 2 values, the next one is missing or no number"},
+           {"P2\n3 1\n0\n0 0 0\n", header},
+           {"P2\n3\n", header},
+           {"P3\n1 1\n255\n0", header},
+           {"P4\n9 2\n\xaa\xaa\xaa", header},
+           {"P1\n20000 20000\n1", header}}) {
     std::ofstream(folder_ / "m.pgm", std::ios::binary) << text;
     EXPECT_FALSE(read(folder_ / "m.pgm"));
-    EXPECT_EQ(error(), "w.world:7: error: the image " + (folder_ / "m.pgm").string() + " is a " + format +
-                           "; of the PNM formats, binary PGM (P5) and binary PPM (P6) are read: convert the "
-                           "image to one of these or to PNG");
+    EXPECT_EQ(error(), "w.world:7: error: the image " + (folder_ / "m.pgm").string() + " " + message);
   }
+  Diagnostics diagnostics;
+  EXPECT_FALSE(decode_bitmap("P1\n100 100\n" + std::string(10000, '0'), "m.pbm", {}, diagnostics, 9999));
+  EXPECT_THAT(diagnostics.findings()[0].message, testing::HasSubstr("is too large: 100 x 100 pixels"));
 }
 
 /// A PNG with a palette. `header` is the end of the chunk IHDR from the width on, `rest` is the file after

@@ -372,7 +372,7 @@ TEST(SpecJson, RefusesOtherChangesAndWrongValues) {
       {{"", "1"}, "cannot be changed"},
       {{"/seed", "-1"}, "--set /seed: error: /seed: expected a whole number from 0 to 2^64 - 1"},
       {{"/ranging", "gird"}, "unknown ranging \"gird\""},
-      {{"/resolution_m", "0"}, "must be from 0.0001 to 100"},
+      {{"/resolution_m", "fine"}, "expected a number in m"},
       {{"/bounds_m", "[1, 1, 0, 0]"}, "[x_min, y_min, x_max, y_max]"},
       {{"/bounds_m", "[[1, 1], [0]]"}, "/bounds_m: expected a list of 4 numbers"},
       {{"/types/7/drive/period_s", "1"}, "/types is a list of length 2"},

@@ -81,13 +81,18 @@ TEST_F(StageOtherWorlds, TypesOfOlderVersionsAreCalledSo) {
   load("position( charger() )\n\npuck()\nmap()");
   const std::vector<std::string> found = messages();
   ASSERT_THAT(found, SizeIs(3));
-  EXPECT_THAT(found[0], HasSubstr("w.world:1: error: \"charger\" is neither a model type nor a macro defined "
-                                  "above (Stage has had no such type since version 4.3); types: actuator, "));
-  EXPECT_THAT(found[1],
-              HasSubstr("w.world:3: error: \"puck\" is neither a model type nor a macro defined above "
-                        "(Stage has had no such type since version 4.3)"));
-  EXPECT_THAT(found[2],
-              HasSubstr("w.world:4: error: \"map\" is neither a model type nor a macro defined above; "));
+  EXPECT_EQ(found[0],
+            "w.world:1: error: \"charger\" is a model type of older versions of Stage: write model( "
+            "give_watts 1000 "
+            "joules -1 alwayson 1 )");
+  EXPECT_EQ(found[1],
+            "w.world:3: error: \"puck\" is a model type of older versions of Stage: write model( size [0.2 "
+            "0.2 0.2] "
+            "gripper_return 1 )");
+  EXPECT_THAT(
+      found[2],
+      HasSubstr(
+          "w.world:4: error: \"map\" is a model type of older versions of Stage: write model( bitmap "));
   // As macros, which is how worlds for 4.3 have them, they are like any other.
   load(
       "define map model( color \"black\" boundary 1 )\ndefine puck model( size [0.1 0.1 0.2] "
@@ -192,7 +197,7 @@ TEST_F(StageOtherWorlds, AWholeTurnMayBeWrittenWithFewDigits) {
   EXPECT_THAT(messages(), IsEmpty());
   ASSERT_THAT(type_of(panned, 1).devices, SizeIs(1));
   EXPECT_EQ(param(type_of(panned, 1).devices[0], "pan").number(), -2 * k_pi);
-  load_all("unit_angle \"radians\"\nranger( sensor( fov 6.3 ) )");
+  load_all("unit_angle \"radians\"\nranger( sensor( fov 6.3 samples 2 ) )");
   EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:2: error: \"fov\" must be at most 6.28")));
 }
 

@@ -155,10 +155,9 @@ TEST_F(Conformance14, MissingOrUnreadableBitmap) {
               ElementsAre("w.world:2: error: cannot read the image no.png: there is no such file"));
   write("text.png", "no image");
   load("model( bitmap \"text.png\" )");
-  EXPECT_THAT(
-      messages(),
-      ElementsAre(HasSubstr(
-          "w.world:1: error: text.png is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image")));
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr(
+                  "w.world:1: error: text.png is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image")));
 }
 
 TEST_F(Conformance14, ColoursNeedNoFile) {  // Stage reads rgb.txt, and ends where there is none
@@ -240,7 +239,8 @@ TEST_F(Conformance14, NestedThreeDeep) {
 TEST_F(Conformance14, NumberedNames) {
   load("ranger( spose[0] [1 2 3] spose[1] [ 4 5 6 ] sensor() )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: warning: obsolete properties, ignored as in Stage: spose[k]"));
+              ElementsAre("w.world:1: warning: old syntax: \"spose[k]\" is ignored, as in Stage: write a "
+                          "sensor( pose [0.1 0 0 90] range [0 5] fov 15 ) for each transducer"));
 }
 
 TEST_F(StageParser, ParsesWhatStageParses) {
@@ -425,6 +425,40 @@ TEST_F(StageParser, AMissingIncludeIsReported) {
   load("\ninclude \"no.inc\"\n");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:2: error: cannot read the included file no.inc: there is no such file"));
+}
+
+TEST_F(StageParser, AMissingIncludeOfStageIsSaidToBeOne) {
+  load("include \"pioneer.inc\"\ninclude \"inc/map.inc\"\npioneer2dx( floorplan() )\n");
+  const std::string hint =
+      ": there is no such file; it comes with Stage: name the folder that has it, such as worlds in the "
+      "sources of "
+      "Stage, in the environment variable STAGEPATH (in programs: search_path)";
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: error: cannot read the included file pioneer.inc" + hint,
+          "w.world:2: error: cannot read the included file inc/map.inc" + hint,
+          "w.world:3: error: \"pioneer2dx\" is no model type; pioneer.inc or map.inc may define it as a "
+          "macro, but is missing"));
+  LoadOptions options;
+  options.search_path = {folder() / "nowhere"};
+  load("include \"sick.inc\"", options);
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr("there is no such file, and none of that name in the folders of the "
+                                    "search path; it comes with Stage: ")));
+}
+
+TEST_F(StageParser, ADanglingLinkIsCalledThat) {
+  std::filesystem::create_symlink("../inc/gone.inc", folder() / "map.inc");
+  load("include \"map.inc\"");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: cannot read the included file map.inc: this is a link to "
+                          "../inc/gone.inc, which does not exist"));
+  std::filesystem::create_symlink("gone.png", folder() / "plan.png");
+  load("model( bitmap \"plan.png\" )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: cannot read the image plan.png: this is a link to gone.png, "
+                          "which does not exist"));
 }
 
 TEST_F(StageParser, TheSearchPathIsTriedByBaseName) {

@@ -125,7 +125,7 @@ TEST_F(StagePowerTest, AnEmptyPackMayBeWithoutEffect) {
 TEST_F(StagePowerTest, RefusesWrongEnergies) {
   load(
       "model( joules 5 watts -3 )\nmodel( joules_capacity -5 )\nmodel( joules 5 when_empty \"explode\" )\n"
-      "model( mass -1 )\nmodel( joules 1 give_watts -1 alwayson 1 )\n");
+      "position( joules 1 mass -1 )\nmodel( joules 1 give_watts -1 alwayson 1 )\n");
   EXPECT_THAT(
       messages(),
       ElementsAre(

@@ -74,6 +74,9 @@ TEST_F(StageWorld, TakesItsPropertiesFromTheTopLevel) {
   options.seed = 9;
   EXPECT_EQ(load("seed 7", options).seed, 9u);
   EXPECT_FALSE(load("quit_time 0").quit_time_s);
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: \"quit_time 0\" has no effect: the run does not end by "
+                          "itself; write quit_time 60, or give --for 60"));
 }
 
 TEST_F(StageWorld, RefusesWrongWorldProperties) {
@@ -97,7 +100,8 @@ TEST_F(StageWorld, TheResolutionIsOfTheGridEngine) {
   EXPECT_THAT(messages(), IsEmpty());
   load("resolution 0");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"resolution\" must be from 0.0001 to 100 m, found 0"));
+              ElementsAre("w.world:1: warning: \"resolution\" must be from 0.0001 to 100 m, found 0; it "
+                          "has no effect, because only the grid ray engine (--raytracer grid) uses it"));
 }
 
 TEST_F(StageWorld, SaysHowItIsToBeWatched) {
@@ -108,11 +112,17 @@ TEST_F(StageWorld, SaysHowItIsToBeWatched) {
   EXPECT_EQ(load("speedup -1").watch.rate, 0);  // as fast as possible
   EXPECT_TRUE(load("paused 1").watch.paused);
   EXPECT_THAT(messages(), SizeIs(1));
+  load("show_clock_interval 0 show_clock 1");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: error: \"show_clock_interval\" must be from 1 to 1000000000 ticks, "
+                          "found 0"));
   load("show_clock_interval 0 speedup \"fast\"\nshow_clock 0.5");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:2: error: \"show_clock\" needs a whole number, found 0.5",
-                  "w.world:1: error: \"show_clock_interval\" must be from 1 to 1000000000 ticks, found 0",
+      ElementsAre("w.world:1: warning: \"show_clock_interval\" must be from 1 to 1000000000 ticks, found 0; "
+                  "it has no "
+                  "effect, because \"show_clock\" is 0",
+                  "w.world:2: error: \"show_clock\" needs a whole number, found 0.5",
                   "w.world:1: error: \"speedup\" needs a number such as 2, -0.5 or .25, found \"fast\""));
 }
 
@@ -159,17 +169,22 @@ TEST_F(StageWorld, SumsUpWhatHasNoEffect) {
   load(
       "resolution 0.02\nthreads 7\npaused 1\nspeedup 4\ninterval_real 100\nwindow( size [1 2] wibble 3 "
       "show_status 1 )\n"
-      "model( gui_nose 1 friction 1 polygons 1\n polygon[0].points 4 gui_nose 0 )\n");
+      "model( gui_nose 1 friction 1 polygons 1\n polygon[0].points 4 gui_nose 0 fill_polygons 1 )\n");
   EXPECT_THAT(
       messages(),
       ElementsAre(
+          "w.world:5: warning: old syntax: \"interval_real\" is ignored, as in Stage: write speedup 1, with "
+          "troupe run "
+          "--rate world",
           "w.world:6: warning: a window has no property \"wibble\"; the property is ignored",
+          "w.world:7: warning: old syntax: \"polygons\" and \"polygon[k].points\" are ignored, as in Stage: "
+          "write a "
+          "block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z [0 1] ) for each polygon",
           "w.world:2: warning: properties without effect (docs/stage-worlds.md says why): "
           "threads, friction",
           "w.world:3: warning: properties without effect on the run, because only Stage's window uses them: "
           "paused, show_status of a window, gui_nose",
-          "w.world:5: warning: obsolete properties, ignored as in Stage: interval_real, polygons, "
-          "polygon[k].points"));
+          "w.world:8: warning: obsolete properties, ignored as in Stage: remove them: fill_polygons"));
 }
 
 TEST_F(StageWorld, AModelWhoseDeviceTheRegistryLacksIsOnlyABody) {
@@ -441,10 +456,11 @@ TEST_F(StageWorld, WhatIsWrongWithAMapOfRosIsToldInItsFile) {
       "\"d.yml\" )");
   EXPECT_THAT(
       messages(),
-      ElementsAre("a.yaml:2: error: \"resolution\" needs a length from 0.000001 to 200000 m, found \"0\"",
+      ElementsAre("w.world:3: warning: the ROS map c.yml has no occupied cell, so it has no walls; if it "
+                  "should have, "
+                  "check its image, \"negate\" and \"occupied_thresh\"",
+                  "a.yaml:2: error: \"resolution\" needs a length from 0.000001 to 200000 m, found \"0\"",
                   "b.yaml:2: error: cannot read the image no.pgm: there is no such file",
-                  "w.world:3: error: the ROS map c.yml has no occupied cell: check its image, \"negate\" and "
-                  "\"occupied_thresh\"",
                   "w.world:4: error: cannot read the map d.yml: there is no such file"));
 }
 
@@ -462,11 +478,41 @@ TEST_F(StageWorld, AMapOfRosLargerThanTheWorldIsAnError) {
                           "high: 4 pixels of 200000 m make the map 800 km high"));
 }
 
-TEST_F(StageWorld, ABitmapWithoutASolidPixelIsAnError) {
+TEST_F(StageWorld, ABitmapWithoutASolidPixelHasOnlyItsBoundary) {
   write_png(folder() / "white.png", Image{.width = 1, .height = 1, .rgba = {255, 255, 255, 255}});
-  load("model( bitmap \"white.png\" )");
-  EXPECT_THAT(messages(), ElementsAre("w.world:1: error: the image white.png has no solid pixel; pixels "
-                                      "whose first channel is at most 127 are solid"));
+  const auto spec =
+      load("model( bitmap \"white.png\" )\nmodel( bitmap \"white.png\" boundary 1 size [8 6 1] )\n");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre("w.world:1: warning: the image white.png has no solid pixel, so it has no walls; pixels "
+                  "whose first channel is at most 127 are solid",
+                  "w.world:2: warning: the image white.png has no solid pixel, so only its \"boundary\" has "
+                  "walls; pixels whose first channel is at most 127 are solid"));
+  EXPECT_THAT(type_of(spec, 1).parts[0].solids, IsEmpty());
+  const std::vector<Solid>& walls = type_of(spec, 2).parts[0].solids;
+  EXPECT_THAT(walls, SizeIs(4));
+  expect_box(bounds_of(walls), -4, 4, -3, 3);
+  for (const Solid& wall : walls) EXPECT_EQ(wall.z, (ZInterval{0, 1}));
+  // With blocks, or with its margins kept, it also only adds the boundary.
+  const auto others = load(
+      "model( bitmap \"white.png\" bitmap_margins 1 boundary 1 )\n"
+      "model( bitmap \"white.png\" block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z [0 1] ) "
+      ")\n");
+  EXPECT_THAT(messages(), SizeIs(2));
+  EXPECT_THAT(type_of(others, 1).parts[0].solids, SizeIs(4));
+  EXPECT_THAT(type_of(others, 2).parts[0].solids, SizeIs(1));
+}
+
+TEST_F(StageWorld, ABlankMapOfRosHasOnlyItsBoundary) {
+  write("blank.yaml", "image: blank.pgm\nresolution: 0.5\norigin: [1, 2, 0]\n");
+  write("blank.pgm", "P2\n# no obstacle\n4 2\n255\n255 255 255 255\n205 255 255 255\n");
+  const auto spec = load("model( bitmap \"blank.yaml\" boundary 1 )");
+  EXPECT_THAT(messages(),
+              ElementsAre("w.world:1: warning: the ROS map blank.yaml has no occupied cell, so only its "
+                          "\"boundary\" has walls; if it should have, check its image, \"negate\" and "
+                          "\"occupied_thresh\""));
+  EXPECT_THAT(type_of(spec, 1).parts[0].solids, SizeIs(4));
+  expect_box(bounds_of(type_of(spec, 1).parts[0].solids), 1, 3, 2, 3);
 }
 
 TEST_F(StageWorld, ZeroAndNegativeSizesOfBodiesAreErrors) {
@@ -732,22 +778,30 @@ TEST_F(StageWorld, LasersAndSonarsHaveTheSameProperties) {
 }
 
 TEST_F(StageWorld, RefusesWrongLasersAndNoOtherNames) {
-  load("laser( samples 0 )\nsonar( range_max -1 )\nlaser( range_min 9 )\nlaser( wibble 3 )\nmap()\nlasr()");
+  load(
+      "laser( samples 0 )\nsonar( range_max -1 )\nlaser( range_min 9 apply_range_min 1 )\nlaser( wibble 3 "
+      ")\nmap()\n"
+      "lasr()");
   EXPECT_THAT(
       messages(),
-      ElementsAre("w.world:4: warning: a laser has no property \"wibble\"; the property is ignored",
-                  "w.world:1: error: \"samples\" must be at least 1, found 0",
-                  "w.world:2: error: \"range_max\" must be above 0 m, found -1 m",
-                  "w.world:3: error: \"range_min\", 9 m, must be at most \"range_max\", 8 m",
-                  HasSubstr("w.world:5: error: \"map\" is neither a model type nor a macro defined above"),
-                  testing::AllOf(HasSubstr("w.world:6: error: \"lasr\" is neither a model type"),
-                                 HasSubstr("(did you mean \"laser\"?)"))));
+      ElementsAre(
+          "w.world:4: warning: a laser has no property \"wibble\"; the property is ignored",
+          "w.world:1: error: \"samples\" must be at least 1, found 0",
+          "w.world:2: error: \"range_max\" must be above 0 m, found -1 m",
+          "w.world:3: error: \"range_min\", 9 m, must be at most \"range_max\", 8 m",
+          "w.world:5: error: \"map\" is a model type of older versions of Stage: write model( bitmap "
+          "\"map.png\" size [16 16 0.6] boundary 1 ), or floorplan( ) after include \"map.inc\", a file of "
+          "Stage",
+          testing::AllOf(HasSubstr("w.world:6: error: \"lasr\" is neither a model type"),
+                         HasSubstr("(did you mean \"laser\"?)"))));
 }
 
 TEST_F(StageWorld, RefusesWrongTransducers) {
   load(
-      "ranger( sensor( samples 0 ) )\nranger( sensor( range [0 0] ) )\nranger( sensor( range [3 2] ) )\n"
-      "ranger( sensor( fov 361 ) )\nranger( sensor( range 5 ) )\nranger( update_interval -1 sensor() )\n");
+      "ranger( sensor( samples 0 ) )\nranger( sensor( range [0 0] ) )\nranger( sensor( range [3 2] "
+      "apply_range_min 1 ) )\n"
+      "ranger( sensor( fov 361 samples 2 ) )\nranger( sensor( range 5 ) )\nranger( update_interval -1 "
+      "sensor() )\n");
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:1: error: \"samples\" must be at least 1, found 0",
@@ -760,15 +814,16 @@ TEST_F(StageWorld, RefusesWrongTransducers) {
 
 TEST_F(StageWorld, AllThatIsWrongWithATransducerIsReported) {
   load(
-      "ranger( sensor( pose [0 0]\n size [-1 1 1]\n range [-1 -2]\n fov 361\n samples 0 ) )\n"
-      "ranger( sensor( pose [1] range [3 2] ) )\n");
+      "ranger( sensor( pose [0 0]\n size [-1 1 1]\n range [-1 -2]\n fov 361\n samples 0 apply_range_min 1 ) "
+      ")\n"
+      "ranger( sensor( pose [1] range [3 2] apply_range_min 1 ) )\n");
   EXPECT_THAT(messages(),
-              ElementsAre("w.world:1: error: \"pose\" needs 4 values [x y z heading], found 2",
+              ElementsAre("w.world:5: error: \"samples\" must be at least 1, found 0",
+                          "w.world:1: error: \"pose\" needs 4 values [x y z heading], found 2",
                           "w.world:2: error: \"size\" must be at least 0 in every direction, found -1",
                           "w.world:3: error: \"range\": the minimum must be at least 0 m, found -1 m",
                           "w.world:3: error: \"range\": the maximum must be above 0 m, found -2 m",
                           "w.world:4: error: \"fov\" must be at most 360 deg, found 361 deg",
-                          "w.world:5: error: \"samples\" must be at least 1, found 0",
                           "w.world:6: error: \"pose\" needs 4 values [x y z heading], found 1",
                           "w.world:6: error: \"range\" needs [min max] with min at most max, found [3 2]"));
 }
@@ -804,7 +859,7 @@ TEST_F(StageWorld, PositionsDrive) {
 TEST_F(StageWorld, DrivesHaveAccelerationsAndAStart) {
   const auto spec = load(
       "unit_length \"cm\"\nposition( acceleration_bounds [-50 60 -10 20 0 0 -360 270] velocity [30 -20 0 "
-      "450] )\n"
+      "450] update_interval 101 )\n"
       "position()");
   EXPECT_EQ(drive_param(spec, 1, "acceleration_min_x"), -0.5);
   EXPECT_EQ(drive_param(spec, 1, "acceleration_max_x"), 0.6);
@@ -880,7 +935,7 @@ TEST_F(StageWorld, RefusesWrongLocalisation) {
   load(
       "position( localization \"gsp\" )\nposition( odom_error [0.05 0.05 0.1] )\n"
       "position( odom_heading \"newer\" )\nposition( acceleration_bounds [1 -1 0 0 0 0 0 0] )\n"
-      "position( velocity [1 0 0] )\nposition( odom_error [1001 0 0 -60000] )");
+      "position( velocity [1 0 0] )\nposition( localization \"odom\" odom_error [1001 0 0 -60000] )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: error: \"localization\" must be \"gps\" or \"odom\", found \"gsp\"",
                           "w.world:2: error: \"odom_error\" needs 4 values [x y z a], found 3",
@@ -893,13 +948,15 @@ TEST_F(StageWorld, RefusesWrongLocalisation) {
 }
 
 TEST_F(StageWorld, RefusesWrongDrives) {
-  load("position( drive \"onmi\" )\nposition( velocity_bounds [1 -1 0 0 0 0 0 0] )\nposition( wheelbase 0 )");
+  load(
+      "position( drive \"onmi\" )\nposition( velocity_bounds [1 -1 0 0 0 0 0 0] )\nposition( drive \"car\" "
+      "wheelbase 0 )");
   EXPECT_THAT(
       messages(),
       ElementsAre("w.world:1: error: unknown drive \"onmi\"; known: car, diff, omni (did you mean \"omni\"?)",
                   "w.world:2: error: in \"velocity_bounds\", each minimum must be at most the "
                   "maximum that follows it, found 1 and -1",
-                  "w.world:3: error: \"wheelbase\" must be above 0, found 0"));
+                  "w.world:3: error: \"wheelbase\" must be above 0 m, found 0"));
 }
 
 TEST_F(StageWorld, TheLimitOfBodiesDoesNotApplyIfValuesAreSet) {
@@ -938,8 +995,138 @@ TEST_F(StageWorld, APositionInsideAModelHasWheelsOfItsOwn) {
   EXPECT_EQ(type.parts[2].joint, 0) << "what stands on it goes with it";
 }
 
+TEST_F(StageWorld, AValueOutsideItsLimitsWithoutEffectIsAWarning) {
+  struct Case {
+    std::string world, warning;
+  };
+  for (const auto& [world, warning] : std::vector<Case>{
+           {"position( odom_error [0.02 0.02 999999 999999] )",
+            "\"odom_error\" must be at most 57295.8, found 999999; it has no effect, because "
+            "\"localization\" is "
+            "\"gps\""},
+           {"position( localization \"gps\" odom_error [-5000 0 0 0] )",
+            "\"odom_error\" must be at least -1000, found -5000; it has no effect, because \"localization\" "
+            "is "
+            "\"gps\""},
+           {"position( drive \"omni\" wheelbase -1 )",
+            "\"wheelbase\" must be above 0 m, found -1; it has no effect, because \"drive\" is \"omni\""},
+           {"position( velocity_bounds [-1 1 -1 1 1 0 -90 90] )",
+            "in \"velocity_bounds\", each minimum must be at most the maximum that follows it, found 1 and "
+            "0; it has no "
+            "effect, because no model moves along z"},
+           {"position( mass -2 )",
+            "\"mass\" must be from 0 to 1000000, in kg, found -2; it has no effect, because only the power "
+            "pack of a "
+            "top-level position uses it"},
+           {"position( watts -2 )",
+            "\"watts\" must be from 0 to 1000000000, in W, found -2; it has no effect, because Troupe "
+            "computes the "
+            "power of a model of type position"},
+           {"ranger( sensor( range [-0.1 5] ) )",
+            "\"range\": the minimum must be at least 0 m, found -0.1 m; it has no effect, because "
+            "\"apply_range_min\" "
+            "is false"},
+           {"ranger( sensor( range [6 5] ) )",
+            "\"range\" needs [min max] with min at most max, found [6 5]; it has no effect, because the "
+            "minimum counts "
+            "only with \"apply_range_min 1\""},
+           {"ranger( sensor( fov 400 ) )",
+            "\"fov\" must be at most 360 deg, found 400 deg; it has no effect, because \"samples\" is 1"},
+           {"fiducial( range_min -1 )",
+            "\"range_min\" must be at least 0 m, found -1; it has no effect, because \"apply_range_min\" is "
+            "false"}}) {
+    load(world);
+    EXPECT_THAT(messages(), ElementsAre("w.world:1: warning: " + warning)) << world;
+  }
+  // The same values are errors where they have an effect.
+  for (const char* world :
+       {"position( localization \"odom\" odom_error [0 0 0 999999] )",
+        "position( drive \"car\" wheelbase -1 )", "position( velocity_bounds [1 -1 0 0 0 0 0 0] )",
+        "position( joules 9 mass -2 )", "model( watts -2 )",
+        "ranger( sensor( range [-0.1 5] apply_range_min 1 ) )",
+        "ranger( sensor( range [6 5] apply_range_min 1 ) )", "ranger( sensor( fov 400 samples 2 ) )",
+        "fiducial( range_min -1 apply_range_min 1 )"}) {
+    load(world);
+    EXPECT_THAT(messages(), ElementsAre(HasSubstr("w.world:1: error: "))) << world;
+  }
+}
+
+TEST_F(StageWorld, AValueThatIsSetMayMakeAnotherOneEffective) {
+  LoadOptions options;
+  options.set = {{"/types/position/drive/localization", "odom"}};
+  load("position( odom_error [0.02 0.02 999999 999999] )", options);
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          HasSubstr("w.world:1: warning: \"odom_error\" must be at most 57295.8"),
+          HasSubstr("w.world:1: error: /types/position/drive/odom_error/2: must be from -1000 to 1000")));
+  options.set = {{"/ranging", "grid"}};
+  load("resolution 0", options);
+  EXPECT_THAT(messages(),
+              ElementsAre(HasSubstr("w.world:1: warning: \"resolution\" must be from 0.0001 to 100 m"),
+                          HasSubstr("error: /resolution_m: must be from 0.0001 to 100 m, found 0")));
+}
+
+TEST_F(StageWorld, AnInitialVelocityNeedsALongUpdateInterval) {
+  load(
+      "position( velocity [0.5 0 0 20] )\nposition( velocity [0 0 0 0] )\nposition( velocity [1 0 0 0] "
+      "update_interval "
+      "3600000 )");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: warning: \"velocity\" has no effect: at its first update, after 100 ms and before "
+          "the first motion, the drive replaces this initial speed; write update_interval 3600000 to "
+          "keep it for an hour, or command the speed with a controller"));
+}
+
+TEST_F(StageWorld, OldWordsNameWhatToWriteToday) {
+  load(
+      "define ring ranger( scount 2 spose[0] [0.1 0.1 90]\n spose[1] [0.1 -0.1 -90] sview [0 5 15] ssize "
+      "[0.01 0.05] )\n"
+      "position( ring() ctrl \"wander\" )\n"
+      "ranger( range_max 8 sensor( range_max 8 samples 3 ) )\n"
+      "fiducialfinder()\nmodel( size [1 1] laser_return 1 )");
+  EXPECT_THAT(
+      messages(),
+      ElementsAre(
+          "w.world:1: warning: old syntax: \"scount\", \"spose[k]\", \"sview\" and \"ssize\" are ignored, as "
+          "in "
+          "Stage: write sensor( pose [0.1 0.1 0 90] range [0 5] fov 15 ) for the first transducer, and so on",
+          "w.world:3: warning: a ranger without a sensor( ... ) measures nothing: add a sensor( ... )",
+          "w.world:4: warning: old syntax: \"range_max\" is ignored, as in Stage: write sensor( range [0 8] "
+          "), the "
+          "minimum and the maximum",
+          "w.world:4: warning: old syntax: \"range_max\" is ignored, as in Stage: write range [0 8], the "
+          "minimum and "
+          "the maximum",
+          "w.world:6: warning: old syntax: \"laser_return\" is ignored, as in Stage: write ranger_return 1; "
+          "below 0: "
+          "rangers do not see the model",
+          "w.world:6: warning: old syntax: the two values of \"size\" are read as [x y], with a height of 1 "
+          "m; write "
+          "[x y z]",
+          "w.world:5: error: \"fiducialfinder\" is a model type of older versions of Stage: write fiducial( "
+          "range_max "
+          "8 fov 180 )"));
+}
+
+TEST_F(StageWorld, OldWordsAreListedWithTheErrors) {
+  Diagnostics diagnostics;
+  load_stage_world(folder() / "w.world", "ranger( scount 1 )\nmodel( wibble 1 )\nmodel( size [0 1 1] )\n",
+                   test_registry(), {}, diagnostics);
+  std::string text;
+  try {
+    diagnostics.throw_if_errors();
+  } catch (const InputError& error) {
+    text = error.what();
+  }
+  EXPECT_THAT(text, testing::AllOf(HasSubstr("w.world:1: warning: old syntax: \"scount\" is ignored"),
+                                   HasSubstr("w.world:3: error: "), testing::Not(HasSubstr("wibble"))));
+}
+
 TEST_F(StageWorld, AStartVelocityOfAPositionInsideAModelIsAWarning) {
-  load("position( position( velocity [1 0 0 0] ) )\nposition( velocity [1 0 0 0] )");
+  load("position( position( velocity [1 0 0 0] ) )\nposition( velocity [1 0 0 0] update_interval 200 )");
   EXPECT_THAT(messages(),
               ElementsAre("w.world:1: warning: \"velocity\" of a model of type position inside another model "
                           "has no effect: the drive of such a model sets the velocity before the first "
@@ -1137,11 +1324,14 @@ TEST_F(StageOwnWorld, PioneerWalle) {
   const auto spec = open("pioneer_walle.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("pioneer_walle.world:10: warning: properties without effect on the run, because only "
+      ElementsAre("walle.inc:14: warning: old syntax: \"laser_return\" is ignored, as in Stage: write "
+                  "ranger_return 1; "
+                  "below 0: rangers do not see the model",
+                  "walle.inc:16: warning: old syntax: \"blobfinder_return\" is ignored, as in Stage: write "
+                  "blob_return 1",
+                  "pioneer_walle.world:10: warning: properties without effect on the run, because only "
                   "Stage's window uses "
-                  "them: paused, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
-                  "walle.inc:14: warning: obsolete properties, ignored as in Stage: laser_return, "
-                  "blobfinder_return"));
+                  "them: paused, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "walle"));
   EXPECT_THAT(type_of(spec, 2).parts[0].solids, SizeIs(7));
   expect_box(bounds_of(type_of(spec, 2).parts[0].solids), -0.26, 0.18, -0.19, 0.19);
@@ -1238,14 +1428,17 @@ TEST_F(StageOwnWorld, LspTest) {
   const auto spec = open("lsp_test.world");
   EXPECT_THAT(
       messages(),
-      ElementsAre("lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing: add a "
+      ElementsAre("lsp_test.world:9: warning: old syntax: \"interval_real\" is ignored, as in Stage: write "
+                  "speedup 1, "
+                  "with troupe run --rate world",
+                  "lsp_test.world:46: warning: old syntax: \"channel_count\" and \"channels\" are ignored, "
+                  "as in Stage: "
+                  "write colors_count 2 colors [\"red\" \"green\"]",
+                  "lsp_test.world:33: warning: a ranger without a sensor( ... ) measures nothing: add a "
                   "sensor( ... )",
                   "lsp_test.world:11: warning: properties without effect on the run, because only Stage's "
                   "window uses "
-                  "them: paused, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor",
-                  "lsp_test.world:9: warning: obsolete properties, ignored as in Stage: "
-                  "interval_real, channel_count of a "
-                  "blobfinder, channels of a blobfinder"));
+                  "them: paused, gui_nose, gui_grid, gui_move, gui_outline, color_rgba of a sensor"));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1"));
   EXPECT_EQ(spec.bodies[2].type, spec.bodies[3].type) << "only their fiducial_return differs";
   EXPECT_EQ(fiducial_of(spec, BodyId(2), 0), 1);
@@ -1364,7 +1557,7 @@ TEST_F(StageLikeWorld, YardInCentimetresAndRadians) {
 
 TEST_F(StageLikeWorld, BodiesOfManyBlocks) {
   const auto spec = open("troupe/stage_styles/blocks.world");
-  EXPECT_THAT(messages(), SizeIs(2));
+  EXPECT_THAT(messages(), SizeIs(3));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "still"));
   EXPECT_THAT(type_of(spec, 1).parts[0].solids[0].contours, SizeIs(5));  // stage_like/bitmaps.txt
   expect_box(bounds_of(type_of(spec, 1).parts[0].solids), -8, 8, -8, 8);
@@ -1418,7 +1611,7 @@ TEST_F(StageLikeWorld, ASwarmOfOneType) {
 
 TEST_F(StageLikeWorld, RobotsOfManyDevicesWithOlderAliases) {
   const auto spec = open("troupe/stage_styles/odometry.world");
-  EXPECT_THAT(messages(), SizeIs(5));
+  EXPECT_THAT(messages(), SizeIs(10));
   EXPECT_THAT(body_names(spec), ElementsAre("_ground_model", "cave", "r0", "r1", "r2"));
   EXPECT_THAT(part_names(type_of(spec, 2)),
               ElementsAre("", "ranger:0", "ranger:1", "ranger:2", "fiducial:0", "blobfinder:0"));

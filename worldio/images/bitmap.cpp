@@ -147,51 +147,63 @@ bool jpeg_is_damaged(std::string_view bytes) {
   return false;
 }
 
-/// The formats of the family PNM that Troupe does not read.
-constexpr std::pair<std::string_view, std::string_view> k_unread_pnm[] = {
-    {"P1", "PBM in ASCII"}, {"P2", "PGM in ASCII"}, {"P3", "PPM in ASCII"}, {"P4", "binary PBM"}};
-
-/// Returns the format of a PNM that Troupe does not read, such as "PGM in ASCII (P2)". Empty for other files.
-std::string unread_pnm(std::string_view bytes) {
+/// Whether a file is a PNM, an image of the family PBM, PGM and PPM: P1, P2 and P3 in ASCII, P4, P5 and P6
+/// binary.
+bool is_pnm(std::string_view bytes) {
   constexpr std::string_view k_after_number = " \t\n\v\f\r#";
-  if (bytes.size() < 3 || k_after_number.find(bytes[2]) == k_after_number.npos) return {};
-  for (const auto& [number, what] : k_unread_pnm)
-    if (bytes.starts_with(number)) return fmt::format("{} ({})", what, number);
-  return {};
+  return bytes.size() >= 3 && bytes[0] == 'P' && bytes[1] >= '1' && bytes[1] <= '6' &&
+         k_after_number.find(bytes[2]) != bytes.npos;
 }
 
-bool is_pnm(std::string_view bytes) { return bytes.starts_with("P5") || bytes.starts_with("P6"); }
+/// Reads the words of a PNM that are numbers, and skips white space and comments between them.
+class PnmNumbers {
+ public:
+  explicit PnmNumbers(std::string_view bytes, std::size_t at) : bytes_(bytes), at_(at) {}
 
-/// The header of a PNM (P5 or P6, the binary formats). A number that is missing is -1; a number above 1e6 is
-/// 1e6.
+  /// Returns the next number, or the next digit if `is_digit` is true. A number above 1e6 is 1e6. -1: the
+  /// next word is no number.
+  double next(bool is_digit = false) {
+    constexpr std::string_view k_white_space = " \t\n\v\f\r";
+    while (at_ < bytes_.size() && (k_white_space.find(bytes_[at_]) != bytes_.npos || bytes_[at_] == '#'))
+      if (bytes_[at_] == '#')
+        at_ = std::min(bytes_.size(), bytes_.find_first_of("\r\n", at_));
+      else
+        ++at_;
+    double value = -1;
+    for (; at_ < bytes_.size() && bytes_[at_] >= '0' && bytes_[at_] <= '9'; ++at_) {
+      if (is_digit && value >= 0) break;
+      value = std::min(1e6, 10 * std::max(value, 0.0) + (bytes_[at_] - '0'));
+    }
+    return value;
+  }
+  std::size_t at() const { return at_; }
+
+ private:
+  std::string_view bytes_;
+  std::size_t at_;
+};
+
+/// The header of a PNM. A number that is missing is -1; a number above 1e6 is 1e6.
 struct PnmHeader {
   double width;
   double height;
-  double largest;      // value of white; above 255, each channel has two bytes
+  double largest;      // value of white; above 255, each channel of a binary PNM has two bytes; 1 for a PBM
   double channels;     // of the whole image
   std::size_t pixels;  // position of the first pixel
+  bool is_ascii;
+  bool has_bits;  // a PBM: 1 is black
 };
 
 PnmHeader pnm_header(std::string_view bytes) {
-  constexpr std::string_view k_white_space = " \t\n\v\f\r";
-  std::size_t at = 2;
-  const auto next_number = [&]() -> double {
-    while (at < bytes.size() && (k_white_space.find(bytes[at]) != k_white_space.npos || bytes[at] == '#'))
-      if (bytes[at] == '#')
-        at = std::min(bytes.size(), bytes.find_first_of("\r\n", at));
-      else
-        ++at;
-    double value = -1;
-    for (; at < bytes.size() && bytes[at] >= '0' && bytes[at] <= '9'; ++at)
-      value = std::min(1e6, 10 * std::max(value, 0.0) + (bytes[at] - '0'));
-    return value;
-  };
+  PnmNumbers numbers(bytes, 2);
   PnmHeader header{};
-  header.width = next_number();
-  header.height = next_number();
-  header.largest = next_number();
-  header.channels = header.width * header.height * (bytes[1] == '6' ? 3 : 1);
-  header.pixels = at + 1;  // one blank precedes the pixels
+  header.is_ascii = bytes[1] <= '3';
+  header.has_bits = bytes[1] == '1' || bytes[1] == '4';
+  header.width = numbers.next();
+  header.height = numbers.next();
+  header.largest = header.has_bits ? 1 : numbers.next();
+  header.channels = header.width * header.height * (bytes[1] == '3' || bytes[1] == '6' ? 3 : 1);
+  header.pixels = numbers.at() + (header.is_ascii ? 0 : 1);  // one blank precedes the pixels
   return header;
 }
 
@@ -203,30 +215,51 @@ bool pnm_is_damaged(std::string_view bytes) {
   constexpr double k_most = 999999;  // above it, products overflow an int in stb_image
   for (const double number : {header.width, header.height, header.largest})
     if (number < 1 || number > k_most) return true;
-  const double size = header.channels * (header.largest > 255 ? 2 : 1);
+  const double size = header.is_ascii   ? header.channels  // at least
+                      : header.has_bits ? std::ceil(header.width / 8) * header.height
+                                        : header.channels * (header.largest > 255 ? 2 : 1);
   return header.pixels > bytes.size() || static_cast<double>(bytes.size() - header.pixels) < size;
 }
 
-/// Returns a PNM with its channels scaled to 0 to 255. stb_image ignores the largest value in the header, and
-/// does not swap the bytes of 16-bit channels. Empty if the file is not a PNM or needs no scaling. The file
-/// must not be damaged.
-std::string scaled_pnm(std::string_view bytes) {
+/// Returns a PNM in the only form that stb_image reads: binary, with channels from 0 to 255. Empty if the
+/// file is not a PNM or has this form. The file must not be damaged, as far as pnm_is_damaged() can say. The
+/// text of an error continues the words `the image NAME`.
+Result<std::string> as_read_pnm(std::string_view bytes) {
   constexpr double k_most = 65535;  // stb_image reports an error for a larger value
-  if (!is_pnm(bytes)) return {};
+  if (!is_pnm(bytes)) return std::string();
   const PnmHeader header = pnm_header(bytes);
-  if (header.largest == 255 || header.largest > k_most) return {};
+  const bool is_binary = !header.is_ascii && !header.has_bits;
+  if (is_binary && (header.largest == 255 || header.largest > k_most)) return std::string();
   const auto largest = static_cast<unsigned>(header.largest);
   const auto channels = static_cast<std::size_t>(header.channels);
-  std::string scaled = fmt::format("P{} {:.0f} {:.0f} 255\n", bytes[1], header.width, header.height);
-  scaled.reserve(scaled.size() + channels);
+  std::string read = fmt::format("P{} {:.0f} {:.0f} 255\n", bytes[1] == '3' || bytes[1] == '6' ? 6 : 5,
+                                 header.width, header.height);
+  read.reserve(read.size() + channels);
+  PnmNumbers numbers(bytes, header.pixels);
   std::size_t at = header.pixels;
-  const auto byte = [&] { return static_cast<unsigned>(static_cast<unsigned char>(bytes[at++])); };
+  const auto byte = [&](std::size_t i) {
+    return static_cast<unsigned>(static_cast<unsigned char>(bytes[i]));
+  };
+  const auto width = static_cast<std::size_t>(header.width);
   for (std::size_t i = 0; i < channels; ++i) {
-    unsigned value = byte();
-    if (largest > 255) value = value << 8 | byte();  // the high byte is first
-    scaled += static_cast<char>((std::min(value, largest) * 255 + largest / 2) / largest);
+    unsigned value = 0;
+    if (header.is_ascii) {
+      const double given = numbers.next(header.has_bits);
+      if (given < 0)
+        return Error{fmt::format("is damaged: after {} of {} values, the next one is missing or no number", i,
+                                 channels)};
+      value = static_cast<unsigned>(given);
+    } else if (header.has_bits) {  // each row begins with a byte of its own
+      const std::size_t row = i / width, column = i % width;
+      value = byte(at + row * ((width + 7) / 8) + column / 8) >> (7 - column % 8) & 1;
+    } else {
+      value = byte(at++);
+      if (largest > 255) value = value << 8 | byte(at++);  // the high byte is first
+    }
+    const auto scaled = static_cast<char>((std::min(value, largest) * 255 + largest / 2) / largest);
+    read += header.has_bits ? static_cast<char>(~scaled) : scaled;
   }
-  return scaled;
+  return read;
 }
 
 /// True if a BMP is shorter than its header says, or than its pixels need. stb_image would fill the missing
@@ -266,11 +299,6 @@ int size_of(std::string_view bytes) { return static_cast<int>(bytes.size()); }
 Result<> check_encoded(std::string_view bytes, double most_pixels) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
     return Error{fmt::format("has {} bytes; at most 2^31 - 1 are allowed", bytes.size())};
-  if (const std::string format = unread_pnm(bytes); !format.empty())
-    return Error{
-        fmt::format("is a {}; of the PNM formats, binary PGM (P5) and binary PPM (P6) are read: convert the "
-                    "image to one of these or to PNG",
-                    format)};
   if (bmp_is_compressed(bytes))
     return Error{"is a compressed BMP; only BMPs that are not compressed are read: convert the image to PNG"};
   struct Format {
@@ -286,8 +314,13 @@ Result<> check_encoded(std::string_view bytes, double most_pixels) {
   for (const auto& [is_damaged, what] : k_formats)
     if (is_damaged(bytes)) return Error{fmt::format("is damaged: {}", what)};
   int width = 0, height = 0, channels = 0;
-  if (stbi_info_from_memory(data_of(bytes), size_of(bytes), &width, &height, &channels) &&
-      static_cast<double>(width) * height > most_pixels)
+  if (is_pnm(bytes)) {
+    width = static_cast<int>(pnm_header(bytes).width);
+    height = static_cast<int>(pnm_header(bytes).height);
+  } else {
+    stbi_info_from_memory(data_of(bytes), size_of(bytes), &width, &height, &channels);
+  }
+  if (static_cast<double>(width) * height > most_pixels)
     return Error{fmt::format("is too large: {} x {} pixels; at most {:.0f} million are allowed", width,
                              height, most_pixels / 1e6)};
   // stb_image would read uninitialized memory for an index beyond the palette.
@@ -380,16 +413,17 @@ std::optional<Bitmap> decode_bitmap(std::string_view bytes, std::string_view nam
   };
   if (const Result<> checked = check_encoded(bytes, most_pixels); !checked)
     return refuse(fmt::format("the image {} {}", name, checked.error().text));
-  const std::string scaled = scaled_pnm(bytes);
-  if (!scaled.empty()) bytes = scaled;
+  const Result<std::string> pnm = as_read_pnm(bytes);
+  if (!pnm) return refuse(fmt::format("the image {} {}", name, pnm.error().text));
+  if (!pnm->empty()) bytes = *pnm;
   Bitmap bitmap;
   int channels = 0;
   const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
       stbi_load_from_memory(data_of(bytes), size_of(bytes), &bitmap.width, &bitmap.height, &channels, 0),
       stbi_image_free);
   if (!pixels)
-    return refuse(fmt::format("{} is not a readable PNG, JPEG, BMP, binary PGM or binary PPM image ({})",
-                              name, stbi_failure_reason()));
+    return refuse(fmt::format("{} is not a readable PNG, JPEG, BMP, PBM, PGM or PPM image ({})", name,
+                              stbi_failure_reason()));
   const std::size_t count = static_cast<std::size_t>(bitmap.width) * static_cast<std::size_t>(bitmap.height);
   bitmap.solid.resize(count);
   const auto stride = static_cast<std::size_t>(channels);

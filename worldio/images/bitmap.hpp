@@ -41,8 +41,8 @@ using PixelRule = std::function<bool(std::span<const std::uint8_t> channels)>;
 /// pixel is solid if its first channel is at most 127. There must be at least one channel.
 bool is_dark(std::span<const std::uint8_t> channels);
 
-/// Reads a PNG, JPEG, BMP or binary PNM (P5, P6) image. `is_solid` decides which pixels are solid. Returns
-/// nothing, and adds an error to `diagnostics`, if the file
+/// Reads a PNG, JPEG, BMP or PNM (PBM, PGM or PPM, in ASCII or binary) image. `is_solid` decides which pixels
+/// are solid. Returns nothing, and adds an error to `diagnostics`, if the file
 /// - is missing, is damaged, or has another format,
 /// - has more than 2^31 - 1 bytes,
 /// - has more than k_most_pixels pixels, or outlines with more than k_most_corners corners together.

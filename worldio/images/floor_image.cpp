@@ -1,6 +1,7 @@
 #include "worldio/images/floor_image.hpp"
 
 #include "base/limits.hpp"
+#include "base/split.hpp"
 #include "worldio/images/bitmap.hpp"
 #include "worldio/images/ros_map.hpp"
 
@@ -10,6 +11,7 @@
 #include <span>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace troupe::worldio {
 namespace {
@@ -56,6 +58,39 @@ std::optional<FloorImage> read_map(const std::filesystem::path& file, bool unkno
 
 }  // namespace
 
+std::string FloorImage::unsolid_text(const engine::ImageSpec& spec) const {
+  const std::string walls = spec.boundary ? "only its \"boundary\" has walls" : "it has no walls";
+  return place ? fmt::format(
+                     "the ROS map {} has no occupied cell, so {}; if it should have, check its image, "
+                     "\"negate\" and \"occupied_thresh\"",
+                     spec.file, walls)
+               : fmt::format(
+                     "the image {} has no solid pixel, so {}; pixels whose first channel is at most 127 "
+                     "are solid",
+                     spec.file, walls);
+}
+
+std::string FloorImage::margins_text(const std::string& file, std::string_view keep) const {
+  if (place || contours.empty()) return {};
+  Box box;
+  for (const Ring& ring : contours) box.extend(bounds(ring));
+  const double columns = width - box.size().x();
+  const double rows = height - box.size().y();
+  std::vector<std::string> cut, grown;
+  const auto add = [&](double pixels, double all, std::string_view what, std::string_view axis) {
+    if (pixels <= 0) return;
+    cut.push_back(fmt::format("{:g} of its {:g} {}", pixels, all, what));
+    grown.push_back(fmt::format("{:.4g} in {}", all / (all - pixels), axis));
+  };
+  add(columns, width, "columns", "x");
+  add(rows, height, "rows", "y");
+  if (cut.empty()) return {};
+  return fmt::format(
+      "the white margins of the image {} are cut off, as in Stage: {}; the walls grow by a factor of "
+      "{}; {} keeps the margins",
+      file, joined(cut, " and "), joined(grown, " and "), keep);
+}
+
 Solid FloorImage::solid(const Eigen::Vector3d& size) const {
   Solid solid{contours, {0, size.z()}};
   fit_image(width, height, size, solid.contours);
@@ -66,7 +101,8 @@ std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageS
                                    Eigen::Vector3d& size) {
   std::vector<Solid> solids;
   if (image.place) size.head<2>() = image.place->size_m;
-  if (image.place || spec.keeps_margins) {
+  if (image.contours.empty()) {  // no solid pixel: only the boundary
+  } else if (image.place || spec.keeps_margins) {
     solids.push_back(image.solid(size));
   } else {
     solids.push_back({image.contours, {0, 1}});

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -34,6 +36,15 @@ struct FloorImage {
   };
   std::optional<Place> place;  ///< set if the image is a ROS map
 
+  /// Returns the text of the warning about an image or a map without solid pixels, that is, without
+  /// `contours`.
+  std::string unsolid_text(const engine::ImageSpec& spec) const;
+
+  /// Returns the text of a warning about the free pixels at the edges of the image `file`, which are cut off
+  /// if its margins are not kept: how many rows and columns, and by what factor the walls grow. Empty without
+  /// such pixels, without solid pixels, and for a ROS map. keep: the property or key that keeps the margins
+  std::string margins_text(const std::string& file, std::string_view keep) const;
+
   /// Returns the walls of the image as one solid (an extruded outline) from z = 0 to z = size.z. The whole
   /// image, with the free pixels at its edges, is scaled to the x and y of `size` (m) and centred on the
   /// origin.
@@ -48,8 +59,8 @@ struct FloorImage {
 /// - For a ROS map, the frame of the body is the frame of the map. The map determines pose and size of the
 ///   walls in x and y. The function sets size.x and size.y to the size of the map.
 ///
-/// If spec.boundary is set, the result contains four more walls, just inside the edges of the scaled region
-/// or of the map.
+/// An image without solid pixels has no walls. If spec.boundary is set, the result contains four more walls,
+/// just inside the edges of the scaled region or of the map.
 std::vector<Solid> floor_plan_body(const FloorImage& image, const engine::ImageSpec& spec,
                                    Eigen::Vector3d& size);
 /// Like floor_plan_body(), but for a body or part that is not a floor plan. For an image that is not a ROS

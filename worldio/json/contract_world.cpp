@@ -79,7 +79,7 @@ class WorldContractor {
 bool WorldContractor::makes(const PartSpec& part, bool as_floor_plan) {
   if (part.size.minCoeff() <= 0) return false;
   const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
-  if (!image || image->contours.empty()) return false;
+  if (!image) return false;
   PartSpec made = part;
   made.solids = as_floor_plan ? floor_plan_body(*image, *made.image, made.size) : image_solids(*image, made);
   return made.size == part.size && made.solids == part.solids;

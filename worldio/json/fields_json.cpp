@@ -45,9 +45,20 @@ std::string digits_of(const JsonNode& number) {
   return number.describe().substr(std::string_view("the number ").size());
 }
 
+/// Reports a number outside the limits of its field. If `unused` says why the field has no effect, this is a
+/// warning, and the number may be used (FieldCondition).
+bool may_exceed(const JsonCursor& at, const std::string& message, const std::string& unused) {
+  if (unused.empty())
+    at.error(message);
+  else
+    at.warning(fmt::format("{}; it has no effect, because {}", message, unused));
+  return !unused.empty();
+}
+
 /// Reads a number that is written in the unit `suffix` and returns it in SI units. Empty, with an error, if
-/// the value is not a number or is outside the limits of the field.
-std::optional<double> read_number(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
+/// the value is not a number or is outside the limits of the field. unused: see may_exceed()
+std::optional<double> read_number(const JsonCursor& at, const Field& field, const UnitSuffix& suffix,
+                                  const std::string& unused = {}) {
   const std::optional<double> given = real_number_of(at.node());
   if (!given) {
     at.expected(in_unit("a number", suffix));
@@ -65,12 +76,16 @@ std::optional<double> read_number(const JsonCursor& at, const Field& field, cons
   if (is_allowed && (!is_whole || std::trunc(si) == si)) return si;
   std::string limits = is_allowed ? "a whole number" : limits_text(field, suffix);
   if (limits.empty()) limits = "finite";
-  at.error(
-      fmt::format("must be {}, found {}", limits, is_whole ? digits_of(at.node()) : exact_number(*given)));
+  const bool is_finite = std::isfinite(si) && std::abs(si) <= std::numeric_limits<float>::max();
+  if (may_exceed(
+          at,
+          fmt::format("must be {}, found {}", limits, is_whole ? digits_of(at.node()) : exact_number(*given)),
+          is_allowed || !is_finite ? "" : unused))
+    return si;
   return std::nullopt;
 }
 
-Value read_integer(const JsonCursor& at, const Field& field) {
+Value read_integer(const JsonCursor& at, const Field& field, const std::string& unused) {
   const std::optional<std::int64_t> given = whole_number_of(at.node());
   const bool too_big = std::holds_alternative<std::uint64_t>(at.node().value);
   if (!given && !too_big) {
@@ -81,9 +96,10 @@ Value read_integer(const JsonCursor& at, const Field& field) {
   const double x = given ? static_cast<double>(*given) : std::numeric_limits<double>::infinity();
   if (too_big || x < field.min || x > field.max || (field.above_min && x == field.min)) {
     const bool has_most = !too_big || std::isfinite(field.max);
-    at.error(fmt::format("must be {}, found {}", has_most ? limits_text(field, bare) : "at most 2^63 - 1",
-                         digits_of(at.node())));
-    return {};
+    const std::string limits = has_most ? limits_text(field, bare) : "at most 2^63 - 1";
+    if (!may_exceed(at, fmt::format("must be {}, found {}", limits, digits_of(at.node())),
+                    too_big ? "" : unused))
+      return {};
   }
   return *given;
 }
@@ -102,7 +118,8 @@ Value read_text_field(const JsonCursor& at, const Field& field) {
   return *text;
 }
 
-Value read_numbers(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
+Value read_numbers(const JsonCursor& at, const Field& field, const UnitSuffix& suffix,
+                   const std::string& unused) {
   const JsonNode::List* list = at.node().list();
   if (!list || (field.columns > 0 && list->size() != field.columns)) {
     at.expected(
@@ -112,7 +129,8 @@ Value read_numbers(const JsonCursor& at, const Field& field, const UnitSuffix& s
   }
   std::vector<double> numbers;
   for (std::size_t i = 0; i < list->size(); ++i)
-    if (const auto x = read_number(JsonCursor(at, i, (*list)[i]), field, suffix)) numbers.push_back(*x);
+    if (const auto x = read_number(JsonCursor(at, i, (*list)[i]), field, suffix, unused))
+      numbers.push_back(*x);
   if (numbers.size() < list->size()) return {};
   return numbers;
 }
@@ -170,19 +188,20 @@ Value read_records(const JsonCursor& at, const FieldTable& table) {
   return records;
 }
 
-Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& suffix) {
+Value read_in_unit(const JsonCursor& at, const Field& field, const UnitSuffix& suffix,
+                   const std::string& unused = {}) {
   switch (field.type) {
     case FieldType::boolean:
       if (const bool* x = std::get_if<bool>(&at.node().value)) return *x;
       at.expected("true or false");
       return {};
-    case FieldType::integer: return read_integer(at, field);
+    case FieldType::integer: return read_integer(at, field, unused);
     case FieldType::number:
-      if (const auto x = read_number(at, field, suffix)) return *x;
+      if (const auto x = read_number(at, field, suffix, unused)) return *x;
       return {};
     case FieldType::text: return read_text_field(at, field);
     case FieldType::texts: return read_texts(at);
-    case FieldType::numbers: return read_numbers(at, field, suffix);
+    case FieldType::numbers: return read_numbers(at, field, suffix, unused);
     case FieldType::color:
       if (const auto color = read_color(at))
         return std::vector<double>{color->r, color->g, color->b, color->a};
@@ -364,7 +383,7 @@ JsonNode color_node(const Color& color) {
   return json_numbers(parts);
 }
 
-FoundField find_field(JsonObject& object, const Field& field) {
+FoundField find_field(JsonObject& object, const Field& field, const std::string& unused) {
   FoundField found;
   if (!object.is_object()) return found;
   for (const UnitSuffix& suffix : engine::unit_suffixes(field.unit)) {
@@ -375,7 +394,7 @@ FoundField find_field(JsonObject& object, const Field& field) {
     if (found.where)
       at.error(fmt::format("given twice, in different units: give only one of {}", quoted_keys(field)));
     else
-      found.value = read_in_unit(at, field, suffix);
+      found.value = read_in_unit(at, field, suffix, unused);
     found.where = node->where;
   }
   if (field.unit == Unit::none) return found;
@@ -427,15 +446,22 @@ Record read_given(JsonObject& object, const FieldTable& table,
   for (const auto& [name, value] : presets)
     if (const int i = table.find(name); i >= 0) record[static_cast<std::size_t>(i)] = value;
   if (!object.is_object()) return record;
-  for (std::size_t i = 0; i < table.fields.size(); ++i) {
+  const auto read = [&](std::size_t i, const std::string& unused) {
     const Field& field = table.fields[i];
-    FoundField found = find_field(object, field);
+    FoundField found = find_field(object, field, unused);
     given[i] = found.value.given();
     if (given[i])
       record[i] = std::move(found.value);
     else if (!found.where && !record[i].given() && !field.optional)
       object.at().error(fmt::format("missing {}: {}", quoted_keys(field), field.text));
-  }
+  };
+  // The fields with a condition come last, because the condition is on another field.
+  const auto has_condition = [](const Field& field) { return !field.used_if.field.empty(); };
+  for (std::size_t i = 0; i < table.fields.size(); ++i)
+    if (!has_condition(table.fields[i])) read(i, {});
+  for (std::size_t i = 0; i < table.fields.size(); ++i)
+    if (const Field& field = table.fields[i]; has_condition(field))
+      read(i, is_used(table, record, field) ? std::string() : unused_reason(table, record, field));
   return record;
 }
 

@@ -42,8 +42,9 @@ struct FoundField {
   engine::Value value;         ///< empty if the field is absent or wrong
   std::optional<Where> where;  ///< not set if the object lacks the field
 };
-/// Like read_field(), but also returns the place of the value.
-FoundField find_field(JsonObject& object, const engine::Field& field);
+/// Like read_field(), but also returns the place of the value. If the field has no effect in this object,
+/// `unused` says why (engine::unused_reason()): numbers outside its limits are then warnings.
+FoundField find_field(JsonObject& object, const engine::Field& field, const std::string& unused = {});
 
 /// Reads a JSON value that has no key, such as an entry of a list, as a value of `field`. Numbers must be in
 /// the SI unit of the field. If the JSON value has the wrong type or is outside the limits of the field,

@@ -248,16 +248,14 @@ std::optional<ExpandedImage> expand_image(const ImageDocument& document, const P
   const Where where = object.where_of("bitmap");
   made.image = images.images.read(made.spec.file, made.spec.unknown_is_solid, where);
   if (!made.image) return std::nullopt;
-  if (made.image->contours.empty()) {
-    DocumentPath(at, "bitmap", where)
-        .error(is_map ? fmt::format("the ROS map \"{}\" has no occupied cell: check its image, \"negate\" "
-                                    "and \"occupied_thresh\"",
-                                    document.bitmap)
-                      : fmt::format("the image \"{}\" has no solid pixel: pixels whose first channel is at "
-                                    "most 127 are solid",
-                                    document.bitmap));
-    return std::nullopt;
-  }
+  if (made.image->contours.empty())
+    DocumentPath(at, "bitmap", where).warning(made.image->unsolid_text(made.spec));
+  const bool says_margins =
+      std::ranges::find(object.keys, "margins", &Placed::Key::name) != object.keys.end();
+  if (at.diagnostics().thorough() && !says_margins)
+    if (const std::string margins = made.image->margins_text(made.spec.file, "\"margins\": \"keep\"");
+        !margins.empty())
+      DocumentPath(at, "bitmap", where).warning(margins);
   if (is_map && made.image->place->lacks_unknown) {
     const DocumentPath unknown(at, "unknown", object.where_of("unknown"));
     unknown.diagnostics().warning(

@@ -69,8 +69,8 @@ struct ExpandedImage {
 };
 /// Reads the image of a part or floor plan. `object` is the part or floor plan, and `at` is its path, both
 /// for errors. Returns nothing if the document has no image. Reports an error and returns nothing if the
-/// image cannot be read or has no solid pixel. Also returns nothing if the document lacks the size of the
-/// image; the reader of documents has already reported that error.
+/// image cannot be read. Warns if it has no solid pixel. Also returns nothing if the document lacks the size
+/// of the image; the reader of documents has already reported that error.
 std::optional<ExpandedImage> expand_image(const ImageDocument& document, const Placed& object,
                                           const DocumentPath& at, ImageFolder& images);
 /// The inverse of expand_image(): returns the document of an image that is scaled to `size`, m. The path of

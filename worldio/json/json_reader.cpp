@@ -33,9 +33,17 @@ std::string DocumentPath::pointer() const {
   return parent_->pointer() + "/" + (key_.data() ? escape_pointer_token(key_) : std::to_string(index_));
 }
 
-void DocumentPath::error_at(Where where, const std::string& message) const {
+std::string DocumentPath::with_path(const std::string& message) const {
   const std::string path = pointer();
-  diagnostics_->error(where, path.empty() ? message : path + ": " + message);
+  return path.empty() ? message : path + ": " + message;
+}
+
+void DocumentPath::error_at(Where where, const std::string& message) const {
+  diagnostics_->error(where, with_path(message));
+}
+
+void DocumentPath::warning(const std::string& message) const {
+  diagnostics_->warning(where_, with_path(message));
 }
 
 void JsonCursor::expected(std::string_view what) const {

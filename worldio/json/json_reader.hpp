@@ -35,8 +35,12 @@ class DocumentPath {
   /// Like error(), but reports the error at the place `where`, such as that of a key in this value. The
   /// message still begins with the path of this value.
   void error_at(Where where, const std::string& message) const;
+  /// Reports the warning `/types/r/drive: MESSAGE` at the place of this value.
+  void warning(const std::string& message) const;
 
  private:
+  std::string with_path(const std::string& message) const;
+
   const DocumentPath* parent_ = nullptr;
   std::string_view key_;
   std::size_t index_ = 0;

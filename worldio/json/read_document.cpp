@@ -36,6 +36,7 @@ class ObjectReader {
   std::uint32_t find_variant();
   bool applies(const DocumentKey& key) const;
   void read_key(const DocumentKey& key);
+  std::string unused_reason(const Field& field) const;
   void read_value(const DocumentKey& key);
   void read_choice(const DocumentKey& key);
   void read_heading(const DocumentKey& key);
@@ -156,6 +157,18 @@ void ObjectReader::read_key(const DocumentKey& key) {
   }
 }
 
+/// Returns why a key with a condition on another key, which is a choice, has no effect in this object; empty
+/// if it has one.
+std::string ObjectReader::unused_reason(const Field& field) const {
+  const engine::FieldCondition& condition = field.used_if;
+  if (condition.field.empty()) return {};
+  const JsonNode* node = at_.node().find(condition.field);
+  const std::string* text = node ? node->text() : nullptr;
+  const std::string_view value = text ? *text : table_.find(condition.field)->field.choices.front();
+  if ((value == condition.value) == condition.is) return {};
+  return fmt::format("\"{}\" is \"{}\"", condition.field, value);
+}
+
 /// Reads a value. The value has one possible key for each of its units, such as `fov_rad` and `fov_deg`.
 void ObjectReader::read_value(const DocumentKey& key) {
   const Field& field = field_of(key, params());
@@ -165,7 +178,7 @@ void ObjectReader::read_value(const DocumentKey& key) {
     limited.max = std::min(field.max, reading_.most_bodies);
     found = find_field(keys_, limited);
   } else {
-    found = find_field(keys_, field);
+    found = find_field(keys_, field, unused_reason(field));
   }
   if (found.where) note(key, *found.where);
   if (found.value.given())

@@ -216,7 +216,8 @@ void SpecCheck::record(const FieldTable& table, const Record& record, bool is_pa
     } else if (field.columns > 0 && record[i].numbers().size() != field.columns) {
       error(where, at,
             fmt::format("expected {} numbers, found {}", field.columns, record[i].numbers().size()));
-    } else {
+    } else if (field.used_if.field.empty() || (!is_partial && engine::is_used(table, record, field))) {
+      // Of a partial record, the engine checks such limits when it has completed the record (check_used()).
       value(field, record[i], where, at);
     }
   }

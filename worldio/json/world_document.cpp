@@ -827,7 +827,7 @@ void FloorplanDocument::describe(DocumentKeys<FloorplanDocument>& d) {
       .require("the floor plan's name");
   describe_image<FloorplanDocument, &FloorplanDocument::image>(
       d,
-      "path, relative to the world file, of an image (PNG, JPEG, BMP, binary PGM or binary PPM; pixels whose "
+      "path, relative to the world file, of an image (PNG, JPEG, BMP, PBM, PGM or PPM; pixels whose "
       "first channel is at most 127 are solid) or of the YAML file of a ROS map; required without `walls_m`",
       true);
   d.other<&FloorplanDocument::walls>(
@@ -1106,6 +1106,7 @@ void WorldDocument::describe(DocumentKeys<WorldDocument>& d) {
       "engine that computes ranges (docs/sensing.md); `--raytracer` overrides it");
   d.value<&WorldDocument::resolution>(
       "resolution", meters, within(engine::k_min_resolution_m, engine::k_max_resolution_m),
+      used_if("ranging", "grid"),
       "edge length of the cells of the grid engine; without effect on the exact engine");
   d.other<&WorldDocument::bounds>(Form::box, "bounds_m", "rectangle that robots may not leave")
       .or_default("the bounding box of the floor plans and the arena");

@@ -46,12 +46,15 @@ StageBody StageBodies::make(const StageModel& model, const engine::ModelKind& ki
                            .boundary = flag(model, "boundary")};
     const FloorImage* image = read_image(*bitmap, spec);
     if (image && image->place) check_map(model, *image, size, blocks);
+    if (image && values_.thorough() && !model.find(document_, "bitmap_margins"))
+      if (std::string margins = image->margins_text(spec.file, "\"bitmap_margins 1\""); !margins.empty())
+        values_.warning_once(values_.where(*bitmap), std::move(margins));
     if (image && (image->place || blocks.empty())) return {image_body(*image, spec, size), spec, {}};
     if (image && spec.keeps_margins) {
-      solids.push_back(image->solid(size));
+      if (!image->contours.empty()) solids.push_back(image->solid(size));
       frame.max = size.head<2>() / 2;
       frame.min = -frame.max;
-    } else if (image) {
+    } else if (image && !image->contours.empty()) {
       solids.push_back({image->contours, {0, 1}});
     }
   }
@@ -107,17 +110,9 @@ const FloorImage* StageBodies::read_image(const StageProperty& property, engine:
         fmt::format(
             "\"bitmap_unknown\" has no effect: the ROS map {} has no unknown cell: remove this property",
             path.string()));
-  if (!image || !image->contours.empty()) return image;
-  values_.error(
-      values_.where(property),
-      image->place
-          ? fmt::format(
-                "the ROS map {} has no occupied cell: check its image, \"negate\" and \"occupied_thresh\"",
-                path.string())
-          : fmt::format(
-                "the image {} has no solid pixel; pixels whose first channel is at most 127 are solid",
-                path.string()));
-  return nullptr;
+  if (image && image->contours.empty())
+    values_.warning_once(values_.where(property), image->unsolid_text(spec));
+  return image;
 }
 
 std::nullopt_t StageBodies::refuse(Where where, std::string message) {

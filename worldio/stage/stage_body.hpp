@@ -59,7 +59,7 @@ class StageBodies {
  private:
   bool flag(const StageModel& model, std::string_view key);
   /// Reads the image that the property `bitmap` names, and stores the path of the image in spec.file. If the
-  /// image cannot be read or has no solid pixel, reports an error and returns null.
+  /// image cannot be read, reports an error and returns null. Warns if it has no solid pixel.
   const FloorImage* read_image(const StageProperty& property, engine::ImageSpec& spec);
   /// Checks a model whose `bitmap` is a ROS map. Warns if the property `size` of the model has another x or y
   /// than the map, because the map keeps its own size. Reports an error if there are blocks, because a model

@@ -1,5 +1,7 @@
 #include "worldio/stage/stage_files.hpp"
 
+#include <algorithm>
+#include <array>
 #include <system_error>
 
 namespace troupe::worldio {
@@ -10,7 +12,13 @@ bool is_file(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, error);
 }
 
+constexpr auto k_stock = std::to_array<std::string_view>(
+    {"beacons.inc", "chatterbox.inc", "hokuyo.inc", "irobot.inc", "map.inc", "objects.inc", "pantilt.inc",
+     "pioneer.inc", "sick.inc", "ubot.inc", "uoa_robotics_lab_models.inc", "walle.inc"});
+
 }  // namespace
+
+bool comes_with_stage(std::string_view name) { return std::ranges::find(k_stock, name) != k_stock.end(); }
 
 std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path& path,
                                                      std::span<const std::filesystem::path> search_path) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string_view>
 
 namespace troupe::worldio {
 
@@ -17,5 +18,8 @@ std::optional<std::filesystem::path> find_stage_file(const std::filesystem::path
 /// remains. If the shorter path would name another file, returns `path` unchanged. For example, "a/x/.." is
 /// not shortened to "a" if x is a link to a folder, because ".." is then the parent of the linked folder.
 std::filesystem::path tidied(const std::filesystem::path& path);
+
+/// Whether Stage comes with a file of this name for other worlds to include, such as "pioneer.inc".
+bool comes_with_stage(std::string_view name);
 
 }  // namespace troupe::worldio

@@ -26,6 +26,11 @@ void set(const FieldTable& table, Record& record, std::string_view name, Value v
   if (const int at = table.find(name); at >= 0) record[static_cast<std::size_t>(at)] = std::move(value);
 }
 
+/// Returns why a property has no effect; empty if it has one.
+std::string unused(const FieldTable& table, const Record& params, const Field& field) {
+  return engine::is_used(table, params, field) ? std::string() : engine::unused_reason(table, params, field);
+}
+
 std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
   for (std::size_t at = 0; (at = text.find_first_not_of(" \t", at)) != std::string_view::npos;) {
@@ -119,8 +124,7 @@ std::optional<engine::DeviceSpec> StageKinds::ranger(const StageModel& model,
   }
   const bool is_sensor = !model.alias.empty() && sensors.empty();
   if (sensors.empty() && !is_sensor) {
-    values_.warning_once(model.where,
-                         "a ranger without a sensor( ... ) measures nothing: add a sensor( ... )");
+    values_.explain(model.where, "a ranger without a sensor( ... ) measures nothing: add a sensor( ... )");
     return {};
   }
   engine::RangerParams params;
@@ -181,38 +185,49 @@ std::optional<engine::DeviceSpec> StageKinds::device(const StageModel& model,
   engine::DeviceSpec spec{
       .kind = std::string(kind.name), .params = kind.params.defaults(), .where = model.where};
   bool is_right = true;  // no early return: every wrong property is reported
-  for (const StageParameter& parameter : stage_parameters()) {
-    if (parameter.model != model.type) continue;
-    const StageProperty* property = model.find(document_, parameter.property);
-    if (property == nullptr) continue;
-    const double to_si = parameter.unit == StageUnit::length         ? values_.length_unit()
-                         : parameter.unit == StageUnit::angle        ? values_.angle_unit()
-                         : parameter.unit == StageUnit::degrees      ? radians(1)
-                         : parameter.unit == StageUnit::milliseconds ? 1e-3
-                                                                     : 1.0;
-    const auto at = static_cast<std::size_t>(kind.params.find(parameter.field));
-    auto given = value(*property, kind.params.fields[at], to_si, parameter.column);
-    is_right = is_right && given.has_value();
-    if (given) spec.params[at] = std::move(*given);
-  }
+  // Parameters that have an effect only with certain values of others are read after those.
+  if (kind.name == "radio") is_right = add_radio_law(model, kind, spec);
+  for (const bool has_condition : {false, true})
+    for (const StageParameter& parameter : stage_parameters()) {
+      const Field* field = parameter.model == model.type ? &kind.params.at(parameter.field) : nullptr;
+      if (field == nullptr || has_condition == field->used_if.field.empty()) continue;
+      is_right = read_parameter(model, parameter, kind.params, spec.params) && is_right;
+    }
   if (kind.name == "blobfinder") is_right = add_blob_colors(model, kind, spec) && is_right;
   if (kind.name == "bumper") is_right = add_bumpers(model, spec) && is_right;
-  if (kind.name == "radio") is_right = add_radio_law(model, kind, spec) && is_right;
   if (!is_right) return {};
   spec.period_s = period_s(model);
   spec.active = values_.flag(model.find(document_, "alwayson"), false);
   return spec;
 }
 
+/// Reads a parameter of a device from its property, if the model has it. False, with an error, if the value
+/// is wrong.
+bool StageKinds::read_parameter(const StageModel& model, const StageParameter& parameter,
+                                const FieldTable& table, Record& params) {
+  const StageProperty* property = model.find(document_, parameter.property);
+  if (property == nullptr) return true;
+  const double to_si = parameter.unit == StageUnit::length         ? values_.length_unit()
+                       : parameter.unit == StageUnit::angle        ? values_.angle_unit()
+                       : parameter.unit == StageUnit::degrees      ? radians(1)
+                       : parameter.unit == StageUnit::milliseconds ? 1e-3
+                                                                   : 1.0;
+  const auto at = static_cast<std::size_t>(table.find(parameter.field));
+  auto given =
+      value(*property, table.fields[at], to_si, parameter.column, unused(table, params, table.fields[at]));
+  if (given) params[at] = *std::move(given);
+  return given.has_value();
+}
+
 /// Reads a property as a value of `field`. A number is multiplied by `to_si`; `column` is the index (0 or 1)
 /// of the number in a tuple of two, or -1 for the whole property. Empty, with an error, if the value is
 /// wrong.
 std::optional<Value> StageKinds::value(const StageProperty& property, const Field& field, double to_si,
-                                       int column) {
+                                       int column, const std::string& unused) {
   const auto checked = [&](std::optional<double> given) -> std::optional<double> {
     if (!given) return {};
     const double si = field.unit == engine::Unit::radians ? within_a_turn(*given * to_si) : *given * to_si;
-    return values_.is_within(property, field, si, *given) ? std::optional(si) : std::nullopt;
+    return values_.is_within(property, field, si, *given, unused) ? std::optional(si) : std::nullopt;
   };
   switch (field.type) {
     case FieldType::boolean:
@@ -264,7 +279,7 @@ std::optional<Value> StageKinds::value(const StageProperty& property, const Fiel
   return {};
 }
 
-std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
+std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model, bool is_nested) {
   engine::DriveSpec spec{.kind = "diff", .where = model.where};
   if (const StageProperty* property = model.find(document_, "drive")) {
     const auto name = values_.text(*property);
@@ -285,10 +300,11 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
     const auto given = values_.number(*property);
     if (!given) return {};
     wheelbase = *given * values_.length_unit();
-    if (!(wheelbase > 0)) {
-      values_.error(values_.where(*property), fmt::format("\"wheelbase\" must be above 0, found {}", *given));
+    const Field limits{.name = "wheelbase", .unit = engine::Unit::meters, .min = 0, .above_min = true};
+    const bool has_effect = kind->params.find("wheelbase") >= 0;
+    if (!values_.is_within(*property, limits, wheelbase, *given,
+                           has_effect ? "" : fmt::format("\"drive\" is \"{}\"", spec.kind)))
       return {};
-    }
   }
   spec.params = kind->params.defaults();
   const auto set_param = [&](std::string_view name, Value value) {
@@ -330,14 +346,15 @@ std::optional<engine::DriveSpec> StageKinds::drive(const StageModel& model) {
     set_param("goal_speed_max", speed);
     set_param("goal_turn_max", turn);
   }
-  if (!localize(model, kind->params, spec.params)) return {};
+  // A model inside another model always knows its true pose: wheels() warns of these properties.
+  if (!is_nested && !localize(model, kind->params, spec.params)) return {};
   spec.period_s = period_s(model);
   return spec;
 }
 
 std::optional<engine::DeviceSpec> StageKinds::wheels(const StageModel& model,
                                                      const engine::DeviceKind& kind) {
-  const auto drive = this->drive(model);
+  const auto drive = this->drive(model, true);
   if (!drive) return {};
   const engine::FieldTable& given = registry_.drive(drive->kind)->params;
   engine::DeviceSpec spec{
@@ -379,11 +396,11 @@ std::optional<std::vector<double>> StageKinds::drive_bounds(const StageModel& mo
     bounds[i] = (*v)[i] * (i < 6 ? values_.length_unit() : values_.angle_unit());
   for (std::size_t i = 0; i < bounds.size(); i += 2)
     if (bounds[i] > bounds[i + 1]) {
-      values_.error(
-          values_.where(*property),
+      const std::string message =
           fmt::format("in \"{}\", each minimum must be at most the maximum that follows it, found {} and {}",
-                      key, (*v)[i], (*v)[i + 1]));
-      return {};
+                      key, (*v)[i], (*v)[i + 1]);
+      if (!values_.may_exceed(values_.where(*property), message, i == 4 ? "no model moves along z" : ""))
+        return {};
     }
   return bounds;
 }
@@ -427,7 +444,9 @@ bool StageKinds::localize(const StageModel& model, const FieldTable& table, Reco
       const std::array written{(*error)[0], (*error)[1], (*error)[3]};
       std::vector<double> fractions{written[0], written[1], written[2] * values_.angle_unit()};
       for (std::size_t i = 0; i < written.size(); ++i)
-        is_right = values_.is_within(*property, table.fields[field], fractions[i], written[i]) && is_right;
+        is_right = values_.is_within(*property, table.fields[field], fractions[i], written[i],
+                                     unused(table, params, table.fields[field])) &&
+                   is_right;
       params[field] = std::move(fractions);
     }
   }

@@ -3,6 +3,7 @@
 #include "engine/kinds/kinds.hpp"
 #include "engine/kinds/sensor_params.hpp"
 #include "engine/spec/world_spec.hpp"
+#include "worldio/stage/stage_devices.hpp"
 #include "worldio/stage/stage_models.hpp"
 #include "worldio/stage/stage_values.hpp"
 
@@ -44,8 +45,8 @@ class StageKinds {
   std::optional<engine::DeviceSpec> gripper(const StageModel& model, const engine::DeviceKind& kind,
                                             const Eigen::Vector3d& size);
   /// Reads the drive of a position model. The kind of the drive is "diff" if the model does not have the
-  /// property `drive`.
-  std::optional<engine::DriveSpec> drive(const StageModel& model);
+  /// property `drive`. is_nested: whether the model is inside another model; its localization is not read
+  std::optional<engine::DriveSpec> drive(const StageModel& model, bool is_nested = false);
   /// Reads the drive of a position model inside another model. Such a drive is a device: `kind` must be the
   /// device kind "wheels".
   std::optional<engine::DeviceSpec> wheels(const StageModel& model, const engine::DeviceKind& kind);
@@ -65,8 +66,11 @@ class StageKinds {
   /// Reads the properties that say how the robot estimates its pose (GPS or odometry), and stores them in
   /// `params`, which has one value per field of `table`. Returns false if a property is wrong.
   bool localize(const StageModel& model, const engine::FieldTable& table, engine::Record& params);
+  bool read_parameter(const StageModel& model, const StageParameter& parameter,
+                      const engine::FieldTable& table, engine::Record& params);
+  /// unused: why the property has no effect, as in StageValues::may_exceed()
   std::optional<engine::Value> value(const StageProperty& property, const engine::Field& field, double to_si,
-                                     int column);
+                                     int column, const std::string& unused = {});
   // The next three functions are defined in worldio/stage/stage_sensors.cpp. If a property is wrong, they
   // report an error and return false.
   bool add_blob_colors(const StageModel& model, const engine::DeviceKind& kind, engine::DeviceSpec& spec);

@@ -38,6 +38,7 @@ void StageLint::add(Summary& summary, Where where, std::string name) {
 
 void StageLint::check_world() {
   check_repeated(document_.world);
+  check_old(document_.world, "world");
   for (const StageProperty& property : document_.world) check_property(property, "world");
 }
 
@@ -54,6 +55,7 @@ void StageLint::check(const StageEntity& entity, std::size_t depth) {
   for (const StageEntity* layer : model->layers) {
     if (layer != &entity && !macros_seen_.insert(layer).second) continue;
     check_repeated(document_.properties(*layer));
+    check_old(document_.properties(*layer), model->alias.empty() ? model->type : model->alias);
     for (const StageProperty& property : document_.properties(*layer))
       check_property(property, model->alias.empty() ? model->type : model->alias);
     for (const StageEntity& child : document_.children(*layer)) check(child, depth + 1);
@@ -78,8 +80,45 @@ void StageLint::check_property(const StageProperty& property, std::string_view t
     case StageSupport::window_camera: break;
     case StageSupport::no_effect: add(no_effect_, where, called(*row)); break;
     case StageSupport::window_only: add(window_only_, where, called(*row)); break;
-    case StageSupport::obsolete: add(obsolete_, where, called(*row)); break;
+    case StageSupport::obsolete:
+      if (row->note.empty()) add(obsolete_, where, called(*row));  // check_old() reports the others
   }
+}
+
+/// Reports the obsolete properties of an entity for which there is something to write today, those with the
+/// same replacement together.
+void StageLint::check_old(std::span<const StageProperty> properties, std::string_view type) {
+  struct Old {
+    const StageRow* row;
+    Where first;
+    std::vector<std::string_view> names;
+  };
+  std::vector<Old> all;
+  for (const StageProperty& property : properties) {
+    const StageRow* row = find_stage_row(type, values_.key(property));
+    if (!row || row->support != StageSupport::obsolete || row->note.empty()) continue;
+    auto old = std::ranges::find(all, row->note, [](const Old& each) { return each.row->note; });
+    if (old == all.end()) old = all.insert(all.end(), {row, values_.where(property), {}});
+    if (std::ranges::find(old->names, row->name) == old->names.end()) old->names.push_back(row->name);
+  }
+  for (const Old& old : all)
+    values_.explain(old.first, old_words_text(old.names, sensor_of(properties), old.row->note));
+}
+
+/// Returns the sensor( ) block for the first transducer of a ranger in old syntax, with its numbers; empty if
+/// the properties do not have them.
+std::string StageLint::sensor_of(std::span<const StageProperty> properties) const {
+  const auto numbers = [&](std::string_view key) {
+    std::vector<std::string_view> texts;
+    for (const StageProperty& property : properties)
+      if (values_.key(property) == key) texts = values_.texts(property);
+    return texts;
+  };
+  const std::vector<std::string_view> pose = numbers("spose[0]");
+  const std::vector<std::string_view> view = numbers("sview");
+  if (pose.size() != 3 || view.size() != 3) return {};
+  return fmt::format("sensor( pose [{} {} 0 {}] range [{} {}] fov {} )", pose[0], pose[1], pose[2], view[0],
+                     view[1], view[2]);
 }
 
 /// Warns of each property that the same entity sets again later, because only the last value counts.

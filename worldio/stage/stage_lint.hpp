@@ -52,6 +52,8 @@ class StageLint {
   /// Warns of a property that is unknown or never has an effect. `type` is the type of the entity that has
   /// the property, or the older name of this type if the file uses it ("laser").
   void check_property(const StageProperty& property, std::string_view type);
+  void check_old(std::span<const StageProperty> properties, std::string_view type);
+  std::string sensor_of(std::span<const StageProperty> properties) const;
   void check_repeated(std::span<const StageProperty> properties);
   void check_overruled(const StageModel& model, bool is_top_level);
   void add(Summary& summary, Where where, std::string name);
@@ -64,8 +66,8 @@ class StageLint {
                      "this property has no effect in Troupe"};
   Summary window_only_{"properties without effect on the run, because only Stage's window uses them",
                        "this property affects only Stage's window"};
-  Summary obsolete_{"obsolete properties, ignored as in Stage",
-                    "this property is obsolete, ignored as in Stage"};
+  Summary obsolete_{"obsolete properties, ignored as in Stage: remove them",
+                    "this property is obsolete, ignored as in Stage: remove it"};
 };
 
 }  // namespace troupe::worldio

@@ -1,5 +1,8 @@
 #include "worldio/stage/stage_models.hpp"
 
+#include "base/split.hpp"
+#include "worldio/stage/stage_properties.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,9 +16,6 @@ namespace {
 constexpr std::size_t k_most_macro_steps = 20000000;  // steps from a macro to its base, in a whole world
 constexpr std::string_view k_ranger_aliases[] = {"laser", "sonar"};
 constexpr std::string_view k_radio_alias = "wifi";
-/// Types of models that older versions of Stage had, and that Stage 4.3 does not have.
-constexpr std::string_view k_dropped[] = {"charger", "environment",  "ptz",   "puck",
-                                          "region",  "simple_laser", "speech"};
 // With more macros, comparing their names would delay the error message.
 constexpr std::size_t k_names_compared = 2000;
 
@@ -101,6 +101,15 @@ std::optional<StageModel> StageMacros::resolve(const StageEntity& entity) {
 void StageMacros::report_unknown_type(std::string_view type, Where where) {
   // Many models may use the same macro, and the names that are similar to its unknown base take time to find.
   if (!reported_.insert(type.data()).second) return;
+  if (const StageRow* old = find_stage_row("type", type)) {
+    if (reported_.insert(old->name.data()).second) values_.error(where, old_type_text(*old));
+    return;
+  }
+  if (!document_.missing_includes.empty()) {
+    values_.error(where, fmt::format("\"{}\" is no model type; {} may define it as a macro, but is missing",
+                                     type, joined(document_.missing_includes, " or ")));
+    return;
+  }
   std::vector<std::string_view> types;
   for (const engine::ModelKind& kind : registry_.models) types.push_back(kind.name);
   std::vector<std::string_view> near = types;
@@ -110,10 +119,8 @@ void StageMacros::report_unknown_type(std::string_view type, Where where) {
     for (const auto& [name, macro] : macros_) near.push_back(name);
   // Sorted, because the order of the hash table must not decide between two names that are equally similar.
   std::ranges::sort(near);
-  const bool is_dropped = std::ranges::find(k_dropped, type) != std::end(k_dropped);
-  values_.error(where, fmt::format("\"{}\" is neither a model type nor a macro defined above{}; types: {}{}",
-                                   type, is_dropped ? " (Stage has had no such type since version 4.3)" : "",
-                                   comma_list(types), is_dropped ? "" : did_you_mean(type, near)));
+  values_.error(where, fmt::format("\"{}\" is neither a model type nor a macro defined above; types: {}{}",
+                                   type, comma_list(types), did_you_mean(type, near)));
 }
 
 bool StageMacros::is_device(std::string_view type) const {

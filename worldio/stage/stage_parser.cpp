@@ -258,19 +258,7 @@ class Lexer {
     const std::optional<fs::path> found = find_stage_file(path, search_path_);
     std::optional<std::string> text = found ? read_file(*found) : std::nullopt;
     if (!text) {
-      const fs::path tried = found.value_or(path.lexically_normal());
-      std::error_code ignored;
-      if (const Result<> readable = check_readable(tried, k_most_input_bytes);
-          !readable && fs::exists(tried, ignored)) {
-        errors_.add(where, fmt::format("cannot read the included file {}: {}", tried.string(),
-                                       readable.error().text));
-        return;
-      }
-      errors_.add(
-          where,
-          fmt::format(
-              "cannot read the included file {}: there is no such file{}", path.lexically_normal().string(),
-              search_path_.empty() ? "" : ", and none of that name in the folders of the search path"));
+      report_missing(where, found.value_or(path.lexically_normal()));
       return;
     }
     if (*found != path) document_.base_directory = found->parent_path();
@@ -296,6 +284,27 @@ class Lexer {
       throw GiveUp{};
     }
     read(tidied(*found), std::move(*text));
+  }
+
+  /// Reports an included file that cannot be read.
+  void report_missing(Where where, const fs::path& file) {
+    const std::string name = file.filename().string();
+    if (std::ranges::find(document_.missing_includes, name) == document_.missing_includes.end())
+      document_.missing_includes.push_back(name);
+    const Result<> readable = check_readable(file, k_most_input_bytes);
+    std::string message = fmt::format("cannot read the included file {}: {}", file.string(),
+                                      readable ? "it cannot be read" : readable.error().text);
+    std::error_code ignored;
+    if (fs::exists(fs::symlink_status(file, ignored))) {  // it is there, but unreadable
+      errors_.add(where, std::move(message));
+      return;
+    }
+    if (!search_path_.empty()) message += ", and none of that name in the folders of the search path";
+    if (comes_with_stage(name))
+      message +=
+          "; it comes with Stage: name the folder that has it, such as worlds in the sources of Stage, in "
+          "the environment variable STAGEPATH (in programs: search_path)";
+    errors_.add(where, std::move(message));
   }
 
   StageDocument& document_;

@@ -88,6 +88,8 @@ struct StageDocument {
   /// False if parentheses do not match, or if parsing stopped early. The entity to which a property belongs
   /// is then not known for certain.
   bool well_nested = true;
+  /// The names of the included files that could not be read, each once.
+  std::vector<std::string> missing_includes;
 
   StageToken token(std::uint32_t position) const {
     const PackedToken& t = tokens[position];

@@ -24,6 +24,17 @@ using engine::Value;
 constexpr std::array<std::string_view, 6> k_own_draw{"actuator", "blobfinder", "bumper",
                                                      "camera",   "position",   "ranger"};
 
+/// A property that gives a model a power pack.
+struct Amount {
+  std::string_view key;
+  double joules;       ///< joules per unit of the property
+  bool capacity_only;  ///< false: the property also sets the stored energy
+};
+constexpr std::array<Amount, 4> k_amounts{{{"joules", 1, false},
+                                           {"joules_capacity", 1, true},
+                                           {"kjoules", 1000, false},
+                                           {"kjoules_capacity", 1000, true}}};
+
 std::string device_name(const TypeSpec& type, std::uint32_t part, std::string_view last) {
   const std::string& below = type.parts[part].name;
   return below.empty() ? std::string(last) : fmt::format("{}.{}", below, last);
@@ -71,8 +82,12 @@ double StagePower::watts(const StageModel& model, std::string_view key) {
   const StageProperty* property = model.find(document_, key);
   const double watts = property ? values_.number(*property).value_or(0) : 0;
   if (watts >= 0 && watts <= engine::k_most_watts) return watts;
-  values_.error(values_.where(*property),
-                fmt::format("\"{}\" must be from 0 to {}, in W, found {}", key, engine::k_most_watts, watts));
+  values_.may_exceed(
+      values_.where(*property),
+      fmt::format("\"{}\" must be from 0 to {}, in W, found {}", key, engine::k_most_watts, watts),
+      key == "watts" && has_own_draw(model.type)
+          ? fmt::format("Troupe computes the power of a model of type {}", model.type)
+          : "");
   return 0;
 }
 
@@ -93,9 +108,14 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
                     model.type));
   if (const StageProperty* property = model.find(document_, "mass")) {
     const double kg = values_.number(*property).value_or(0);
+    const bool has_pack = std::ranges::any_of(
+        k_amounts, [&](const Amount& amount) { return model.find(document_, amount.key) != nullptr; });
+    const bool has_effect = model.type == "position" && part == 0 && has_pack;
     if (!(kg >= 0 && kg <= engine::k_most_mass_kg))
-      values_.error(values_.where(*property), fmt::format("\"mass\" must be from 0 to {}, in kg, found {}",
-                                                          engine::k_most_mass_kg, kg));
+      values_.may_exceed(
+          values_.where(*property),
+          fmt::format("\"mass\" must be from 0 to {}, in kg, found {}", engine::k_most_mass_kg, kg),
+          has_effect ? "" : "only the power pack of a top-level position uses it");
     else if (part == 0)
       mass_ = kg;
   }
@@ -106,17 +126,8 @@ void StagePower::read(const StageModel& model, std::uint32_t part, TypeSpec& typ
 /// Reads the properties in the order in which Stage reads them, because a later property overwrites the
 /// stored energy.
 std::optional<engine::Energy> StagePower::read_energy(const StageModel& model) {
-  struct Amount {
-    std::string_view key;
-    double joules;       ///< joules per unit of the property
-    bool capacity_only;  ///< false: the property also sets the stored energy
-  };
-  constexpr std::array<Amount, 4> amounts{{{"joules", 1, false},
-                                           {"joules_capacity", 1, true},
-                                           {"kjoules", 1000, false},
-                                           {"kjoules_capacity", 1000, true}}};
   std::optional<engine::Energy> energy;
-  for (const Amount& amount : amounts) {
+  for (const Amount& amount : k_amounts) {
     const StageProperty* property = model.find(document_, amount.key);
     const std::optional<double> given = property ? values_.number(*property) : std::nullopt;
     if (!given) continue;

@@ -13,6 +13,11 @@ using enum StageSupport;
 
 // One row per property. The table in the documentation, the warnings and the suggestions for misspelt names
 // all come from these rows.
+constexpr std::string_view k_sensors_today =
+    "write a `sensor( pose [0.1 0 0 90] range [0 5] fov 15 )` for each transducer";
+constexpr std::string_view k_blocks_today =
+    "write a `block( points 3 point[0] [0 0] point[1] [1 0] point[2] [0 1] z [0 1] )` for each polygon";
+
 constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "name", honoured, "title of the world; default: the path of the file"},
     {"world", "interval_sim", honoured, "length of a tick, ms; at least 0.001"},
@@ -40,8 +45,8 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"world", "paused", window_only, "a run starts at once: without a window, nothing could resume it"},
     {"world", "confirm_on_quit", window_only, ""},
     {"world", "size", obsolete, ""},
-    {"world", "interval_real", obsolete, ""},
-    {"world", "gui_interval", obsolete, ""},
+    {"world", "interval_real", obsolete, "write `speedup 1`, with `troupe run --rate world`"},
+    {"world", "gui_interval", obsolete, "write `window( interval 40 )`"},
     {"world", "gui_disable", obsolete, ""},
     {"world", "gui_menu_interval", obsolete, ""},
     {"world", "threadpool", obsolete, ""},
@@ -126,44 +131,46 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"model", "gui_move", window_only, ""},
     {"model", "trail_length", window_only, ""},
     {"model", "trail_interval", window_only, ""},
-    {"model", "laser_return", obsolete, "replaced by `ranger_return`"},
-    {"model", "blobfinder_return", obsolete, "replaced by `blob_return`"},
-    {"model", "shape", obsolete, ""},
-    {"model", "polygons", obsolete, "replaced by `block` entities"},
-    {"model", "polygon[k]", obsolete, ""},
-    {"model", "polygon[k].points", obsolete, ""},
-    {"model", "polygon[k].point[k]", obsolete, ""},
-    {"model", "polygon[k].filled", obsolete, ""},
-    {"model", "blocks", obsolete, "replaced by `block` entities"},
-    {"model", "block[k]", obsolete, ""},
-    {"model", "block[k].points", obsolete, ""},
-    {"model", "block[k].point[k]", obsolete, ""},
-    {"model", "block[k].z", obsolete, ""},
-    {"model", "block[k].z_range", obsolete, ""},
+    {"model", "laser_return", obsolete, "write `ranger_return 1`; below 0: rangers do not see the model"},
+    {"model", "blobfinder_return", obsolete, "write `blob_return 1`"},
+    {"model", "shape", obsolete, k_blocks_today},
+    {"model", "polygons", obsolete, k_blocks_today},
+    {"model", "polygon[k]", obsolete, k_blocks_today},
+    {"model", "polygon[k].points", obsolete, k_blocks_today},
+    {"model", "polygon[k].point[k]", obsolete, k_blocks_today},
+    {"model", "polygon[k].filled", obsolete, k_blocks_today},
+    {"model", "blocks", obsolete, k_blocks_today},
+    {"model", "block[k]", obsolete, k_blocks_today},
+    {"model", "block[k].points", obsolete, k_blocks_today},
+    {"model", "block[k].point[k]", obsolete, k_blocks_today},
+    {"model", "block[k].z", obsolete, k_blocks_today},
+    {"model", "block[k].z_range", obsolete, k_blocks_today},
     {"model", "block[k].color", obsolete, ""},
-    {"model", "size3", obsolete, ""},
-    {"model", "offset", obsolete, ""},
+    {"model", "size3", obsolete, "write `size [x y z]`"},
+    {"model", "offset", obsolete, "write `origin [x y z heading]`"},
     {"model", "gui_movemask", obsolete, ""},
-    {"model", "view", obsolete, ""},
-    {"model", "scount", obsolete, "replaced by `sensor` entities"},
-    {"model", "spose[k]", obsolete, ""},
-    {"model", "ssize", obsolete, ""},
-    {"model", "sview", obsolete, ""},
+    {"model", "view", obsolete, "write `range [0 5] fov 180` in a `sensor( )` of a `ranger( )`"},
+    {"model", "scount", obsolete, k_sensors_today},
+    {"model", "spose[k]", obsolete, k_sensors_today},
+    {"model", "ssize", obsolete, k_sensors_today},
+    {"model", "ssize[k]", obsolete, k_sensors_today},
+    {"model", "sview", obsolete, k_sensors_today},
+    {"model", "sview[k]", obsolete, k_sensors_today},
     {"model", "fill_polygons", obsolete, ""},
     {"model", "show_waypoints", obsolete, ""},
     {"model", "rangerdata", obsolete, ""},
-    {"model", "ip", obsolete, ""},
-    {"model", "mac", obsolete, ""},
-    {"model", "essid", obsolete, ""},
-    {"model", "model", obsolete, ""},
-    {"model", "range", obsolete, ""},
-    {"model", "power", obsolete, ""},
-    {"model", "sensitivity", obsolete, ""},
-    {"model", "plc", obsolete, ""},
-    {"model", "ple", obsolete, ""},
-    {"model", "wall_factor", obsolete, ""},
-    {"model", "range_db", obsolete, ""},
-    {"model", "range3", obsolete, ""},
+    {"model", "ip", obsolete, "write it in a `radio( )`"},
+    {"model", "mac", obsolete, "write it in a `radio( )`"},
+    {"model", "essid", obsolete, "write it in a `radio( )`"},
+    {"model", "model", obsolete, "write it in a `radio( )`"},
+    {"model", "range", obsolete, "write it in a `radio( )`"},
+    {"model", "power", obsolete, "write it in a `radio( )`"},
+    {"model", "sensitivity", obsolete, "write it in a `radio( )`"},
+    {"model", "plc", obsolete, "write it in a `radio( )`"},
+    {"model", "ple", obsolete, "write it in a `radio( )`"},
+    {"model", "wall_factor", obsolete, "write it in a `radio( )`"},
+    {"model", "range_db", obsolete, "write `range` in a `radio( )`"},
+    {"model", "range3", obsolete, "write `range` in a `radio( )`"},
 
     {"block", "points", honoured, "number of corners, at least 3"},
     {"block", "point[k]", honoured,
@@ -205,10 +212,12 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "added by Troupe: [v a], the greatest speed and the greatest turn rate on the way to a goal; a is "
      "converted "
      "from `unit_angle`. By default they are 0.4 m/s and 1 rad/s, as in Stage"},
-    {"position", "odom", obsolete, ""},
+    {"position", "odom", obsolete, "write `localization_origin [x y z heading]`"},
 
     {"ranger", "intensity", honoured,
      "added by Troupe: 1 also reads the `ranger_return` of the body that each beam hits; Stage always does"},
+    {"ranger", "range_max", obsolete, "write `sensor( range [0 8] )`, the minimum and the maximum"},
+    {"ranger", "range_min", obsolete, "write `sensor( range [0 8] )`, the minimum and the maximum"},
 
     {"sensor", "pose", honoured, "[x y z heading] in the frame of the ranger, after its `origin` is applied"},
     {"sensor", "size", honoured, "half of the height is added to the height of the beams"},
@@ -227,7 +236,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
      "added by Troupe: 1 replaces readings below the minimum by the minimum"},
     {"sensor", "color", window_only, ""},
     {"sensor", "color_rgba", window_only, ""},
-    {"sensor", "view", obsolete, ""},
+    {"sensor", "range_max", obsolete, "write `range [0 8]`, the minimum and the maximum"},
+    {"sensor", "range_min", obsolete, "write `range [0 8]`, the minimum and the maximum"},
+    {"sensor", "view", obsolete, "write `range [0 5] fov 180`"},
 
     {"laser", "samples", honoured,
      "number of beams, default 180. A `laser` occurs in older files: it is a ranger with one sensor, whose "
@@ -293,8 +304,9 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"blobfinder", "colors_count", honoured,
      "number of `colors` that are used; without it, every colour is reported"},
     {"blobfinder", "colors", fixed, "X11 names; an unknown one is an error"},
-    {"blobfinder", "channel_count", obsolete, "replaced by `colors_count`"},
-    {"blobfinder", "channels", obsolete, "replaced by `colors`"},
+    {"blobfinder", "range_max", obsolete, "write `range 12`"},
+    {"blobfinder", "channel_count", obsolete, "write `colors_count 2 colors [\"red\" \"green\"]`"},
+    {"blobfinder", "channels", obsolete, "write `colors_count 2 colors [\"red\" \"green\"]`"},
 
     {"bumper", "crashes", honoured,
      "added by Troupe: 1: the bumpers also detect blocked motions that would have reached them; 0 (default): "
@@ -335,12 +347,12 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"camera", "pantilt", fixed,
      "[pan tilt], degrees: pan to the right, tilt upwards, relative to the heading of the camera; in Stage, "
      "relative to that of its parent"},
-    {"camera", "width", obsolete, ""},
-    {"camera", "height", obsolete, ""},
-    {"camera", "horizfov", obsolete, ""},
-    {"camera", "vertfov", obsolete, ""},
-    {"camera", "yaw", obsolete, ""},
-    {"camera", "pitch", obsolete, ""},
+    {"camera", "width", obsolete, "write `resolution [80 60]`, width and height in pixels"},
+    {"camera", "height", obsolete, "write `resolution [80 60]`, width and height in pixels"},
+    {"camera", "horizfov", obsolete, "write `fov [70 40]`, horizontal and vertical, in degrees"},
+    {"camera", "vertfov", obsolete, "write `fov [70 40]`, horizontal and vertical, in degrees"},
+    {"camera", "yaw", obsolete, "write `pantilt [0 0]`, to the right and upwards, in degrees"},
+    {"camera", "pitch", obsolete, "write `pantilt [0 0]`, to the right and upwards, in degrees"},
 
     {"blinkenlight", "period", fixed,
      "time from one flash to the next, ms; in Troupe the light blinks, in Stage it is not drawn"},
@@ -397,11 +409,42 @@ constexpr auto k_rows = std::to_array<StageRow>({
     {"window", "energy_dissipation", window_only, ""},
     {"window", "energy_input", window_only, ""},
     {"window", "energy_stored", window_only, ""},
+
+    {"type", "map", obsolete,
+     "write `model( bitmap \"map.png\" size [16 16 0.6] boundary 1 )`, or `floorplan( )` after `include "
+     "\"map.inc\"`, a file of Stage"},
+    {"type", "environment", obsolete, "write `model( bitmap \"map.png\" size [16 16 0.6] boundary 1 )`"},
+    {"type", "region", obsolete, "write `model( size [4 4 0.01] obstacle_return 0 ranger_return -1 )`"},
+    {"type", "fiducialfinder", obsolete, "write `fiducial( range_max 8 fov 180 )`"},
+    {"type", "simple_laser", obsolete, "write `ranger( sensor( range [0 8] fov 180 samples 180 ) )`"},
+    {"type", "ptz", obsolete,
+     "write `pan 0 fov 60` in the `blobfinder( )`, or `pantilt [0 0]` in a `camera( )`"},
+    {"type", "puck", obsolete, "write `model( size [0.2 0.2 0.2] gripper_return 1 )`"},
+    {"type", "charger", obsolete, "write `model( give_watts 1000 joules -1 alwayson 1 )`"},
+    {"type", "power", obsolete, "write `joules 40000` in the model"},
+    {"type", "energy", obsolete, "write `joules 40000` in the model"},
+    {"type", "speech", obsolete, "remove it"},
+    {"type", "truth", obsolete, "remove it"},
+    {"type", "gps", obsolete, "write `localization \"gps\"` in the `position( )`"},
+    {"type", "box", obsolete, "write `model( size [1 1 1] )`"},
+    {"type", "bitmap", obsolete, "write `model( bitmap \"map.png\" size [16 16 0.6] boundary 1 )`"},
+    {"type", "gui", obsolete, "write `window( size [800 600] center [0 0] scale 20 )`"},
+    {"type", "player", obsolete, "remove it: a controller, `ctrl`, drives the robot"},
+    {"type", "misc", obsolete, "remove it"},
+    {"type", "broadcast", obsolete, "write `radio( range 5 )`"},
+    {"type", "mcom", obsolete, "write `radio( range 5 )`"},
+    {"type", "audio", obsolete, "write `radio( range 5 )`"},
+    {"type", "laserbeacon", obsolete, "write `model( size [0.1 0.1 0.5] fiducial_return 1 )`"},
+    {"type", "visionbeacon", obsolete, "write `model( size [0.1 0.1 0.5] color \"red\" )`"},
+    {"type", "lbd", obsolete, "write `fiducial( range_max 8 fov 180 )`"},
+    {"type", "bps", obsolete, "write `localization \"gps\"` in the `position( )`"},
+    {"type", "foofinder", obsolete, "write `fiducial( range_max 8 fov 180 )`"},
+    {"type", "omniposition", obsolete, "write `position( drive \"omni\" )`"},
 });
 
 /// Whether entities of this type are models. Models also have the properties in the rows of "model".
 bool is_model(std::string_view type) {
-  return type != "world" && type != "block" && type != "sensor" && type != "window";
+  return type != "world" && type != "block" && type != "sensor" && type != "window" && type != "type";
 }
 
 /// Returns a name with each number in brackets replaced by k: `point[k]` for `point[12]`.
@@ -467,6 +510,25 @@ const StageRow* find_stage_row(std::string_view type, std::string_view written) 
   if (!row && is_model(type)) row = row_of("model");
   if (!row && is_both) row = row_of("sensor");
   return row;
+}
+
+std::string old_words_text(std::span<const std::string_view> names, std::string_view example,
+                           std::string_view note) {
+  std::string today(note);
+  std::erase(today, '`');
+  if (note == k_sensors_today && !example.empty())
+    today = fmt::format("write {} for the first transducer, and so on", example);
+  std::string all;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    all += fmt::format("{}\"{}\"", i == 0 ? "" : i + 1 == names.size() ? " and " : ", ", names[i]);
+  return fmt::format("old syntax: {} {} ignored, as in Stage: {}", all, names.size() == 1 ? "is" : "are",
+                     today);
+}
+
+std::string old_type_text(const StageRow& row) {
+  std::string today(row.note);
+  std::erase(today, '`');
+  return fmt::format("\"{}\" is a model type of older versions of Stage: {}", row.name, today);
 }
 
 bool is_without_effect(std::string_view name) {

@@ -14,13 +14,17 @@ enum class StageSupport {
   no_effect,      ///< accepted and ignored: the note says why
   window_camera,  ///< accepted; it affects only Stage's window, and Troupe's pictures with `--camera window`
   window_only,    ///< accepted; it affects only Stage's window
-  obsolete,       ///< accepted and ignored, as by Stage 4.3
+  /// A word of older versions of Stage. As a property, it is accepted and ignored, as by Stage 4.3; as a
+  /// type, it is an error. The note says what to write today.
+  obsolete,
 };
 
 /// A property that entities of one type can have, and how Troupe treats it. An entity is a model, block,
 /// sensor or window of a file, or the world itself.
 struct StageRow {
-  std::string_view type;  ///< "world", "block", "sensor", "window" or a model type; "model": every model type
+  /// "world", "block", "sensor", "window" or a model type; "model": every model type; "type": the name is
+  /// that of a type itself
+  std::string_view type;
   std::string_view name;  ///< name of the property; a number in brackets is written [k], as in `point[k]`
   StageSupport support;   ///< how Troupe treats the property
   std::string_view note;  ///< meaning of the property, or difference from Stage, as Markdown; may be empty
@@ -35,6 +39,13 @@ std::span<const StageRow> stage_rows();
 /// "model" are searched. `type` may also be an older name of a type: "wifi" means "radio", and for "laser"
 /// and "sonar" the rows of "ranger" and "sensor" are searched.
 const StageRow* find_stage_row(std::string_view type, std::string_view name);
+
+/// Returns the text of the message about obsolete properties with the same note: `old syntax: "scount" and
+/// "sview" are ignored, as in Stage: write ...`. example: what to write for the first of them; may be empty
+std::string old_words_text(std::span<const std::string_view> names, std::string_view example,
+                           std::string_view note);
+/// Returns the text of the error about a model type that only older versions of Stage had.
+std::string old_type_text(const StageRow& row);
 
 /// Whether a property of this name never has an effect on a run, whatever the type of its entity. Bodies that
 /// differ only in such properties can have the same type. Returns false for an unknown property. `name` is

@@ -24,6 +24,8 @@ class TransducerReader {
       params_.fov = radians(180);
       params_.samples = 180;
     }
+    read("apply_range_min", &TransducerReader::read_apply_range_min);  // decides what check() reports
+    read("samples", &TransducerReader::read_samples);
     if (!is_the_ranger) {
       read("pose", &TransducerReader::read_pose);
       read("size", &TransducerReader::read_size);
@@ -32,17 +34,14 @@ class TransducerReader {
     if (is_the_ranger) {
       read("range_min", &TransducerReader::read_range_min);
       read("range_max", &TransducerReader::read_range_max);
-      if (is_right_ && params_.range_min > params_.range_max) {
-        values_.error(sensor_.where, fmt::format("\"range_min\", {} m, must be at most \"range_max\", {} m",
-                                                 params_.range_min, params_.range_max));
+      if (is_right_ &&
+          !is_ordered(sensor_.where, fmt::format("\"range_min\", {} m, must be at most \"range_max\", {} m",
+                                                 params_.range_min, params_.range_max)))
         return {};
-      }
     }
     read("fov", &TransducerReader::read_fov);
-    read("samples", &TransducerReader::read_samples);
     read("noise", &TransducerReader::read_noise);
     read("beam_width", &TransducerReader::read_beam_width);
-    read("apply_range_min", &TransducerReader::read_apply_range_min);
     if (!is_right_) return {};
     params_.pose.z += size_.z() / 2;  // beams leave from the middle of the transducer's height
     if (!values_.is_in_reach(sensor_.where, params_.pose.z, "the middle of this sensor")) return {};
@@ -76,11 +75,17 @@ class TransducerReader {
     const bool min_is_right = check("range_min", params_.range_min, property);
     const bool max_is_right = check("range_max", params_.range_max, property);
     if (!min_is_right || !max_is_right) return false;
+    return is_ordered(values_.where(property),
+                      fmt::format("\"range\" needs [min max] with min at most max, found [{} {}]",
+                                  (*given)[0], (*given)[1]));
+  }
+
+  /// Whether the minimum of the range is at most the maximum, or has no effect. Reports `message` if it is
+  /// above the maximum.
+  bool is_ordered(Where where, const std::string& message) {
     if (params_.range_min <= params_.range_max) return true;
-    values_.error(values_.where(property),
-                  fmt::format("\"range\" needs [min max] with min at most max, found [{} {}]", (*given)[0],
-                              (*given)[1]));
-    return false;
+    return values_.may_exceed(
+        where, message, params_.apply_range_min ? "" : "the minimum counts only with \"apply_range_min 1\"");
   }
 
   bool read_range_min(const StageProperty& property) {
@@ -160,10 +165,12 @@ class TransducerReader {
         : field_name == "noise_proportional" ? ": the second number (share)"
         : field_name == "noise_angular" ? ": the third number (angle), times half the angle between beams,"
                                         : "";
-    values_.error(values_.where(property),
-                  fmt::format("\"{}\"{} {}, found {}", key, number, kept.error().text,
-                              in_unit(value, table.fields[at], to_si)));
-    return false;
+    const std::string message = fmt::format("\"{}\"{} {}, found {}", key, number, kept.error().text,
+                                            in_unit(value, table.fields[at], to_si));
+    const engine::Record record = engine::to_record(params_);
+    const bool has_effect = engine::is_used(table, record, table.fields[at]);
+    return values_.may_exceed(values_.where(property), message,
+                              has_effect ? "" : engine::unused_reason(table, record, table.fields[at]));
   }
 
   const StageDocument& document_;

@@ -233,7 +233,7 @@ bool TypeText::is_default_box(const PartSpec& part, const engine::ModelKind& kin
 bool TypeText::write_image(const PartSpec& part) {
   if (!part.image) return false;
   const FloorImage* image = images_.read(part.image->file, part.image->unknown_is_solid, {});
-  if (!image || image->contours.empty()) return false;
+  if (!image) return false;
   const Box extent = extent_of(part.solids);
   const std::array sizes{part.size, Eigen::Vector3d(extent.size().x(), extent.size().y(), part.size.z())};
   for (const Eigen::Vector3d& size : sizes) {

@@ -28,6 +28,10 @@ void StageValues::warning_once(Where where, std::string message) {
   if (first_time(where, message)) diagnostics_.warning_once(where, std::move(message));
 }
 
+void StageValues::explain(Where where, std::string message) {
+  if (first_time(where, message)) diagnostics_.explain(where, std::move(message));
+}
+
 std::string StageValues::place(Where where, Where from) const {
   if (where.file == from.file) return fmt::format("line {}", where.line);
   return fmt::format("{}:{}", diagnostics_.files()->name(where.file), where.line);
@@ -129,10 +133,10 @@ std::optional<Pose> StageValues::pose(const StageProperty& property, bool is_wra
   const auto v = tuple(property, 3, 4, "[x y z heading]");
   if (!v) return {};
   if (v->size() == 3)
-    warning_once(where(property),
-                 fmt::format("old syntax: the three values of \"{}\" are read as [x y heading]; write "
-                             "[x y z heading]",
-                             key(property)));
+    explain(where(property),
+            fmt::format("old syntax: the three values of \"{}\" are read as [x y heading]; write "
+                        "[x y z heading]",
+                        key(property)));
   const double z = v->size() == 4 ? (*v)[2] : 0;
   for (const double part : {(*v)[0], (*v)[1], z})
     if (std::abs(part) * length_ > k_world_reach_m) {
@@ -149,7 +153,7 @@ std::optional<Eigen::Vector3d> StageValues::size(const StageProperty& property, 
   const auto v = tuple(property, 2, 3, "[x y z]");
   if (!v) return {};
   if (v->size() == 2)
-    warning_once(
+    explain(
         where(property),
         fmt::format("old syntax: the two values of \"{}\" are read as [x y], with a height of {} m; write "
                     "[x y z]",
@@ -175,12 +179,20 @@ bool StageValues::is_in_reach(Where where, double z_m, std::string_view what) {
 }
 
 bool StageValues::is_within(const StageProperty& property, const engine::Field& field, double si,
-                            double written) {
+                            double written, const std::string& unused) {
   const double to_si = written == 0 ? unit(field.unit) : si / written;
   const Result<> kept = check_limits(field, si, to_si);
   if (kept) return true;
-  error(where(property), fmt::format("\"{}\" {}, found {}", key(property), kept.error().text, written));
-  return false;
+  return may_exceed(where(property),
+                    fmt::format("\"{}\" {}, found {}", key(property), kept.error().text, written), unused);
+}
+
+bool StageValues::may_exceed(Where where, std::string message, const std::string& unused) {
+  if (unused.empty())
+    error(where, std::move(message));
+  else
+    warning_once(where, fmt::format("{}; it has no effect, because {}", message, unused));
+  return !unused.empty();
 }
 
 double StageValues::unit(engine::Unit unit) const {

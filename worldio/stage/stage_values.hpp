@@ -45,6 +45,9 @@ class StageValues {
   /// others are counted (Diagnostics::warning_once()).
   void warning_once(Where where, std::string message);
 
+  /// Reports a warning that may be the cause of errors, as Diagnostics::explain() does.
+  void explain(Where where, std::string message);
+
   /// Returns the place `where` as text for a message about the place `from`: "line 4" if both are in the same
   /// file, else with the name of the file: "robots.inc:4".
   std::string place(Where where, Where from) const;
@@ -70,11 +73,16 @@ class StageValues {
   std::optional<std::vector<double>> tuple(const StageProperty& property, std::size_t least, std::size_t most,
                                            std::string_view layout);
 
+  /// Reports a value outside the limits of a property. If `unused` says why the property has no effect
+  /// (engine::unused_reason()), this is a warning, and the result is true: the value may be kept.
+  bool may_exceed(Where where, std::string message, const std::string& unused);
   /// Whether a number is within the limits of a parameter. If not, reports an error.
   /// field    the description of the parameter, with the limits
   /// si       the number in SI units
   /// written  the number as the file gives it
-  bool is_within(const StageProperty& property, const engine::Field& field, double si, double written);
+  /// unused   why the property has no effect, as in may_exceed()
+  bool is_within(const StageProperty& property, const engine::Field& field, double si, double written,
+                 const std::string& unused = {});
   /// Whether a height, m, that is the sum of several values of the file is within the limits of coordinates.
   /// If not, reports an error. `what` is the subject of the message: "the middle of this sensor".
   bool is_in_reach(Where where, double z_m, std::string_view what);

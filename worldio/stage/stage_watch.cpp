@@ -99,9 +99,10 @@ engine::WatchSpec read_stage_watch(const StageDocument& document, StageValues& v
     if (ticks && *ticks >= 1 && *ticks <= engine::k_most_clock_ticks)
       watch.clock_ticks = static_cast<std::uint64_t>(*ticks);
     else if (ticks)
-      values.error(values.where(*property),
-                   fmt::format("\"show_clock_interval\" must be from 1 to {} ticks, found {}",
-                               engine::k_most_clock_ticks, *ticks));
+      values.may_exceed(values.where(*property),
+                        fmt::format("\"show_clock_interval\" must be from 1 to {} ticks, found {}",
+                                    engine::k_most_clock_ticks, *ticks),
+                        watch.clock ? "" : "\"show_clock\" is 0");
   }
   // Stage reads 0 and below as "as fast as possible".
   if (const StageProperty* property = document.world_property("speedup"))

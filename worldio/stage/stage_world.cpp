@@ -154,6 +154,7 @@ class StageWorld {
   void check_extent(const StageModel& model, const engine::PartSpec& part);
   engine::Returns returns(const StageModel& model);
   std::optional<std::int64_t> mark(const StageProperty& property);
+  void check_start(const StageModel& model, const engine::DriveSpec& drive);
   /// Adds the drive and the controllers of a model.
   void add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft);
   void bring_devices(const engine::ControllerKind& kind, const engine::ControllerSpec& controller,
@@ -232,12 +233,12 @@ void StageWorld::read_resolution(const StageProperty& property) {
   spec_->resolution_where = values_.where(property);
   const auto metres = values_.number(property);  // always in metres, not in unit_length
   if (!metres) return;
-  if (engine::k_min_resolution_m <= *metres && *metres <= engine::k_max_resolution_m)
-    spec_->resolution_m = *metres;
-  else
-    values_.error(values_.where(property),
-                  fmt::format("\"resolution\" must be from {} to {} m, found {}", engine::k_min_resolution_m,
-                              engine::k_max_resolution_m, *metres));
+  spec_->resolution_m = *metres;
+  if (!(engine::k_min_resolution_m <= *metres && *metres <= engine::k_max_resolution_m))
+    values_.may_exceed(values_.where(property),
+                       fmt::format("\"resolution\" must be from {} to {} m, found {}",
+                                   engine::k_min_resolution_m, engine::k_max_resolution_m, *metres),
+                       "only the grid ray engine (--raytracer grid) uses it");
 }
 
 void StageWorld::read_quit_time(const StageProperty& property) {
@@ -245,6 +246,11 @@ void StageWorld::read_quit_time(const StageProperty& property) {
   if (!seconds) return;
   if (*seconds > 0 && values_.is_within(property, json_field<WorldDocument>("quit_time"), *seconds, *seconds))
     spec_->quit_time_s = *seconds;
+  if (*seconds == 0)
+    values_.explain(
+        values_.where(property),
+        "\"quit_time 0\" has no effect: the run does not end by itself; write quit_time 60, or give "
+        "--for 60");
   if (*seconds < 0)
     values_.error(values_.where(property),
                   fmt::format("\"quit_time\" must be 0 (never) or above, in s, found {}", *seconds));
@@ -655,10 +661,31 @@ std::optional<std::int64_t> StageWorld::mark(const StageProperty& property) {
   return {};
 }
 
+/// Warns of a `velocity` that the drive replaces before the first motion.
+void StageWorld::check_start(const StageModel& model, const engine::DriveSpec& drive) {
+  const StageProperty* property = model.find(document_, "velocity");
+  if (property == nullptr || drive.period_s > spec_->tick_s) return;
+  const engine::FieldTable& table = registry_.drive(drive.kind)->params;
+  const bool is_zero =
+      std::ranges::all_of(std::array{"start_x", "start_y", "start_turn"}, [&](const char* name) {
+        return table.find(name) < 0 || engine::get(table, drive.params, name).number() == 0;
+      });
+  if (is_zero) return;
+  values_.explain(
+      values_.where(*property),
+      fmt::format("\"velocity\" has no effect: at its first update, after {:g} ms and before the first "
+                  "motion, the drive replaces this initial speed; write update_interval 3600000 to keep "
+                  "it for an hour, or command the speed with a controller",
+                  drive.period_s * 1000));
+}
+
 void StageWorld::add_behaviour(const StageModel& model, std::uint32_t part, Draft& draft) {
   const bool is_root = part == 0;
   const bool is_position = model.type == "position";
-  if (is_position && is_root) draft.type.drive = kinds_.drive(model);
+  if (is_position && is_root) {
+    draft.type.drive = kinds_.drive(model);
+    if (draft.type.drive) check_start(model, *draft.type.drive);
+  }
   const StageProperty* ctrl = model.find(document_, "ctrl");
   if (!ctrl) return;
   for (engine::ControllerSpec& controller : kinds_.controllers(model)) {
