@@ -246,10 +246,9 @@ Reference read_reference(const std::filesystem::path& file) {
         reference[series.at("column")][{point.at("scene"), false}] = point.at("times_real_time");
   for (const auto& row : known.at("paper").at("rows"))
     for (std::size_t i = 0; i < row.at("robots").size(); ++i)
-      reference["paper"][{fmt::format("{}/{}", row.at("world").get<std::string>(),
-                                      row.at("robots").at(i).get<std::size_t>()),
-                          row.at("frames")}] =
-          row.at("simulated_s").get<double>() / row.at("run_time_s").at(i).get<double>();
+      reference["paper"][{
+          fmt::format("{}/{}", row.at("world").get<std::string>(), row.at("robots").at(i).get<std::size_t>()),
+          row.at("frames")}] = row.at("simulated_s").get<double>() / row.at("run_time_s").at(i).get<double>();
   return reference;
 }
 
