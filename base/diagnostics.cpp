@@ -182,7 +182,7 @@ bool Diagnostics::is_inherited(Severity severity, Where where, const std::string
 }
 
 std::string Diagnostics::text(const Finding& finding) const {
-  const std::string text = fmt::format("{}: {}", name_of(finding.severity), printable_line(finding.message));
+  std::string text = fmt::format("{}: {}", name_of(finding.severity), printable_line(finding.message));
   if (finding.where.file == Where::k_no_file) return text;
   const std::string file = printable_line(files_->name(finding.where.file));
   return finding.where.line == 0 ? fmt::format("{}: {}", file, text)

@@ -71,6 +71,8 @@ Function symbol(void* library, const char* name) {
 // a thread, most is what glibc reserves for its allocations.
 constexpr std::size_t k_picture_bytes = std::size_t{176} << 20;
 constexpr std::size_t k_thread_bytes = std::size_t{72} << 20;
+// What EGL loads after itself: the driver with its compiler. OSMesa contains them.
+constexpr std::size_t k_driver_bytes = std::size_t{160} << 20;
 
 /// Whether the process may use so many bytes of address space in addition to those in use.
 bool has_room_for(std::size_t bytes) {
@@ -78,26 +80,26 @@ bool has_room_for(std::size_t bytes) {
   return room != MAP_FAILED && munmap(room, bytes) == 0;
 }
 
-/// Throws std::runtime_error if the address space is too small for a picture (`ulimit -v`). Mesa does not
-/// check whether it gets memory, so the program would crash.
-void require_room_for_picture() {
-  if (!has_room_for(k_picture_bytes))
+/// Throws std::runtime_error if the address space is too small for a picture (`ulimit -v`), which needs so
+/// many bytes. Mesa does not check whether it gets memory, so the program would crash.
+void require_room_for_picture(std::size_t bytes) {
+  if (!has_room_for(bytes))
     throw std::runtime_error(
         fmt::format("cannot draw: Mesa needs {} MiB more memory (raise the limits on memory of this "
                     "process); maps as .svg or .pdf do not need it",
-                    k_picture_bytes >> 20));
+                    bytes >> 20));
 }
 
 /// Lets Mesa draw without threads if the system does not allow all those that Mesa starts with the first
 /// context, or not the memory of so many: Mesa 22 would wait for ever for the others, or crash. The pixels
-/// are the same.
-void draw_without_threads_if_too_few() {
+/// are the same. picture_bytes: memory that Mesa needs without threads
+void draw_without_threads_if_too_few(std::size_t picture_bytes) {
   // Threads that draw and threads for compute shaders, each one per processor. Mesa 22 starts at most 16 of
   // each, Mesa 23 at most 32.
   constexpr long k_most_per_kind = 32;
   const long per_kind = std::clamp(sysconf(_SC_NPROCESSORS_ONLN), 1L, k_most_per_kind);
   const auto threads = static_cast<std::size_t>(2 * per_kind);
-  if (!partition::try_threads(threads) && has_room_for(k_picture_bytes + threads * k_thread_bytes)) return;
+  if (!partition::try_threads(threads) && has_room_for(picture_bytes + threads * k_thread_bytes)) return;
   setenv("LP_NUM_THREADS", "0", 1);  // NOLINT(concurrency-mt-unsafe): Mesa has no other way to set this
 }
 
@@ -125,13 +127,15 @@ class NoChosenDriver {
 };
 // NOLINTEND(concurrency-mt-unsafe)
 
-/// Opens the first library that can be loaded; null if there is none. what: "OSMesa" or "EGL"
-void* open_library(std::span<const char* const> names, std::string_view what, std::string& reasons) {
+/// Opens the first library that can be loaded; null if there is none. what: "OSMesa" or "EGL". picture_bytes:
+/// address space that the library then needs for its first picture
+void* open_library(std::span<const char* const> names, std::string_view what, std::size_t picture_bytes,
+                   std::string& reasons) {
   std::string here;
   for (const char* name : names) {
     if (void* const library = dlopen(name, RTLD_NOW | RTLD_LOCAL)) {
-      require_room_for_picture();
-      draw_without_threads_if_too_few();
+      require_room_for_picture(picture_bytes);
+      draw_without_threads_if_too_few(picture_bytes);
       return library;
     }
     const char* const reason = dlerror();
@@ -298,7 +302,7 @@ std::shared_ptr<const OffscreenLibrary> open_osmesa(std::span<const char* const>
                                                     std::string& reasons) {
   [[maybe_unused]] const ForgiveLeaks forgive;
   const NoChosenDriver no_driver;
-  void* const library = open_library(names, "OSMesa", reasons);
+  void* const library = open_library(names, "OSMesa", k_picture_bytes, reasons);
   if (!library) return nullptr;
   auto osmesa = std::make_shared<Osmesa>(library);
   require_software(osmesa);
@@ -308,7 +312,7 @@ std::shared_ptr<const OffscreenLibrary> open_osmesa(std::span<const char* const>
 std::shared_ptr<const OffscreenLibrary> open_egl(std::span<const char* const> names, std::string& reasons) {
   [[maybe_unused]] const ForgiveLeaks forgive;
   const NoChosenDriver no_driver;
-  void* const library = open_library(names, "EGL", reasons);
+  void* const library = open_library(names, "EGL", k_picture_bytes + k_driver_bytes, reasons);
   if (!library) return nullptr;
   auto egl = std::make_shared<Egl>(library);
   require_software(egl);

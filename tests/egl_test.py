@@ -7,6 +7,7 @@ LIBRARY is tests/render/other_libraries.cpp, which hides OSMesa from the program
 """
 
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -47,6 +48,15 @@ class Pictures(unittest.TestCase):
         # The program would end if it opened the display of the card.
         self.assertEqual(self.draw(FAKE_GPU="1"), expected)
         self.assertIn("cannot draw: the installed EGL has no software device of Mesa", self.draw(FAKE_GPU="only"))
+
+    def test_need_memory_and_say_so(self):
+        """With too little address space, Mesa would abort."""
+        for megabytes in range(100, 460, 20):
+            limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
+            done = subprocess.run([TROUPE, "render", WORLDS / "crowd.json", "-o", self.folder / "p.png", "--threads", "1"], text=True,
+                                  capture_output=True, env={**os.environ, "LD_PRELOAD": LIBRARY}, preexec_fn=limit)
+            self.assertIn(done.returncode, (0, 1), f"{megabytes} MB: {done.stderr}")
+            self.assertEqual(done.stderr.startswith("troupe: error: "), done.returncode == 1, done.stderr)
 
     def test_are_not_drawn_by_a_driver_of_the_users_choice(self):
         expected = self.draw(egl=False)

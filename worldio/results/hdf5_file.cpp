@@ -129,6 +129,16 @@ Result<> check_own(hid_t dataset) {
   if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
     return Error{
         "is neither stored contiguously nor in chunks: the file is damaged, or Troupe did not write it"};
+  if (layout == H5D_CONTIGUOUS) {
+    const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
+    const Hdf5Id type(H5Dget_type(dataset), H5Tclose);
+    const auto values =
+        static_cast<hsize_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space.get())));
+    const hsize_t stored = H5Dget_storage_size(dataset);  // 0 if no value was ever written
+    const std::size_t size = std::max<std::size_t>(1, H5Tget_size(type.get()));
+    if (stored != 0 && (stored % size != 0 || stored / size != values))
+      return Error{"has another number of values than are stored: the file is damaged"};
+  }
   const int filters = H5Pget_nfilters(creation.get());
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0;
