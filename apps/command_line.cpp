@@ -208,6 +208,9 @@ int run_command_line(int argc, const char* const* argv, const std::function<void
   } catch (const OutputError& error) {
     print_line(error.what());
     return k_bad_input;
+  } catch (const StoppedError& error) {
+    print_line(error.what());
+    return k_stopped;
   } catch (const std::bad_alloc&) {
     print_message(
         "troupe: error: not enough memory: use fewer robots, outputs or layers, or a machine with "

@@ -22,6 +22,7 @@
 
 #include <iterator>
 #include <memory>
+#include <type_traits>
 
 namespace troupe::apps {
 namespace {
@@ -50,7 +51,9 @@ class CommandOnRanks : public CommandWith<Options> {
  public:
   using CommandWith<Options>::CommandWith;
   ExitCode run() const override {
-    return on_ranks(this->options_, [this](const SimulationOptions& simulation) {
+    constexpr RankSignals k_signals =
+        std::is_same_v<Options, RunOptions> ? RankSignals::stop : RankSignals::kill;
+    return on_ranks(this->options_, k_signals, [this](const SimulationOptions& simulation) {
       Options own = this->options_;
       own.simulation = simulation;
       return this->run_(own);

@@ -86,8 +86,8 @@ ExitCode convert(const ConvertOptions& options) {
   print_lines(diagnostics.warnings());
   print_lines(plugins->warnings());
   write_output(options.out, {world.text});
-  fmt::print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
-             counted(world.types, "type"), options.in.string());
+  print("{}: {} of {}, from {}\n", options.out.string(), counted(world.bodies, "model"),
+        counted(world.types, "type"), options.in.string());
   return k_finished;
 }
 

@@ -18,8 +18,9 @@ namespace {
 
 // A signal handler may set lock-free flags, write, remove a file and raise a signal, but not lock or
 // allocate.
-std::atomic<bool> requested = false;  // whether SIGINT or SIGTERM has arrived
-std::atomic<bool> hung_up = false;    // whether SIGHUP has arrived
+std::atomic<bool> requested = false;   // whether SIGINT or SIGTERM has arrived
+std::atomic<bool> hung_up = false;     // whether SIGHUP has arrived, or another process got a signal
+std::atomic<bool> is_noticed = false;  // whether the notice was printed
 std::atomic<bool> has_doomed = false;
 std::atomic<std::uint32_t> saves = 0;  // how often SIGUSR1 has arrived
 std::atomic<std::size_t> notice_bytes = 0;
@@ -31,6 +32,7 @@ std::array<char, 512> notice{};   // what the first signal prints; written only 
 
 /// Prints the notice. Does not wait for a full pipe or a stopped terminal: the run must stop nevertheless.
 void print_notice() {
+  if (is_noticed.exchange(true)) return;
   const int error = errno;
   pollfd stream{STDERR_FILENO, POLLOUT, 0};
   if (notice_bytes > 0 && poll(&stream, 1, 0) == 1 && (stream.revents & POLLOUT) != 0) {
@@ -54,6 +56,7 @@ void stop_on_signals(std::string_view what) {
   const std::string text =
       fmt::format("{}{}; a second Ctrl-C or SIGTERM ends the program at once\n", wipe, what);
   notice_bytes = 0;
+  is_noticed = false;
   if (!what.empty() && text.size() <= notice.size()) {
     std::ranges::copy(text, notice.begin());
     notice_bytes = text.size();
@@ -72,6 +75,11 @@ void stop_on_signals(std::string_view what) {
 }
 
 bool stop_requested() { return requested || hung_up; }
+
+void request_stop() {
+  hung_up = true;
+  print_notice();
+}
 
 void count_save_requests() {
   saves = 0;

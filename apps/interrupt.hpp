@@ -19,6 +19,9 @@ namespace troupe::apps {
 void stop_on_signals(std::string_view what = {});
 /// Whether Ctrl-C, SIGTERM or SIGHUP has arrived since the start of the program.
 bool stop_requested();
+/// Requests a stop because another process of the run got one of these signals: stop_requested() returns
+/// true, and the line of stop_on_signals() is printed. Does not count as the first or second signal.
+void request_stop();
 /// Starts to count the signal SIGUSR1, with which users request a checkpoint (a file with the state of the
 /// run). Each call sets the count to 0. Before the first call, the signal ends the program.
 void count_save_requests();

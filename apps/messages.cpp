@@ -7,7 +7,8 @@
 namespace troupe::apps {
 
 void print_message(std::string_view text) {
-  static_cast<void>(std::fwrite(text.data(), 1, text.size(), stderr));
+  const std::string shown = printable(text);
+  static_cast<void>(std::fwrite(shown.data(), 1, shown.size(), stderr));
 }
 
 void print_lines(std::span<const std::string> lines) {

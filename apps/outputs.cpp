@@ -1,5 +1,6 @@
 #include "apps/outputs.hpp"
 
+#include "apps/interrupt.hpp"
 #include "apps/pictures/picture_options.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/input_files.hpp"
@@ -9,6 +10,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -164,7 +166,26 @@ void refuse_existing(const fs::path& file) {
     throw OutputError(fmt::format("{}: error: the file exists; --force replaces it", file.string()));
 }
 
+worldio::Descriptor await_reader(const fs::path& file) {
+  constexpr int k_wait_ms = 50;
+  std::error_code ignored;
+  while (fs::is_fifo(file, ignored)) {
+    // Open until the result is, so that the reader does not see the end of the pipe.
+    const worldio::Descriptor trial(file, O_WRONLY | O_NONBLOCK);
+    if (trial.get() >= 0) return {file, O_RDWR | O_NONBLOCK};
+    if (errno != ENXIO) return {};
+    if (stop_requested())
+      throw StoppedError(fmt::format(
+          "{}: error: nothing was written: the program was stopped before another program read this "
+          "pipe",
+          file.string()));
+    poll(nullptr, 0, k_wait_ms);
+  }
+  return {};
+}
+
 void write_output(const fs::path& file, std::initializer_list<std::string_view> pieces) {
+  const worldio::Descriptor reader = await_reader(file);
   try {
     worldio::write_whole(file, pieces);
   } catch (const std::system_error& error) {
@@ -188,6 +209,7 @@ worldio::Descriptor lock_output(const fs::path& file) { return locked(file, O_CR
 worldio::Descriptor open_output(std::ofstream& stream, const fs::path& file,
                                 std::optional<std::uintmax_t> kept) {
   worldio::Descriptor lock = lock_output(file);
+  const worldio::Descriptor reader = await_reader(file);
   stream.open(file, std::ios::binary | (kept ? std::ios::app : std::ios::trunc));  // before the file is cut
   if (!stream) refuse_output(file, std::strerror(errno));
   if (!kept) return lock;

@@ -5,6 +5,7 @@
 #include "worldio/results/descriptor.hpp"
 
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -14,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace troupe::apps {
@@ -25,13 +27,30 @@ class OutputError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Thrown if Ctrl-C, SIGTERM or SIGHUP has arrived while an output could not be opened yet. The program then
+/// ends with k_stopped.
+class StoppedError : public std::exception {
+ public:
+  explicit StoppedError(std::string text) : text_(std::move(text)) {}
+  const char* what() const noexcept override { return text_.c_str(); }
+
+ private:
+  std::string text_;
+};
+
+/// Waits until a program reads `file`, if this is a named pipe, because opening it would wait without end,
+/// and no signal would end it. Until the result is destroyed, opening the pipe does not wait. Throws
+/// StoppedError when stop_requested().
+[[nodiscard]] worldio::Descriptor await_reader(const std::filesystem::path& file);
+
 /// Throws OutputError: `file: error: cannot be written: reason`.
 [[noreturn]] void refuse_output(const std::filesystem::path& file, std::string_view reason);
 
 /// Throws OutputError if the file exists: it is replaced only with the option --force.
 void refuse_existing(const std::filesystem::path& file);
 
-/// Writes a file with worldio::write_whole(). Throws OutputError if it cannot be written.
+/// Writes a file with worldio::write_whole(), after await_reader(). Throws OutputError if it cannot be
+/// written.
 void write_output(const std::filesystem::path& file, std::initializer_list<std::string_view> pieces);
 
 /// Checks a file with worldio::check_replaceable(). Throws OutputError if it cannot be written. Ignores an
@@ -47,10 +66,10 @@ void check_unlocked(const std::filesystem::path& file);
 /// device or a pipe, or cannot be opened. Throws OutputError if another process holds the lock.
 [[nodiscard]] worldio::Descriptor lock_output(const std::filesystem::path& file);
 
-/// Opens an output for writing, and locks it as lock_output() does. kept: if set, the file exists and is
-/// continued: its first `kept` bytes remain, and the others are cut off; else a new file replaces it. Returns
-/// the descriptor that holds the lock. Throws OutputError if the file cannot be written, or if another
-/// process is writing it.
+/// Opens an output for writing, after await_reader(), and locks it as lock_output() does. kept: if set, the
+/// file exists and is continued: its first `kept` bytes remain, and the others are cut off; else a new file
+/// replaces it. Returns the descriptor that holds the lock. Throws OutputError if the file cannot be written,
+/// or if another process is writing it.
 [[nodiscard]] worldio::Descriptor open_output(std::ofstream& stream, const std::filesystem::path& file,
                                               std::optional<std::uintmax_t> kept);
 

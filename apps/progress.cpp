@@ -62,7 +62,7 @@ void Progress::update(double now_s) {
   const double expected_s = elapsed_s * (end_s_ - begin_s_) / (now_s - begin_s_);
   if (!drawn_ && (now < start_ + k_period || expected_s < k_least_shown_s)) return;
   drawn_ = true;
-  print_message(fmt::format("{}{}", k_wipe, progress_text(begin_s_, now_s, end_s_, elapsed_s)));
+  std::fputs((k_wipe + progress_text(begin_s_, now_s, end_s_, elapsed_s)).c_str(), stderr);
   std::fflush(stderr);
 }
 

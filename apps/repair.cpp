@@ -38,8 +38,8 @@ void add_repair_options(CLI::App& command, std::filesystem::path& recording) {
 ExitCode repair(const std::filesystem::path& recording) {
   try {
     const worldio::Repair done = worldio::repair_recording(recording);
-    fmt::print("{}: {}: {}\n", recording.string(), done.needed ? "repaired" : "nothing to repair",
-               counted(done.frames, "frame"));
+    print("{}: {}: {}\n", recording.string(), done.needed ? "repaired" : "nothing to repair",
+          counted(done.frames, "frame"));
     return k_finished;
   } catch (const std::runtime_error& error) {
     print_line(error.what());

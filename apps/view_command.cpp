@@ -223,8 +223,8 @@ ExitCode view_world(const ViewOptions& options) {
                                .report = [](const std::string& text) {
                                  print_message(fmt::format("troupe view: {}\n", text));
                                }});
-  fmt::print("{}\n  view          {}\n  read-only     {}\n  session       {}\n", simulation.title(),
-             view.address(), view.look_address(), view.session().string());
+  print("{}\n  view          {}\n  read-only     {}\n  session       {}\n", simulation.title(),
+        view.address(), view.look_address(), view.session().string());
   std::fflush(stdout);
   std::optional<Redirect> redirect;
   if (options.open) redirect.emplace(view.address()).open();

@@ -1,4 +1,5 @@
 #include "base/diagnostics.hpp"
+#include "base/printable.hpp"
 #include "base/split.hpp"
 
 #include <fmt/format.h>
@@ -265,13 +266,11 @@ bool Diagnostics::is_inherited(Severity severity, Where where, const std::string
 }
 
 std::string Diagnostics::text(const Finding& finding) const {
-  if (finding.where.file == Where::k_no_file) {
-    return fmt::format("{}: {}", name_of(finding.severity), finding.message);
-  }
-  const std::string& file = files_->name(finding.where.file);
-  if (finding.where.line == 0)
-    return fmt::format("{}: {}: {}", file, name_of(finding.severity), finding.message);
-  return fmt::format("{}:{}: {}: {}", file, finding.where.line, name_of(finding.severity), finding.message);
+  std::string text = fmt::format("{}: {}", name_of(finding.severity), printable_line(finding.message));
+  if (finding.where.file == Where::k_no_file) return text;
+  const std::string file = printable_line(files_->name(finding.where.file));
+  return finding.where.line == 0 ? fmt::format("{}: {}", file, text)
+                                 : fmt::format("{}:{}: {}", file, finding.where.line, text);
 }
 
 std::vector<std::string> Diagnostics::warnings() const {

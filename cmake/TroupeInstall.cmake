@@ -72,7 +72,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME troupe)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 if(TROUPE_RENDER)
-  set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libosmesa6)  # loaded with the first picture
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libosmesa6 | libegl1")  # loaded with the first picture
 endif()
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "ffmpeg, libcairo2, python3-matplotlib")  # films, PDFs, troupe plot
 

@@ -48,7 +48,8 @@ class Connections : private ViewBackend {
   /// greeting: JSON members of the first text to each client
   Connections(const View::Options& options, std::size_t robots, std::string greeting);
   void start() { server_->start(); }
-  void stop() { server_->stop(); }
+  /// Ends all connections; the clients get the reason, unless it is empty.
+  void stop(const std::string& reason = {}) { server_->stop(reason); }
 
   std::string address() const { return address_of(token_); }            ///< URL for full control
   std::string look_address() const { return address_of(look_token_); }  ///< URL for read-only access

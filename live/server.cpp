@@ -20,6 +20,8 @@
 #include <chrono>
 #include <deque>
 #include <exception>
+#include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <optional>
@@ -114,7 +116,8 @@ struct ViewServer::Impl {
   std::vector<std::unique_ptr<Listener>> listeners;
   std::map<std::uint64_t, std::shared_ptr<Connection>> connections;  // by client, the oldest first
   std::uint64_t last_client = 0;
-  std::size_t clients = 0;  // connections that have sent a valid token
+  std::size_t clients = 0;             // connections that have sent a valid token
+  std::function<void()> on_no_client;  // called once, when the last client is gone; null: not wanted
   std::thread thread;
 
   Impl(const Options& given, ViewBackend& to) : options(given), backend(to) {
@@ -132,6 +135,7 @@ struct ViewServer::Impl {
   void begin_again(const std::exception& error);
   void close_connections();
   void make_room();
+  void say_goodbye(const std::string& reason);
   /// Whether a Host header names this machine: as a loopback name, as the address that the client has
   /// connected to, or with a name that Options::hosts lists. No other name is accepted, because another site
   /// can make its own host name refer to the address of this machine (DNS rebinding).
@@ -170,7 +174,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
   /// Starts writing the next frame, if there is one, unless a write is in progress. Queued texts come before
   /// the next picture.
   void write() {
-    if (is_writing_ || is_closed_ || !is_client_) return;
+    if (is_writing_ || is_closing_ || is_closed_ || !is_client_) return;
     if (texts_.empty() && in_flight_ < k_most_in_flight) {
       if (std::optional<ViewFrames> frames = server_.backend.picture(id_)) {
         ++in_flight_;
@@ -199,8 +203,16 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     if (is_client_) {
       --server_.clients;
       server_.backend.closed(id_);
+      if (server_.clients == 0 && server_.on_no_client) std::exchange(server_.on_no_client, nullptr)();
     }
     server_.connections.erase(id_);
+  }
+
+  /// Closes the WebSocket with a code and a reason of at most 123 bytes, which the client can show.
+  void close_with(websocket::close_code code, const std::string& reason) {
+    if (std::exchange(is_closing_, true)) return;
+    socket_ws_->async_close(websocket::close_reason(code, reason),
+                            [self = shared_from_this()](error_code) { self->close(); });
   }
 
  private:
@@ -323,13 +335,6 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
     timer_.cancel();
     texts_.push_back(server_.backend.opened(id_, may_steer_));
     write();
-  }
-
-  /// Closes the WebSocket with a code and a reason of at most 123 bytes, which the client can show.
-  void close_with(websocket::close_code code, const std::string& reason) {
-    is_closing_ = true;
-    socket_ws_->async_close(websocket::close_reason(code, reason),
-                            [self = shared_from_this()](error_code) { self->close(); });
   }
 
   void write_frame(bool is_text) {
@@ -482,6 +487,22 @@ ViewServer::ViewServer(const Options& options, ViewBackend& backend)
   }
 }
 
+/// Closes the WebSockets of all clients with a reason, and waits until they are closed, for up to 2 s.
+void ViewServer::Impl::say_goodbye(const std::string& reason) {
+  constexpr std::chrono::seconds k_farewell(2);
+  constexpr std::size_t k_most_reason = 123;  // RFC 6455, section 5.5
+  const auto all_gone = std::make_shared<std::promise<void>>();
+  std::future<void> gone = all_gone->get_future();
+  asio::post(context, [this, all_gone, text = reason.substr(0, k_most_reason)] {
+    on_no_client = [all_gone] { all_gone->set_value(); };
+    const auto all = connections;
+    for (const auto& [client, connection] : all)
+      if (connection->is_client()) connection->close_with(websocket::close_code::internal_error, text);
+    if (clients == 0) std::exchange(on_no_client, nullptr)();
+  });
+  gone.wait_for(k_farewell);
+}
+
 ViewServer::~ViewServer() { stop(); }
 
 void ViewServer::start() {
@@ -493,8 +514,9 @@ void ViewServer::start() {
   }
 }
 
-void ViewServer::stop() {
+void ViewServer::stop(const std::string& reason) {
   if (!impl_->thread.joinable()) return;
+  if (!reason.empty()) impl_->say_goodbye(reason);
   asio::post(impl_->context, [this] {
     impl_->context.stop();  // first: run() ends even if something below throws
     for (const auto& listener : impl_->listeners) {

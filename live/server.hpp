@@ -81,7 +81,10 @@ class ViewServer {
   void start();
   /// Closes all connections and ends the thread of the server. When stop() has returned, the backend is not
   /// called any more. The destructor calls stop().
-  void stop();
+  ///
+  /// reason: if not empty, clients get it with the WebSocket code 1011; at most 123 bytes are sent. The
+  /// function then waits until they have answered, for up to 2 s
+  void stop(const std::string& reason = {});
   /// Host and port under which programs on this machine reach the server, as in a URL: "127.0.0.1:34567".
   std::string authority() const;
   /// Sends a text to a client. Does nothing if the client has disconnected. If 256 texts for this client are

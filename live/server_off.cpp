@@ -15,7 +15,7 @@ ViewServer::ViewServer(const Options&, ViewBackend&) {
 }
 ViewServer::~ViewServer() = default;
 void ViewServer::start() {}
-void ViewServer::stop() {}
+void ViewServer::stop(const std::string&) {}
 std::string ViewServer::authority() const { return {}; }
 // NOLINTNEXTLINE(performance-unnecessary-value-param): server.cpp keeps it
 void ViewServer::send(std::uint64_t, std::string) {}

@@ -338,6 +338,7 @@ void View::Impl::check_restart() const {
 void View::Impl::restart(std::optional<std::uint64_t> seed) {
   const std::uint64_t end = simulation_.tick();
   // First: if the file cannot be created, the present run continues.
+  files_.add_session();
   std::unique_ptr<SessionLog> next = SessionLog::create(files_.folder(), simulation_);
   if (seed)
     simulation_.reset(*seed);
@@ -385,9 +386,24 @@ void View::Impl::carry_out(std::uint64_t client, const Act& act) {
     throw ActRefused(
         fmt::format("another viewer drives \"{}\": wait until that viewer releases the robot", act.whom));
   simulation_.act(act);
-  session_->add(simulation_, act);
+  log(act);
   if (act.kind == Act::Kind::hold) holders_[robot] = {client, act.whom};
   if (act.kind == Act::Kind::release) holders_.erase(robot);
+}
+
+/// Adds an act that was applied to the session. If it cannot be written, for example because the disk is
+/// full, the run cannot be repeated and must end: tells all viewers why, and throws std::runtime_error.
+void View::Impl::log(const Act& act) {
+  try {
+    session_->add(simulation_, act);
+  } catch (const std::runtime_error& error) {
+    const std::string_view text = error.what();
+    constexpr std::string_view k_mark = ": error: ";
+    const std::size_t mark = text.find(k_mark);  // without the path of the file
+    connections_->stop(
+        fmt::format("the session file {}", mark == text.npos ? text : text.substr(mark + k_mark.size())));
+    throw;
+  }
 }
 
 /// Releases the robots that a disconnected viewer held, as acts of the session.
@@ -397,7 +413,7 @@ void View::Impl::release_all(std::uint64_t client) {
     const Act act{.kind = Act::Kind::release, .whom = holder.second.robot};
     try {
       simulation_.act(act);
-      session_->add(simulation_, act);
+      log(act);
     } catch (const ActRefused&) {  // ignored: the robot has left the world, which released it
     }
     return true;

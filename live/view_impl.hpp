@@ -71,6 +71,7 @@ class View::Impl {
   bool postpone(const Request& request, std::uint64_t client);
   Selection::Refuse refuser(std::uint64_t client);
   void carry_out(std::uint64_t client, const engine::Act& act);
+  void log(const engine::Act& act);
   void release_all(std::uint64_t client);
   void do_jobs();
   std::string do_job(const Job& job);

@@ -17,6 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t k_bytes_gb = 1'000'000'000;
 constexpr std::uintmax_t k_most_file_bytes = 10 * k_bytes_gb;  // of all files that viewers request
+constexpr unsigned k_most_files = 1000;
 
 /// Returns the size of a file; 0 if the file does not exist any more.
 std::uintmax_t size_of(const fs::path& file) {
@@ -44,17 +45,30 @@ class Reserved {
 
 }  // namespace
 
+/// Throws ActRefused if the files have reached one of their limits.
+void ViewerFiles::check_limit() const {
+  if (bytes_ < k_most_file_bytes && files_ < k_most_files) return;
+  throw ActRefused(
+      fmt::format("the files that viewers requested have reached {}, the limit of a view: end this view, and "
+                  "start another "
+                  "one",
+                  files_ < k_most_files ? fmt::format("{} GB", k_most_file_bytes / k_bytes_gb)
+                                        : fmt::format("the number {}", k_most_files)));
+}
+
+void ViewerFiles::add_session() {
+  check_limit();
+  ++files_;
+}
+
 /// Creates an empty file WORLD.WHAT.h5, or WORLD.WHAT-2.h5, and so on, and returns its path.
-fs::path ViewerFiles::new_file(std::string_view what) const {
-  if (bytes_ >= k_most_file_bytes)
-    throw ActRefused(fmt::format(
-        "the files that viewers requested have reached {} GB, the limit of a view: end this view, and start "
-        "another one",
-        k_most_file_bytes / k_bytes_gb));
+fs::path ViewerFiles::new_file(std::string_view what) {
+  check_limit();
   const std::string stem = fs::path(simulation_.effective_options().front().second).stem().string();
   const Result<worldio::NewFile> file = worldio::create_new_file(folder_, stem, what, "h5");
   if (!file) throw ActRefused(file.error().text);
   ::close(file->descriptor);
+  ++files_;
   return file->path;
 }
 

@@ -16,7 +16,8 @@ class Simulation;
 
 namespace troupe::live {
 
-/// The checkpoints and recordings that viewers request. All files together have at most about 10 GB.
+/// The files that viewers request: checkpoints, recordings, and the session files of restarted runs. All
+/// files together have at most about 10 GB, and there are at most 1,000.
 class ViewerFiles {
  public:
   /// Called with the reason if a recording ends because of an error or the limit.
@@ -29,6 +30,9 @@ class ViewerFiles {
   const std::filesystem::path& folder() const { return folder_; }
   /// File of the recording that a viewer has started; empty: none.
   const std::filesystem::path& recording() const { return recording_; }
+  /// Counts a new session file, because a viewer restarts the run. Throws ActRefused if the files have
+  /// reached their limit.
+  void add_session();
   /// Saves a checkpoint in a new file, and returns the name of the file. Throws ActRefused if the files have
   /// reached their limit or the file cannot be created, and the exceptions of Simulation::save().
   std::string save_checkpoint();
@@ -49,7 +53,8 @@ class ViewerFiles {
   void limit_recording();
 
  private:
-  std::filesystem::path new_file(std::string_view what) const;
+  std::filesystem::path new_file(std::string_view what);
+  void check_limit() const;
   void end_recording();
   /// Calls `use`. If it throws, ends the recording, and tells the viewer the error.
   void use_recording(const std::function<void(Recording&)>& use);
@@ -59,7 +64,8 @@ class ViewerFiles {
   std::filesystem::path recording_;
   std::optional<Recording> recorder_;  // writes recording_
   Tell tell_;                          // of the recording
-  std::uintmax_t bytes_ = 0;           // size of all finished files
+  std::uintmax_t bytes_ = 0;           // size of all finished files, without sessions, which are small
+  unsigned files_ = 0;                 // number of all files
 };
 
 }  // namespace troupe::live

@@ -54,10 +54,9 @@ std::vector<double> costs(const Timing& timing) {
 }
 
 std::string found(const Reference& reference, const std::string& column, const Timing& timing) {
-  if (timing.run.frames) return "";
   const auto scenes = reference.find(column);
   if (scenes == reference.end()) return "";
-  const auto value = scenes->second.find(timing.run.scene.name);
+  const auto value = scenes->second.find({timing.run.scene.name, timing.run.frames});
   return value == scenes->second.end() ? "" : three_digits(value->second);
 }
 
@@ -244,7 +243,12 @@ Reference read_reference(const std::filesystem::path& file) {
   for (const auto& series : known.at("series"))
     for (const auto& point : series.at("points"))
       if (point.contains("scene"))
-        reference[series.at("column")][point.at("scene")] = point.at("times_real_time");
+        reference[series.at("column")][{point.at("scene"), false}] = point.at("times_real_time");
+  for (const auto& row : known.at("paper").at("rows"))
+    for (std::size_t i = 0; i < row.at("robots").size(); ++i)
+      reference["paper"][{
+          fmt::format("{}/{}", row.at("world").get<std::string>(), row.at("robots").at(i).get<std::size_t>()),
+          row.at("frames")}] = row.at("simulated_s").get<double>() / row.at("run_time_s").at(i).get<double>();
   return reference;
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace troupe::perf {
@@ -17,8 +18,9 @@ namespace troupe::perf {
 std::vector<std::pair<std::string, std::string>> describe_machine();
 
 /// Speeds of other simulators: simulated time divided by wall time. The first key is a column title of the
-/// report, such as `paper`. The second key is the name of a scene (simulated world), such as "hospital/1000".
-using Reference = std::map<std::string, std::map<std::string, double>>;
+/// report, such as `paper`. The second key is the name of a scene (simulated world), such as "hospital/1000",
+/// and whether pictures are drawn during the run.
+using Reference = std::map<std::string, std::map<std::pair<std::string, bool>, double>>;
 /// Reads a file with the format of perf/paper_reference.json. Throws std::runtime_error if it cannot be read,
 /// and nlohmann::json::exception if its content is invalid.
 Reference read_reference(const std::filesystem::path& file);

@@ -41,7 +41,7 @@ class Camera {
  public:
 #ifdef TROUPE_HAS_RENDER
   explicit Camera(const engine::World& world) : world_(world), painter_(world.frame_scene()) {
-    draw();  // loads OSMesa and the driver before timing
+    draw();  // loads Mesa and the driver before timing
     frames_ = 0;
   }
   void start() { next_ = Clock::now() + k_frame_period; }

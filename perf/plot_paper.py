@@ -70,7 +70,7 @@ def series(rows, world, threads, frames):
 
 
 def draw_populations(data, reference, number, worlds, title, name, folder):
-    figure, axes = plt.subplots()
+    figure, axes = plt.subplots(figsize=(10.5, 5.5))
     most = max(row["threads"] for row in data["rows"])
     drawn = False
     for world, label, color in worlds:
@@ -91,6 +91,13 @@ def draw_populations(data, reference, number, worlds, title, name, folder):
     if not drawn:
         plt.close(figure)
         return
+    labels = {world: label for world, label, _ in worlds}
+    colors = {world: COLORS[color] for world, _, color in worlds}
+    for row in reference["paper"]["rows"]:
+        if row["figure"] == number:
+            axes.plot(row["robots"], [row["simulated_s"] / run_s for run_s in row["run_time_s"]], "-." if row["frames"] else "-",
+                      lw=0.7, marker="+", ms=6, color=colors[row["world"]],
+                      label=f"the paper: {labels[row['world']]}{', with graphics' if row['frames'] else ''}")
     for i, other in enumerate(reference["series"]):
         points = [p for p in other["points"] if p["figure"] == number]
         if points:
@@ -102,7 +109,7 @@ def draw_populations(data, reference, number, worlds, title, name, folder):
     axes.set(xscale="log", yscale="log", xlabel="robots", ylabel="times real time", title=title)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda value, _: f"{value:,.10g}")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
     save(figure, folder, name)
 
 

@@ -9,14 +9,17 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -74,8 +77,15 @@ class HeldView {
       };
     held_->work([&state](Simulation&) { state->view->run(); });
   }
+  /// If another thread is in run(), ends it and waits for it. Throws while another thread steps otherwise.
   void close() {
-    held_->use();  // throws while another thread steps the simulation
+    if (const std::shared_ptr<State> state = state_; state && state->is_in_run_of_another_thread()) {
+      state->is_closed = true;
+      const Unlocked unlocked;
+      std::unique_lock lock(state->mutex);
+      state->run_ended.wait(lock, [&state] { return !state->is_running; });
+    }
+    held_->use();
     if (state_) state_->is_closed = true;
     state_.reset();
   }
@@ -86,17 +96,33 @@ class HeldView {
   /// Owned by this object and, while the simulation steps, by `held_`.
   struct State {
     std::atomic<bool> is_closed = false;  // Python has released or closed the view
-    std::uint64_t end_tick = k_never;     // read only on the thread that steps
-    std::function<void()> after_tick;     // null: no call; used only on the thread that steps
-    std::optional<live::View> view;       // last, because it uses the members above
+    std::mutex mutex;                     // guards is_running and runner
+    std::condition_variable run_ended;
+    bool is_running = false;  // run() is being executed, by the thread `runner`
+    std::thread::id runner;
+    std::uint64_t end_tick = k_never;  // read only on the thread that steps
+    std::function<void()> after_tick;  // null: no call; used only on the thread that steps
+    std::optional<live::View> view;    // last, because it uses the members above
+
+    bool is_in_run_of_another_thread() {
+      const std::scoped_lock lock(mutex);
+      return is_running && runner != std::this_thread::get_id();
+    }
   };
   /// Marks the end of a call of run().
   class Run {
    public:
-    explicit Run(State& state) : state_(state) {}
+    explicit Run(State& state) : state_(state) {
+      const std::scoped_lock lock(state_.mutex);
+      state_.is_running = true;
+      state_.runner = std::this_thread::get_id();
+    }
     ~Run() {
       state_.end_tick = k_never;
       state_.after_tick = nullptr;
+      const std::scoped_lock lock(state_.mutex);
+      state_.is_running = false;
+      state_.run_ended.notify_all();
     }
     Run(const Run&) = delete;
     Run& operator=(const Run&) = delete;
@@ -142,9 +168,13 @@ void bind_live(py::module_& module, SimulationClass& simulation) {
           "Simulation.on_tick() after each step. Ctrl-C ends the run with KeyboardInterrupt. Raises "
           "ValueError if `for_s` is\n"
           "negative, NaN or more than 1e12, and RuntimeError in a callback of on_tick().")
-      .def("close", &HeldView::close,
-           "Ends the session and disconnects all users. Further calls of other functions of the view raise "
-           "RuntimeError.");
+      .def(
+          "close", &HeldView::close,
+          "Ends the session and disconnects all users; also ends run() in another thread, and waits until it "
+          "has returned.\n"
+          "Further calls of other functions of the view raise RuntimeError, as does close() while another "
+          "thread "
+          "steps the\nsimulation itself.");
   simulation.def(
       "view",
       [](const py::object& self, std::uint16_t port, double rate, const fs::path& out,

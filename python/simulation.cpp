@@ -510,8 +510,8 @@ void bind_pictures(SimulationClass& simulation) {
             "docs/pictures.md describes the other options. Raises ValueError for a size below 1, for other "
             "numbers that cannot be\n"
             "drawn and for the background \"transparent\", InputError for unknown names, and RuntimeError if "
-            "the library OSMesa is\n"
-            "missing.");
+            "the libraries OSMesa\n"
+            "and EGL are missing.");
   });
 }
 

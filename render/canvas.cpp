@@ -2,7 +2,7 @@
 
 #include "render/canvas.hpp"
 
-#include "render/osmesa_context.hpp"
+#include "render/offscreen_context.hpp"
 
 #include <GL/gl.h>
 #include <GL/glext.h>
@@ -58,7 +58,7 @@ struct Gl {
   TROUPE_GL_FUNCTIONS(TROUPE_GL_MEMBER)
 #undef TROUPE_GL_MEMBER
 
-  explicit Gl(const OsmesaContext& context) {
+  explicit Gl(const OffscreenContext& context) {
 #define TROUPE_GL_LOAD(name) name = reinterpret_cast<decltype(name)>(context.procedure(#name));
     TROUPE_GL_FUNCTIONS(TROUPE_GL_LOAD)
 #undef TROUPE_GL_LOAD
@@ -157,9 +157,8 @@ GLuint link_program(const Gl& gl, const char* vertex_shader) {
   if (!linked) {
     std::array<char, 1024> log{};
     gl.glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    throw std::runtime_error(
-        fmt::format("cannot draw: OpenGL cannot link Troupe's shaders: {}; install a newer version of OSMesa",
-                    log.data()));
+    throw std::runtime_error(fmt::format(
+        "cannot draw: OpenGL cannot link Troupe's shaders: {}; install a newer version of Mesa", log.data()));
   }
   return program;
 }
@@ -445,19 +444,19 @@ std::size_t vertices_of(std::span<const AnyLayer> layers) {
 /// Makes a context current on the calling thread for the lifetime of the object.
 class Current {
  public:
-  explicit Current(OsmesaContext& context) : context_(context) { context_.make_current(); }
+  explicit Current(OffscreenContext& context) : context_(context) { context_.make_current(); }
   ~Current() { context_.release(); }
   Current(const Current&) = delete;
   Current& operator=(const Current&) = delete;
 
  private:
-  OsmesaContext& context_;
+  OffscreenContext& context_;
 };
 
 }  // namespace
 
 struct Canvas::Impl {
-  OsmesaContext context;
+  OffscreenContext context;
   Gl gl{context};
   GLuint solid = 0;
   GLuint points = 0;
@@ -664,7 +663,7 @@ Picture Canvas::paint(const Projection& projection, Rgba ground, std::span<const
     throw std::runtime_error(fmt::format("cannot draw: OpenGL error {:#06x}{}", error,
                                          error == GL_OUT_OF_MEMORY
                                              ? " (out of memory): hide layers, or choose a smaller picture"
-                                             : ": install a newer version of OSMesa"));
+                                             : ": install a newer version of Mesa"));
   }
   if (ground[3] != k_opaque) divide_by_opacity(picture.rgba);
   return picture;

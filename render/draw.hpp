@@ -122,7 +122,7 @@ struct Picture {
 ///         width is below 10 pixels. In pictures whose smaller side is larger than 900 pixels, all these
 ///         lengths are larger in proportion: twice as large for 1800 pixels.
 /// errors  draw() throws std::runtime_error in these cases:
-///         - The OpenGL library OSMesa, which the first call loads, is missing or too old. The message names
+///         - OSMesa or EGL, which the first call loads, is missing or too old. The message names
 ///           the package to install.
 ///         - A side of the picture is below 1 pixel or larger than the driver allows. The message names the
 ///           limit.
@@ -133,7 +133,7 @@ struct Picture {
 /// threads A painter may be used on any thread, but only by one thread at a time.
 class Painter {
  public:
-  /// Computes the data that all pictures share. Does not load OSMesa.
+  /// Computes the data that all pictures share. Does not load OSMesa or EGL.
   explicit Painter(engine::FrameScene scene);
   ~Painter();
   Painter(Painter&&) noexcept;
@@ -148,8 +148,8 @@ class Painter {
   Picture draw(const engine::Frame& frame, const View& view);
   /// Draws a view from above as vector graphics and returns the content of an SVG 1.1 or PDF file. The size
   /// of the picture is that of the view, with pixels of 1/96 inch. `texts` are stored in the file as
-  /// metadata; in their values, question marks replace characters that the formats do not allow. OSMesa is
-  /// not needed.
+  /// metadata; in their values, question marks replace characters that the formats do not allow. OSMesa and
+  /// EGL are not needed.
   ///
   /// Throws std::runtime_error in these cases:
   /// - The view is not from above, or its width or height is below 1.

@@ -88,7 +88,7 @@ THIRD_PARTY = [
     (r"CLI/", "CLI11", ["apps/*.cpp", "apps/*/*.cpp", "perf/paper.cpp"]),
     (r"gtest/|gmock/|rapidcheck", "the test libraries", ["tests/*", "tests/*/*"]),
     (r"benchmark/", "Google Benchmark", ["perf/*", "perf/*/*"]),
-    (r"sanitizer/", "the sanitizers", ["render/osmesa_context.cpp", "tests/worldio/hdf5_torn_test.cpp"]),
+    (r"sanitizer/", "the sanitizers", ["render/offscreen_context.cpp", "tests/worldio/hdf5_torn_test.cpp"]),
     # Headers of the platform: the floating-point environment, dynamic loading, processors, memory and files.
     (r"(dlfcn|fcntl|link|malloc|sched|unistd|cpuid|[a-z]mmintrin|sys/[a-z]+)\.h", "the platform", LIBRARY_SOURCES + TOP),
     (r"pthread\.h", "the C library for threads", ["partition/*.cpp", *TOP]),
@@ -131,7 +131,7 @@ WORDS_ALLOWED = {
     # Launchers show themselves only in the environment. A simulation only decides with it whether several ranks are an error.
     "troupe/launcher.cpp",
     # Mesa reads the number of its threads only from the environment.
-    "render/osmesa_context.cpp",
+    "render/offscreen_context.cpp",
 }
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
@@ -354,7 +354,7 @@ class PlantedFaults(unittest.TestCase):
         "worldio/json/json.hpp": "",
         "worldio/json/json.cpp": '#include <fmt/format.h>\n#include <nlohmann/json.hpp>\nauto s = "printf, exit";\n'
                               "constexpr double k_most_size = 7;\n",
-        "render/draw.cpp": "#include <GL/osmesa.h>\nauto x = a.exit; auto y = b->abort; int snprintf_of;\n",
+        "render/draw.cpp": "#include <GL/gl.h>\nauto x = a.exit; auto y = b->abort; int snprintf_of;\n",
         "troupe/troupe.hpp": '#include "sensors/ranger.hpp"\n#include "troupe/made.hpp"\n',
         "troupe/made.hpp.in": "",
         "python/bindings.hpp": '#include <pybind11/numpy.h>\n#include "troupe/troupe.hpp"\n',

@@ -11,6 +11,7 @@ import contextlib
 import json
 import os
 import pathlib
+import re
 import shutil
 import signal
 import subprocess
@@ -723,6 +724,29 @@ class OnProcesses:
         os.kill(next(process for process in ranks if self.is_rank(process, 0)), signal.SIGTERM)
         self.assertEqual(run.wait(timeout=WAIT_S), 3)
         self.plain("resume", "run.h5", "--for", 0.1 + float(self.tick()) / 10, "--quiet")
+
+    def test_a_signal_to_any_process_saves_the_state(self):
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            for name in ("run.h5", "log"):
+                (self.folder / name).unlink(missing_ok=True)
+            run, ranks = self.started("--hash-log", "log", first="log")
+            os.kill(next(process for process in ranks if self.is_rank(process, 2)), number)
+            self.assertEqual(run.wait(timeout=WAIT_S), 3)
+            self.assertEqual(int(self.tick()), len(lines_of(self.folder / "log")) - 1)
+
+    def test_a_second_signal_to_any_process_ends_the_run(self):
+        run, ranks = self.started("--hash-log", "log", first="log")
+        first, last = (next(process for process in ranks if self.is_rank(process, rank)) for rank in (0, 2))
+        os.kill(first, signal.SIGSTOP)  # the tick does not end
+        os.kill(last, signal.SIGTERM)
+        pending = lambda: re.search(r"ShdPnd:\s*(\w+)", pathlib.Path(f"/proc/{last}/status").read_text())[1]
+        self.wait_until(lambda: int(pending(), 16) == 0)
+        os.kill(last, signal.SIGTERM)
+        self.wait_until(lambda: last not in self.ranks_here())
+        with contextlib.suppress(ProcessLookupError):  # the launcher may have ended it
+            os.kill(first, signal.SIGCONT)
+        self.assertNotIn(run.wait(timeout=WAIT_S), (0, 3))
+        self.wait_until(lambda: self.ranks_here() == [])
 
     def test_a_signal_to_the_launcher_saves_the_state(self):
         run, _ = self.started("--hash-log", "log", first="log")

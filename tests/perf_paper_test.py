@@ -34,6 +34,22 @@ class Paper(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertIn("Table 2: minibots of 0.2 m in the hospital, 6 s", run.stdout)
 
+    def test_each_number_of_the_paper_is_beside_its_row(self):
+        entries = {}
+        for row in json.loads((ROOT / "perf" / "paper_reference.json").read_text(encoding="utf-8"))["paper"]["rows"]:
+            for robots, run_s in zip(row["robots"], row["run_time_s"]):
+                entries[f"{row['world']}/{robots}", row["frames"]] = row["simulated_s"] / run_s
+        self.assertEqual(len(entries), 32 + 10 + 3)
+        rows = subprocess.run([PROGRAM, "--list"], capture_output=True, text=True, check=True).stdout.split()
+        for scene, _ in entries:
+            self.assertEqual(len([row for row in rows if row in (f"1/{scene}", f"2/{scene}", f"3/{scene}")]), 1, scene)
+        lines = self.run_row().stdout.split("Table 2: ")[1].split("\n\n")[0].splitlines()
+        cells = [line.split() for line in lines if line.startswith("hospital ")]
+        shown = {row[4] == "-": row[9] for row in cells}
+        self.assertEqual(shown[True], "952")  # 600 s in 0.63 s
+        if False in shown:  # the machine can draw
+            self.assertEqual(shown[False], "353")  # 600 s in 1.70 s
+
     def test_a_wrong_hash_fails_every_run_of_the_row(self):
         run = self.run_row(hashes=f"{ROW} 60 0123456789abcdef\n")
         self.assertEqual(run.returncode, 1)

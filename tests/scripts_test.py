@@ -179,7 +179,7 @@ class Errors(unittest.TestCase):
         for targets, built, drawn, said in (
                 ("troupe troupe_python troupe_render", ["bin/troupe", "troupe_python"], picture, "Picture of the final state: "),
                 ("troupe troupe_render", ["bin/troupe"], picture, "The Python package is not built, because pybind11 "),
-                ("troupe troupe_python", ["bin/troupe", "troupe_python"], "", "No picture was drawn, because the headers of OSMesa ")):
+                ("troupe troupe_python", ["bin/troupe", "troupe_python"], "", "No picture was drawn, because the headers of OpenGL ")):
             with self.subTest(targets=targets):
                 folder = self.folder()
                 (folder / "scripts").mkdir()

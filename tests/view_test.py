@@ -292,6 +292,32 @@ class Steered(unittest.TestCase):
                 log = view.replayed(*arguments, session=view.folder / state["session"])
                 self.assertEqual(log[state["tick"]], state["line"])
 
+    def test_a_full_disk_under_the_session_ends_the_view_and_viewers_are_told_why(self):
+        with View("--rate", 0) as view, view.open() as viewer, view.open(view.look_token) as other:
+            viewer.ask(do="pause")
+            _, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+            resource.prlimit(view.process.pid, resource.RLIMIT_FSIZE, (view.session.stat().st_size, hard))
+            viewer.send('{"do": "move", "robot": "red", "pose": [-3, -2, 0, 1]}')
+            for each in (viewer, other):
+                with self.assertRaisesRegex(ConnectionError, "^the server closed the connection: the session file cannot be "
+                                                             "written: File too large$"):
+                    while True:
+                        if isinstance(each.receive(), bytes):
+                            each.send('{"do": "drawn"}')
+            self.assertEqual(view.process.wait(WAIT_S), 1)
+            self.assertIn("rooms.session.jsonl: error: cannot be written: File too large", view.said())
+
+    def test_restarts_begin_a_limited_number_of_sessions(self):
+        with View("--rate", 0) as view, view.open() as viewer:
+            viewer.ask(do="pause")
+            answers = [viewer.ask(do="restart") for _ in range(1001)]
+            self.assertEqual({answer["type"] for answer in answers[:1000]}, {"done"})
+            self.assertEqual(answers[1000]["reason"], "the files that viewers requested have reached the number 1000, the limit of a "
+                                                      "view: end this view, and start another one")
+            self.assertEqual(viewer.ask(do="checkpoint")["reason"], answers[1000]["reason"])
+            self.assertEqual(len(list(view.folder.glob("*.jsonl"))), 1001)
+            self.assertEqual(viewer.ask(do="step", ticks=3)["type"], "done")
+
     def test_a_run_from_a_checkpoint_is_not_restarted(self):
         with View("--rate", 0, checkpoint_s=1) as view, view.open() as viewer:
             self.assertIn("began at a checkpoint", viewer.ask(do="restart")["reason"])

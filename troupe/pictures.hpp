@@ -152,8 +152,8 @@ class Pictures {
   /// as write() and draw() do. Call it before a long run, to find errors early.
   void rehearse(const std::filesystem::path& file);
   /// Returns a picture of width() x height() pixels: 8-bit RGBA, four bytes per pixel, row by row from the
-  /// top. Throws std::runtime_error if the library OSMesa is missing (the text names the package to install),
-  /// and if the size exceeds the limit of OSMesa, and std::invalid_argument for a null Shot. Do not call
+  /// top. Throws std::runtime_error if OSMesa and EGL are missing (the text names the package to install),
+  /// and if the size exceeds the limit of Mesa, and std::invalid_argument for a null Shot. Do not call
   /// draw() or write() while another thread is in one of them.
   std::vector<std::uint8_t> draw(const Shot& shot);
   /// Writes a picture to a file, and replaces an existing file. The name must end in `.png`, or in `.svg` or

@@ -48,7 +48,7 @@ worldio::StoredSpec get_spec(MessageReader& message) {
 }
 
 engine::ReplicaOptions options_for(std::optional<std::uint64_t> seed, bool distribute,
-                                   const std::function<std::uint32_t()>& requests = {}) {
+                                   const std::function<engine::UserRequests()>& requests = {}) {
   return {.cut_seed = seed,
           .verify = seed.has_value(),
           .keeps_references = false,
@@ -64,7 +64,7 @@ struct Follower {
   std::unique_ptr<engine::Replica> replica;
 
   Follower(MessageReader& message, const std::vector<std::filesystem::path>& plugin_path, unsigned threads,
-           Transport& transport, std::uint32_t number, const std::function<std::uint32_t()>& requests)
+           Transport& transport, std::uint32_t number, const std::function<engine::UserRequests()>& requests)
       : plugins(add_plugins(registry, plugin_path)) {
     engine::WorldOptions options;
     options.threads = message.get<std::uint32_t>();
@@ -164,7 +164,7 @@ std::unique_ptr<RankGroup> RankProcesses::add(engine::World& world, const engine
 }
 
 void RankProcesses::follow(const std::vector<std::filesystem::path>& plugin_path,
-                           const std::function<std::uint32_t()>& requests) {
+                           const std::function<engine::UserRequests()>& requests) {
   std::map<std::uint32_t, std::unique_ptr<Follower>> followers;
   while (true) {
     engine::ReceivedOrder received = engine::receive_order(transport_, 0);

@@ -11,6 +11,7 @@
 
 namespace troupe::engine {
 struct Registry;
+struct UserRequests;
 class World;
 struct WorldOptions;
 }  // namespace troupe::engine
@@ -56,10 +57,9 @@ class RankProcesses {
   /// Throws partition::RankError if a rank fails.
   ///
   /// plugin_path: folders to search for the plug-ins that rank 0 uses
-  /// requests: a function that returns how often this process has received the signal SIGUSR1, which requests
-  /// a checkpoint
+  /// requests: a function that returns what users have requested from this process with signals
   void follow(const std::vector<std::filesystem::path>& plugin_path,
-              const std::function<std::uint32_t()>& requests);
+              const std::function<engine::UserRequests()>& requests);
   unsigned threads() const { return threads_; }  ///< the argument `threads` of the constructor
 
  private:

@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "base/result.hpp"
+#include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/acts.hpp"
 #include "troupe/effective_options.hpp"
@@ -195,6 +196,11 @@ SessionReplay::SessionReplay(const fs::path& file, const Simulation& simulation)
   if (const Result<> same = same_options(header, simulation); !same)
     impl_->fail(1,
                 fmt::format("this run has other options than the run of the session: {}", same.error().text));
+  const std::uint64_t end = end_tick().value_or(least_end_tick());
+  if (const double end_s = static_cast<double>(end) * simulation.tick_s(); end_s > engine::k_longest_run_s)
+    impl_->fail(static_cast<std::uint32_t>(impl_->session.acts.size() + (end_tick() ? 2 : 1)),
+                fmt::format("tick {} is at {:.10g} s, but a run ends at {} s or earlier", end, end_s,
+                            engine::k_longest_run_s));
   impl_->check_state(simulation);
   while (left() > 0 && impl_->session.acts[impl_->next].tick < simulation.tick()) ++impl_->next;
 }
@@ -213,6 +219,10 @@ void SessionReplay::act(Simulation& simulation) {
 }
 
 std::optional<std::uint64_t> SessionReplay::end_tick() const { return impl_->session.end; }
+std::uint64_t SessionReplay::least_end_tick() const {
+  const worldio::Session& session = impl_->session;
+  return session.acts.empty() ? session.header.tick : session.acts.back().tick + 1;
+}
 std::size_t SessionReplay::left() const { return impl_->session.acts.size() - impl_->next; }
 const std::vector<std::string>& SessionReplay::warnings() const { return impl_->session.warnings; }
 

@@ -68,6 +68,7 @@ class SessionReplay {
   /// - The session was recorded with another version of Troupe, or with other values of options that affect
   ///   results.
   /// - The simulation has not reached the first tick of the session.
+  /// - The session ends after the longest time of a run, engine::k_longest_run_s.
   /// - The simulation is at the first tick of the session, but the content of its world (bodies, walls,
   ///   types, parameters, interventions) differs. Sessions that older versions of Troupe wrote lack the hash
   ///   of the content, and it is not compared.
@@ -89,6 +90,9 @@ class SessionReplay {
   /// The tick at which the session ended. std::nullopt if the file does not state this tick, because the
   /// process died before SessionLog::end().
   std::optional<std::uint64_t> end_tick() const;
+  /// The earliest tick at which the session may have ended: that after its last act, or its first tick if it
+  /// has no act.
+  std::uint64_t least_end_tick() const;
   /// Number of acts of the session that act() has not applied. Acts that the constructor skipped do not
   /// count.
   std::size_t left() const;

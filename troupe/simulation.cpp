@@ -468,7 +468,8 @@ RankStatistics Simulation::rank_statistics() const {
           .bytes = transport.traffic().bytes,
           .waited_s = transport.waited_s(),
           .rebalanced = replica.rebalanced(),
-          .requests = replica.requests(),
+          .requests = replica.requests().saves,
+          .is_stop_requested = replica.requests().stop,
           .is_distributed = halo != nullptr,
           .why_replicated = impl_->why_replicated,
           .distributions = halo != nullptr ? halo->counts().distributions : 0};

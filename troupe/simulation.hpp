@@ -210,6 +210,8 @@ struct RankStatistics {
   std::uint64_t rebalanced = 0;
   /// Number of signals SIGUSR1, which request a checkpoint, that the processes of other ranks have received.
   std::uint64_t requests = 0;
+  /// Whether such a process has received a signal that requests the end of the run.
+  bool is_stop_requested = false;
   /// Whether the world is distributed: each rank has only the state of its own robots and of robots near
   /// them. Otherwise, each rank has the state of all robots.
   bool is_distributed = false;
@@ -890,7 +892,7 @@ class Simulation {
 
   /// Draws the world from above into a file, whose name must end in .png, .svg or .pdf. width, height: size
   /// in pixels; 0 or less: the default, 1280 x 720. An existing file is replaced. Throws InputError for
-  /// another name. Throws std::runtime_error if the library OSMesa (for PDF: cairo) is missing, if the build
+  /// another name. Throws std::runtime_error if OSMesa and EGL (for PDF: cairo) are missing, if the build
   /// has no renderer, if the file cannot be written, or if it is a file that the simulation was read from
   /// (world, image, plug-in, ...).
   void snapshot(const std::filesystem::path& png, int width = 1280, int height = 720) const;
@@ -900,8 +902,8 @@ class Simulation {
   /// does not exist, or for an SVG or PDF file of a view that is not from straight above.
   void snapshot(const std::filesystem::path& png, const PictureOptions& options) const;
   /// Returns a picture of the world from above: 8-bit RGB, three bytes per pixel, row by row from the top.
-  /// width, height: size in pixels. Throws std::runtime_error if the library OSMesa is missing, if the size
-  /// exceeds the limit of OSMesa, or if the build has no renderer, and std::invalid_argument for a width or
+  /// width, height: size in pixels. Throws std::runtime_error if OSMesa and EGL are missing, if the size
+  /// exceeds the limit of Mesa, or if the build has no renderer, and std::invalid_argument for a width or
   /// height below 1. Do not call picture() or snapshot() from two threads at once: they share a renderer.
   std::vector<std::uint8_t> picture(int width = 1280, int height = 720) const;
   /// Returns a picture with the camera, size and layers of `options`: 8-bit RGB, three bytes per pixel, row

@@ -1,5 +1,7 @@
 #include "worldio/characters.hpp"
 
+#include "base/printable.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -42,19 +44,6 @@ bool is_utf16(std::string_view text) {
   if (text.size() < 2) return false;
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) return true;
   return (text[0] == '\0') != (text[1] == '\0');
-}
-
-std::size_t utf8_length(std::string_view text) {
-  const std::uint8_t first = byte_at(text, 0);
-  if (first < 0x80) return 1;
-  const std::size_t length = first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : first < 0xf5 ? 4 : 0;
-  if (length == 0 || text.size() < length) return 0;
-  for (std::size_t i = 1; i < length; ++i)
-    if ((byte_at(text, i) & 0xc0) != 0x80) return 0;
-  const std::uint8_t second = byte_at(text, 1);
-  const bool is_wrong = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
-                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
-  return is_wrong ? 0 : length;
 }
 
 std::string latin1_to_utf8(std::string_view text) {

@@ -12,9 +12,6 @@ bool is_utf16(std::string_view text);
 /// The error text for a file for which is_utf16() is true.
 inline constexpr const char* k_is_utf16 = "the file is encoded in UTF-16: save it in UTF-8";
 
-/// Returns the number of bytes of the UTF-8 character with which a text begins; 0 if these bytes are not
-/// valid UTF-8 (RFC 3629). The text must not be empty.
-std::size_t utf8_length(std::string_view text);
 /// Returns a text in UTF-8 that is given in Latin-1 (ISO 8859-1), in which each byte is a character.
 std::string latin1_to_utf8(std::string_view text);
 /// Returns a text in UTF-8: converts each line that is not valid UTF-8 from Latin-1, the usual encoding of

@@ -296,8 +296,8 @@ void print_table(std::vector<Variant>& variants, const Decisions* decisions) {
     tick_width = std::max(tick_width, line.ticks.size());
   }
   for (const TableLine& line : lines)
-    fmt::print("{:<{}}  {:>{}}  {:<9}  {}\n", line.what, name_width, line.ticks, tick_width, line.result,
-               line.hash);
+    print("{:<{}}  {:>{}}  {:<9}  {}\n", line.what, name_width, line.ticks, tick_width, line.result,
+          line.hash);
 }
 
 /// Prints a note for each measure of the world that is computed in Python, because the check says nothing
@@ -312,7 +312,7 @@ void print_foreign_measures(const Simulation& simulation) {
   kinds.erase(std::unique(kinds.begin(), kinds.end()), kinds.end());
   for (const std::string& name : kinds)
     if (const auto kind = simulation.registry().find_measure(name); kind && (*kind)->is_foreign)
-      fmt::print(
+      print(
           "note: the measure {} is computed in Python: Troupe does not guarantee that its values are equal "
           "in all compared runs\n",
           name);
@@ -345,9 +345,9 @@ void print_ranks(const CheckOptions& options, const std::vector<Variant>& varian
             variants, [](const Variant& variant) { return variant.simulation.ranks() > 1; });
         several != variants.end()) {
       const RankStatistics ranks = several->simulation.rank_statistics();
-      fmt::print("robot data of the ranks: {}\n",
-                 ranks.is_distributed ? std::string("distributed")
-                                      : fmt::format("replicated, because {}", ranks.why_replicated));
+      print("robot data of the ranks: {}\n",
+            ranks.is_distributed ? std::string("distributed")
+                                 : fmt::format("replicated, because {}", ranks.why_replicated));
     }
 }
 
@@ -369,7 +369,7 @@ ExitCode check(const CheckOptions& options, const engine::Registry& registry) tr
   print_foreign_measures(first);
   if (!differences.empty()) {
     fmt::print("differs at tick {} ({:.10g} s):\n", first.tick(), first.time_s());
-    for (const std::string& line : differences) fmt::print("{}\n", line);
+    for (const std::string& line : differences) print("{}\n", line);
   }
   return differences.empty() ? k_finished : k_failed;
 } catch (const InputError& error) {

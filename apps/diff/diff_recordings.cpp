@@ -1,5 +1,6 @@
 #include "apps/diff/diff_recordings.hpp"
 
+#include "apps/messages.hpp"
 #include "apps/numbers.hpp"
 #include "apps/run_header.hpp"
 #include "base/diagnostics.hpp"
@@ -106,11 +107,10 @@ void print_differences(const RecordingReader& first, std::size_t i, const Record
   fmt::print("differs at tick {} ({:.10g} s):\n", first.ticks()[i], first.times_s()[i]);
   for (const Difference& difference : differences) {
     const std::size_t bodies = distinct(difference.bodies);
-    fmt::print("{}: {} of \"{}\" (id {}) is {} in {}, but {} in {}; {}\n", difference.component,
-               difference.field, first.names()[difference.body], first.ids()[difference.body],
-               engine::value_text(difference.second), second.file().string(),
-               engine::value_text(difference.first), first.file().string(),
-               bodies == 1 ? "1 body differs" : fmt::format("{} bodies differ", bodies));
+    print("{}: {} of \"{}\" (id {}) is {} in {}, but {} in {}; {}\n", difference.component, difference.field,
+          first.names()[difference.body], first.ids()[difference.body], engine::value_text(difference.second),
+          second.file().string(), engine::value_text(difference.first), first.file().string(),
+          bodies == 1 ? "1 body differs" : fmt::format("{} bodies differ", bodies));
   }
   if (differences.empty())
     fmt::print(

@@ -2,6 +2,7 @@
 
 #include "apps/hash_log_reader.hpp"
 #include "apps/info/info_kinds.hpp"
+#include "apps/messages.hpp"
 #include "apps/observers/profile.hpp"
 #include "apps/observers/tables.hpp"
 #include "apps/options.hpp"
@@ -155,8 +156,8 @@ ExitCode info(const InfoOptions& options) {
         "a hash log, a recording, a checkpoint, a table of measures or events, a profile, a study, "
         "a table or journal that troupe sweep wrote, or a session of troupe view",
         file.string()));
-  fmt::print("{}\n", file.string());
-  for (const auto& [name, value] : *summary) fmt::print("  {:<18} {}\n", name, value);
+  print("{}\n", file.string());
+  for (const auto& [name, value] : *summary) print("  {:<18} {}\n", name, value);
   return k_finished;
 }
 

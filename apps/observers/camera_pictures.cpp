@@ -122,14 +122,16 @@ void CameraPictures::observe(const Simulation& simulation) {
     Text text{{"camera", camera.name},
               {"tick", fmt::format("{}", tick)},
               {"time_s", fmt::format("{}", simulation.time_s())}};
-    worldio::write_png(folder_ / (name + k_color),
-                       worldio::Image{static_cast<int>(pictures.width),
-                                      static_cast<int>(pictures.height),
-                                      {color.begin(), color.end()}},
-                       text);
+    const auto write = [&](std::string_view ending, const auto& image) {
+      const std::filesystem::path file = folder_ / fmt::format("{}{}", name, ending);
+      const worldio::Descriptor reader = await_reader(file);
+      worldio::write_png(file, image, text);
+    };
+    write(k_color, worldio::Image{static_cast<int>(pictures.width),
+                                  static_cast<int>(pictures.height),
+                                  {color.begin(), color.end()}});
     text.emplace_back("unit", "mm along the axis of view; 0: nothing is seen");
-    worldio::write_png(folder_ / (name + k_depth),
-                       depth_image(pictures, state.cell<float>(camera.slot, pictures.depth)), text);
+    write(k_depth, depth_image(pictures, state.cell<float>(camera.slot, pictures.depth)));
   }
 }
 

@@ -15,10 +15,10 @@ void ClockLines::observe(const Simulation& simulation) {
   const double simulated_s = simulation.time_s() - first_s_;
   const double wall_s = std::chrono::duration<double>(WallClock::now() - start_).count();
   if (simulated_s > 0 && wall_s > 0)
-    print_message(fmt::format("{}: {:.10g} s, {} x real time\n", simulation.title(), simulation.time_s(),
-                              four_digits(simulated_s / wall_s)));
+    print_message(fmt::format("{}: {:.10g} s, {} x real time\n", printable_line(simulation.title()),
+                              simulation.time_s(), four_digits(simulated_s / wall_s)));
   else
-    print_message(fmt::format("{}: {:.10g} s\n", simulation.title(), simulation.time_s()));
+    print_message(fmt::format("{}: {:.10g} s\n", printable_line(simulation.title()), simulation.time_s()));
 }
 
 }  // namespace troupe::apps

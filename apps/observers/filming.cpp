@@ -68,6 +68,7 @@ void Snapshots::observe(const Simulation& simulation) {
   for (const Due& due : due_) {
     if (due.tick != simulation.tick()) continue;
     thread_.add([this, shot = pictures_.take(simulation, speed_->at(simulation.time_s())), png = due.file] {
+      const worldio::Descriptor reader = await_reader(png);
       pictures_.write(shot, png);
     });
   }
@@ -86,8 +87,9 @@ void Snapshots::finish(const Simulation& simulation) {
 }
 
 void Snapshots::after_summary(const Simulation& simulation) {
-  if (!last_.empty())
-    pictures_.write(pictures_.take(simulation, speed_ ? speed_->at(simulation.time_s()) : 0), last_);
+  if (last_.empty()) return;
+  const worldio::Descriptor reader = await_reader(last_);
+  pictures_.write(pictures_.take(simulation, speed_ ? speed_->at(simulation.time_s()) : 0), last_);
 }
 
 Filming::Filming(const PictureFiles& files, const PictureSource& source)
@@ -125,10 +127,10 @@ void Filming::observe(const PictureSource& source, double next_s) {
 
 void Filming::add(Pictures::Shot shot) {
   thread_.add([this, shot = std::move(shot), frame = frames_] {
-    if (ffmpeg_)
-      ffmpeg_->write(pictures_.draw(shot));
-    else
-      pictures_.write(shot, frame_file(film_, frame));
+    if (ffmpeg_) return ffmpeg_->write(pictures_.draw(shot));
+    const fs::path file = frame_file(film_, frame);
+    const worldio::Descriptor reader = await_reader(file);
+    pictures_.write(shot, file);
   });
 }
 

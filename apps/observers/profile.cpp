@@ -30,15 +30,13 @@ double microseconds(std::chrono::steady_clock::duration d) {
 
 Profile::Profile(const std::filesystem::path& file, const Simulation& simulation, const ProfileLimits& limits)
     : file_(file),
-      lock_(lock_output(file)),
-      stream_(file, std::ios::binary),
       limits_(limits),
       tasks_left_(limits.most_tasks),
       ticks_left_(limits.most_ticks),
       start_tick_(simulation.tick()),
       tick_(start_tick_),
       threads_(simulation.threads()) {
-  if (!stream_) refuse_output(file, std::strerror(errno));
+  lock_ = open_output(stream_, file, std::nullopt);
   about_.emplace_back("version", version_line());
   std::ranges::copy(simulation.effective_options(), std::back_inserter(about_));
   stream_ << k_profile_mark;

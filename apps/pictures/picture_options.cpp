@@ -17,7 +17,7 @@
 namespace troupe::apps {
 namespace {
 
-// Largest width and height, pixels, of a picture that OSMesa can draw.
+// Largest width and height, pixels, of a picture that Mesa can draw.
 constexpr int k_max_pixels = 16384;
 constexpr double k_farthest_m = 1e6;   // largest coordinate and width that options accept
 constexpr double k_least_fps = 0.001;  // ffmpeg accepts no frame rate below 1e-6

@@ -63,6 +63,7 @@ void draw_each(const RenderOptions& options, Pictures& pictures, TakeAt&& take_a
   for (std::size_t i = 0; i < files.size(); ++i) {
     const Pictures::Shot shot = take_at(times.empty() ? std::nullopt : std::optional(times[i]));
     if (stop_requested()) return;
+    const worldio::Descriptor reader = await_reader(files[i]);
     pictures.write(shot, files[i]);
   }
 }

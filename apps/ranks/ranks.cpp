@@ -7,6 +7,7 @@
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
 #include "base/number_text.hpp"
+#include "engine/ranks/replica.hpp"
 #include "partition/mpi_transport.hpp"
 #include "partition/processors.hpp"
 #include "troupe/launcher.hpp"
@@ -319,11 +320,6 @@ unsigned threads_of_rank(const Peers& peers, unsigned rank) {
   return std::max(1u, allowed / peers.sharing);
 }
 
-/// Rank 0 alone decides when the run ends, so the others ignore the signals that a launcher passes on.
-void ignore_signals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGUSR2, SIGHUP}) std::signal(signal, SIG_IGN);
-}
-
 /// Connects this process with the other processes of the launcher. Then calls work() with the transport and
 /// the result of meet(), and returns its result. limit_s: the longest time that this process waits for
 /// another, also when the connection begins and ends, s
@@ -349,15 +345,20 @@ ExitCode with_others(const Launcher& launcher, double limit_s,
 }
 
 ExitCode on_processes(MpiTransport& transport, const Peers& peers, const WorldOptions& options,
+                      RankSignals signals,
                       const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
   SimulationOptions simulation = options.simulation;
   const unsigned threads =
       simulation.threads > 0 ? simulation.threads : threads_of_rank(peers, transport.rank());
   const auto processes = std::make_shared<RankProcesses>(transport, nodes_of(peers.hosts), threads);
   if (transport.rank() > 0) {
-    ignore_signals();
-    count_save_requests();  // rank 0 saves the state, whichever rank receives the signal
-    processes->follow(plugin_path(simulation.plugin_path), save_requests);
+    // Rank 0 saves the state and ends the run, whichever rank receives the signal.
+    std::signal(SIGUSR2, SIG_IGN);
+    if (signals == RankSignals::stop) stop_on_signals();
+    count_save_requests();
+    processes->follow(plugin_path(simulation.plugin_path), [] {
+      return engine::UserRequests{.saves = save_requests(), .stop = stop_requested()};
+    });
     return k_finished;
   }
   simulation.processes = processes;
@@ -422,7 +423,7 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
 
 }  // namespace
 
-ExitCode on_ranks(const WorldOptions& options,
+ExitCode on_ranks(const WorldOptions& options, RankSignals signals,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
   const std::optional<Launcher> launcher = find_launcher();
   if (!launcher) return run(options.simulation);
@@ -434,7 +435,7 @@ ExitCode on_ranks(const WorldOptions& options,
                       launcher->name, launcher->ranks));
     if (!options.simulation.scripts.empty()) refuse_scripts(*launcher);
     return with_others(*launcher, options.rank_limit_s, [&](MpiTransport& transport, const Peers& peers) {
-      return on_processes(transport, peers, options, run);
+      return on_processes(transport, peers, options, signals, run);
     });
   });
 }

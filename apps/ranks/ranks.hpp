@@ -9,6 +9,13 @@
 
 namespace troupe::apps {
 
+/// How a command of several processes ends when one of them gets SIGINT, SIGTERM or SIGHUP.
+enum class RankSignals {
+  stop,  ///< rank 0 is told in the next tick, and ends the command as if it had got the signal itself; a
+         ///< second SIGINT or SIGTERM ends the process at once, and the launcher ends the others
+  kill   ///< the process ends at once, and the launcher ends the others
+};
+
 /// Runs a command on all processes that a launcher such as mpirun has started (docs/cluster.md). These
 /// processes are called ranks and are numbered from 0. Rank 0 calls run() and returns its result. The
 /// argument of run() contains the connection to the other ranks (SimulationOptions::processes). The other
@@ -26,7 +33,7 @@ namespace troupe::apps {
 ///
 /// Without a launcher, or with one process, calls run(options.simulation), returns its result, and passes its
 /// exceptions on.
-ExitCode on_ranks(const WorldOptions& options,
+ExitCode on_ranks(const WorldOptions& options, RankSignals signals,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 
 /// Calls run() on every process that a launcher has started, and returns the result of this process. Without

@@ -192,6 +192,8 @@ ExitCode run(const RunOptions& options) try {
     return k_finished;
   }
   const auto is_over = [&] {
+    if (std::ranges::any_of(runs, [](const auto& run) { return run->is_stopped_elsewhere(); }))
+      request_stop();
     return stop_requested() || (options.wall_limit_s && seconds_since(start) >= *options.wall_limit_s);
   };
   // The exit code k_bad_input would say that nothing was written.

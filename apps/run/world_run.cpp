@@ -60,11 +60,18 @@ Simulation load(const RunOptions& options) {
 }
 
 /// Returns the simulated time at which the run ends, s: without --for, the end of the repeated session, if
-/// there is a session and its file states the end; else the result of end_of().
+/// there is a session; else the result of end_of(). If the file of the session does not state its end, prints
+/// a warning.
 double end_of_run(const RunOptions& options, const Simulation& simulation, const SessionReplay* session) {
-  if (!options.for_s && session && session->end_tick())
-    return static_cast<double>(*session->end_tick()) * simulation.tick_s();
-  return end_of(options, simulation);
+  if (options.for_s || !session) return end_of(options, simulation);
+  const std::optional<std::uint64_t> end = session->end_tick();
+  const double end_s = static_cast<double>(end.value_or(session->least_end_tick())) * simulation.tick_s();
+  if (!end && !options.quiet)
+    print_message(fmt::format(
+        "{}: warning: the session does not state when it ended, because its program was killed: the run ends "
+        "after the last action, at {:.10g} s; --for gives another end\n",
+        options.session.string(), end_s));
+  return end_s;
 }
 
 bool commands_nothing(const engine::Command& command) {
@@ -229,7 +236,7 @@ void WorldRun::open_view(const std::function<bool()>& is_over) {
 void WorldRun::print_options() const {
   std::string text = options_.dry_run ? "options\n" : "running\n";
   const auto add = [&text](std::string_view key, const std::string& value) {
-    text += fmt::format("  {:<18} {}\n", key, value);
+    text += fmt::format("  {:<18} {}\n", key, printable_line(value));
   };
   for (const auto& [key, value] : report_.options)
     add(key, key == "tile_m" ? four_digits(number_of<double>(value).value_or(0)) : value);
@@ -247,7 +254,7 @@ void WorldRun::print_options() const {
 void WorldRun::print_dry_run() const {
   const SimulationOptions& given = options_.simulation;
   const DryRun run = dry_run_of(simulation_, report_, given.ranks, given.distribute);
-  fmt::print("{}", options_.json ? dry_run_json(run) : dry_run_text(run));
+  fmt::print("{}", options_.json ? dry_run_json(run) : printable(dry_run_text(run)));
 }
 
 void WorldRun::begin() {
@@ -346,10 +353,10 @@ void WorldRun::print_summary(bool is_one_of_several) const {
   if (options_.json) {
     text = summary_json(report_);
   } else if (!options_.quiet) {
-    text = (is_one_of_several ? report_.world + ": " : "") + summary_text(report_);
+    text = printable((is_one_of_several ? report_.world + ": " : "") + summary_text(report_));
     for (const auto& observer : observers_)
       if (const std::string result = observer->result(); !result.empty())
-        text += fmt::format("  {:<18} {}\n", "written", result);
+        text += fmt::format("  {:<18} {}\n", "written", printable_line(result));
   }
   // A stream without a buffer fails here, any other one in fflush().
   const bool is_written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();

@@ -74,6 +74,8 @@ class WorldRun {
   void step();
   /// Whether the run has reached its last tick, or a condition in the world's `stop_when` holds.
   bool is_done() const { return simulation_.tick() >= ticks_ || simulation_.stopped(); }
+  /// Whether a process of another rank has received a signal that requests the end of the run.
+  bool is_stopped_elsewhere() const { return simulation_.rank_statistics().is_stop_requested; }
   /// Simulated time at the end of the next tick, s.
   double next_s() const { return static_cast<double>(simulation_.tick() + 1) * simulation_.tick_s(); }
   /// Calls finish() of all observers and fills the report.

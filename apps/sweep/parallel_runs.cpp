@@ -46,7 +46,7 @@ class Count {
 
  private:
   void show() const {
-    if (visible_) print_message(fmt::format("\r\x1b[K{} of {} runs", done_, all_));
+    if (visible_) std::fputs(fmt::format("\r\x1b[K{} of {} runs", done_, all_).c_str(), stderr);
   }
   std::size_t done_;
   std::size_t all_;

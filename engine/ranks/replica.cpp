@@ -35,7 +35,7 @@ Replica::Replica(World& world, const Registry& registry, partition::Transport& t
       joined_(&world),
       work_(transport.ranks()),
       times_(transport.ranks(), 0),
-      requests_(transport.ranks(), 0),
+      requests_(transport.ranks()),
       failed_(transport.ranks()),
       rows_(make_rows()) {}
 
@@ -61,8 +61,13 @@ std::unique_ptr<RankRows> Replica::make_rows() {
 
 void Replica::Leave::operator()(World* world) const { world->join(nullptr); }
 
-std::uint64_t Replica::requests() const {
-  return std::accumulate(requests_.begin(), requests_.end(), std::uint64_t{0});
+UserRequests Replica::requests() const {
+  UserRequests all;
+  for (const UserRequests& requests : requests_) {
+    all.saves += requests.saves;
+    all.stop = all.stop || requests.stop;
+  }
+  return all;
 }
 
 // ---- Messages
@@ -256,7 +261,9 @@ void Replica::exchange() {
                               .decide_s = transport_.seconds() - began(Phase::decide)};
   MessageWriter head = message_of(Order::exchange);
   head.put(work_[transport_.rank()]);
-  head.put(options_.requests ? options_.requests() : std::uint32_t{0});
+  const UserRequests requests = options_.requests ? options_.requests() : UserRequests{};
+  head.put(requests.saves);
+  head.put(requests.stop);
   head.put(parts_.beams - beams_before_);
   const RankRows::Messages messages = rows_->written(head);
   is_exchanged_ = true;
@@ -273,7 +280,8 @@ void Replica::exchange() {
       failures.push_back(failure_of(message));
     } else if (failures.empty()) {
       work_[from] = message.get<RankWork>();
-      requests_[from] = message.get<std::uint32_t>();
+      requests_[from].saves = message.get<std::uint32_t>();
+      requests_[from].stop = message.get<bool>();
       parts_.beams += message.get<std::uint64_t>();
       rows_->get_written(from, message);
     }

@@ -32,6 +32,12 @@ struct Registry;
 struct SettingSpec;
 class World;
 
+/// What users have requested from a process with signals.
+struct UserRequests {
+  std::uint32_t saves = 0;  ///< number of requests for a checkpoint: signals SIGUSR1
+  bool stop = false;        ///< whether the run shall end after the current tick: SIGINT, SIGTERM or SIGHUP
+};
+
 /// Options of a Replica, which is the copy of a world on one rank (a thread or process). A row is the data of
 /// one body in the state tables. No option changes the results of a run.
 struct ReplicaOptions {
@@ -53,9 +59,8 @@ struct ReplicaOptions {
   /// The skin of a distributed world, m. With a larger skin, each rank has more copies of rows, and the ranks
   /// exchange rows less often (class Halo, `ghosts`). Not set: Halo chooses it.
   std::optional<double> skin_m = std::nullopt;
-  /// On ranks other than 0: returns how often a user has requested a checkpoint from this process, by the
-  /// signal SIGUSR1. Empty: no requests.
-  std::function<std::uint32_t()> requests;
+  /// On ranks other than 0: returns what users have requested from this process. Empty: nothing.
+  std::function<UserRequests()> requests;
 };
 
 /// Makes a World one of several *replicas* of the same world. Each replica belongs to a *rank*, which is a
@@ -97,9 +102,9 @@ class Replica {
   /// Asks the other ranks, and returns what each rank has counted, one entry per rank. Call this on rank 0,
   /// between two ticks. `messages` and `bytes` include messages for other worlds that the same ranks compute.
   std::vector<RankCounts> all_counts();
-  /// How often users have requested a checkpoint from the other ranks (ReplicaOptions::requests), up to the
-  /// last tick.
-  std::uint64_t requests() const;
+  /// What users have requested from the other ranks (ReplicaOptions::requests), up to the last tick: the sum
+  /// of the checkpoints, and whether any rank shall stop.
+  UserRequests requests() const;
 
   /// On ranks other than 0: carries out an order of rank 0. `order` is one of the orders from Order::step to
   /// Order::counts; for any other order, the function throws std::logic_error. If a tick, World::reset() or
@@ -258,7 +263,7 @@ class Replica {
   std::unique_ptr<World, Leave> joined_;  // the world leaves also if the constructor throws
   std::vector<RankWork> work_;            // one per rank, of this tick
   std::vector<std::uint64_t> times_;      // one per rank: its time for its own rows, ns: see unequal_times()
-  std::vector<std::uint32_t> requests_;   // one per rank: the last result of ReplicaOptions::requests
+  std::vector<UserRequests> requests_;    // one per rank: the last result of ReplicaOptions::requests
   std::uint64_t rebalanced_ = 0;
   std::vector<std::uint32_t> order_;  // result of own_of()
   std::string unreported_;            // the last error that follow() has not thrown

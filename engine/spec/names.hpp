@@ -14,6 +14,10 @@
 
 namespace troupe::engine {
 
+/// Largest size of a name in a world file, bytes. Every body of a population has its name, so that longer
+/// names make loading slow.
+inline constexpr std::size_t k_most_name_bytes = 4096;
+
 /// The name of a body, in eight bytes: a word of a Names table, and a number that follows the word. For
 /// example, "r17" is the word "r" and the number 17. The number has at most nine digits and no leading zeros,
 /// so "r007" is the word "r00" and the number 7. Two names of one table are equal if and only if their texts

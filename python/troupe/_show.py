@@ -138,7 +138,7 @@ def show(self: Simulation, width: int = 960, height: int = 540, **look: Any) -> 
 
 def _repr_html_(self: Simulation) -> str:
     """What a notebook displays for a simulation: a picture of the world and a line of text, as HTML. If no picture can
-    be drawn, for example because a step has failed or OSMesa is not installed, it is a text with the reason."""
+    be drawn, for example because a step has failed or no library draws pictures, it is a text with the reason."""
     try:
         picture = base64.b64encode(_png(self, 640, 360)).decode()
     except RuntimeError as error:  # the notebook would show a traceback of the functions of this package

@@ -83,6 +83,10 @@ std::vector<BadInput> stage_inputs() {
       {"include_cycle", "bad.world", robot + "include \"loop.inc\"\n", "loop.inc:2", "loop.inc"},
       {"error_in_include", "bad.world", "include \"wrong.inc\"\n" + robot, "wrong.inc:2", "size"},
       {"macro_cycle", "bad.world", robot + "define bot bot( size [1 1 1] )\nbot()\n", "bad.world:", "bot"},
+      {"long_name", "bad.world", robot + "model( name \"" + std::string(5000, 'b') + "\" )\n", "bad.world:2",
+       "the name has 5000 bytes, but a name has at most 4096"},
+      {"long_macro", "bad.world", robot + "define " + std::string(5000, 'b') + " model( mass 1 )\n",
+       "bad.world:2", "the name has 5000 bytes, but a name has at most 4096"},
       {"robots_without_population",
        "bad.world",
        robot,
@@ -109,6 +113,11 @@ std::vector<BadInput> json_inputs() {
        "/populations/0/count"},
       {"negative_count", "bad.json", json_world("\"count\": 5", "\"count\": -5"), "bad.json:10",
        "/populations/0/count"},
+      {"long_name", "bad.json", json_world("\"bots\"", '"' + std::string(5000, 'b') + '"'), "bad.json:9",
+       "/populations/0/name: the name has 5000 bytes, but a name has at most 4096"},
+      {"long_type", "bad.json",
+       json_world("\"types\": {", "\"types\": { \"" + std::string(5000, 'b') + "\": {},"), "bad.json:3",
+       "/types: the name has 5000 bytes, but a name has at most 4096"},
       {"zero_size", "bad.json", json_world("[0.2, 0.2, 0.2]", "[0, 0.2, 0.2]"), "bad.json:4",
        "/types/bot/size_m"},
       {"negative_size", "bad.json", json_world("[0.2, 0.2, 0.2]", "[0.2, -0.2, 0.2]"), "bad.json:4",
@@ -350,6 +359,58 @@ TEST_F(NoRegularFile, IsNoOutputOfARecordingOrALogEither) {
     EXPECT_EQ(outcome.code, 2) << output[0] << ' ' << output[1] << outcome.err;
     EXPECT_THAT(outcome.err, StartsWith(output[1] + ": error: "));
     EXPECT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
+  }
+}
+
+class ControlCharacters : public ProgramTest {
+ protected:
+  /// Runs a command. Its output and its messages must have no control character but line breaks.
+  void runs(const std::vector<std::string>& arguments) const {
+    SCOPED_TRACE(::testing::PrintToString(arguments));
+    const Outcome outcome = troupe(arguments);
+    EXPECT_LT(outcome.code, 3) << outcome.err;
+    const std::string text = outcome.out + outcome.err;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const auto byte = static_cast<unsigned char>(text[i]);
+      const bool is_late =
+          byte == 0xc2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xa0;
+      EXPECT_FALSE((byte < 0x20 && byte != '\n') || byte == 0x7f || is_late)
+          << "byte " << i << " of " << text;
+    }
+  }
+};
+
+/// A terminal obeys them: such a world could, for example, clear the screen and print a hash of its own.
+TEST_F(ControlCharacters, OfAWorldDoNotReachTheTerminal) {
+  const std::string evil = R"(e\u001b[2J\u009b1m\rv\u0007\u007f\nil)";
+  const std::string good =
+      json_world("\"troupe\": 1,", R"("troupe": 1, "title": ")" + evil + R"(", "clock_s": 1,)");
+  const auto with = [&](const std::string& right, const std::string& wrong) {
+    std::string text = good;
+    for (std::size_t at = text.find(right); at != text.npos; at = text.find(right, at + wrong.size()))
+      text.replace(at, right.size(), wrong);
+    return text;
+  };
+  write("names.json", with("\"bots\"", '"' + evil + '"'));
+  write("types.json", with("\"bot\"", '"' + evil + '"'));
+  write("key.json", with("\"pitch_m\"", '"' + evil + R"(": 1, "pitch_m")"));
+  write("kind.json", with("\"diff\"", '"' + evil + '"'));
+  write("stage.world", "position( name \"e\x1b[2J\x9b 1mvil\" pose [0 0 0 0] ctrl \"e\x1b[2Jvil\" )\n");
+  for (const char* world : {"names.json", "types.json", "key.json", "kind.json", "stage.world"}) {
+    runs({"run", world, "--for", "1", "--hash-log", "a.log"});
+    runs({"run", world, "--for", "1", "--dry-run"});
+    runs({"run", world, "--for", "1", "--record", "a.h5", "--checkpoint", "c.h5", "--force", "--hash-log",
+          "b.log"});
+    runs({"info", world});
+    runs({"lint", world});
+    runs({"check", world, "--for", "0.3", "--threads", "1,2"});
+    runs({"convert", world, "new.json", "--force"});
+    runs({"info", "a.h5"});
+    runs({"info", "c.h5"});
+    runs({"info", "b.log"});
+    runs({"resume", "c.h5", "--for", "1.2"});
+    runs({"run", world, "--for", "1", "--robots", "x=3"});
+    runs({"run", world, "--for", "1", "--measure", "stalls:x"});
   }
 }
 

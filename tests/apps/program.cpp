@@ -206,7 +206,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 bool lacks_pictures(const Outcome& outcome) {
   return outcome.code == 1 && (outcome.err.find("this build cannot draw pictures") != std::string::npos ||
-                               outcome.err.find("OSMesa is not installed") != std::string::npos);
+                               outcome.err.find("neither OSMesa nor EGL is installed") != std::string::npos);
 }
 
 const std::string_view k_room = R"(interval_sim 100

@@ -84,8 +84,8 @@ class ProgramTest : public ::testing::Test {
 
 std::vector<std::string> lines_of(const std::string& text);
 
-/// Whether the program ended because this build has no pictures, or because OSMesa is not installed. Tests of
-/// pictures are then skipped. Any other error is a failure.
+/// Whether the program ended because this build has no pictures, or because neither OSMesa nor EGL is
+/// installed. Tests of pictures are then skipped. Any other error is a failure.
 bool lacks_pictures(const Outcome& outcome);
 
 /// A small world in the syntax of the simulator Stage: twelve robots with rangers (range sensors) wander in a

@@ -8,7 +8,9 @@
 #include "worldio/file_lock.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -421,6 +423,40 @@ TEST_P(Signals, PrintNothingInAQuietRun) {
   EXPECT_THAT(outcome.err, IsEmpty());
 }
 
+/// Whether a process that this thread has started handles a signal.
+bool child_handles(int signal) {
+  std::ifstream children(fmt::format("/proc/self/task/{}/children", gettid()));
+  pid_t child = 0;
+  if (!(children >> child)) return false;
+  std::ifstream status(fmt::format("/proc/{}/status", child));
+  for (std::string key, value; status >> key && std::getline(status, value);)
+    if (key == "SigCgt:") return (std::stoull(value, nullptr, 16) >> (signal - 1) & 1) != 0;
+  return false;
+}
+
+/// Opening a pipe waits for its reader, and the system repeats the call after a signal.
+TEST_P(Signals, EndAProgramThatWaitsForTheReaderOfAPipe) {
+  struct Output {
+    const char* option;
+    const char* pipe;
+  };
+  for (const auto& [option, pipe] : {Output{"--hash-log", "pipe.log"}, Output{"--measures", "pipe.csv"},
+                                     Output{"--events", "pipe.events.csv"}, Output{"--profile", "pipe.json"},
+                                     Output{"--snapshot", "pipe.svg"}}) {
+    SCOPED_TRACE(option);
+    ASSERT_EQ(mkfifo(path(pipe).c_str(), 0600), 0);
+    const Outcome outcome =
+        troupe_with_signals({"run", "room.world", "--for", "0.3", option, pipe, "--quiet"},
+                            {{GetParam(), [] { return child_handles(GetParam()); }}});
+    if (lacks_pictures(outcome)) continue;
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(outcome.err,
+              fmt::format("{}: error: nothing was written: the program was stopped before another "
+                          "program read this pipe\n",
+                          pipe));
+  }
+}
+
 TEST_P(Signals, AreToldInTheJson) {
   const Outcome outcome = troupe_until({"run", "room.world", "--for", "1e9", "--json", "--hash-log", "h.log"},
                                        "h.log", 30, GetParam());
@@ -528,16 +564,60 @@ TEST_F(Run, TheSnapshotIsAPngOfTheSizeThatWasAskedFor) {
   EXPECT_EQ(png.substr(16, 8), std::string({0, 0, 1, 64, 0, 0, 0, static_cast<char>(200)}));  // big-endian
 }
 
-TEST_F(Run, ASessionThatCannotBeRepeatedIsAFailureAfterItsFirstTicks) {
-  ASSERT_EQ(troupe({"run", "room.world", "--for", "0.1", "--hash-log", "first.log"}).code, 0);
-  nlohmann::json header{{"troupe_session", 1}, {"tick", 0}, {"hash", ticks("first.log")[0].substr(2, 16)}};
-  for (const std::string& line : lines_of(read("first.log"))) {
-    const auto colon = line.find(": ");
-    if (!line.starts_with("# ") || colon == line.npos) continue;
-    const std::string key = line.substr(2, colon - 2);
-    (key == "version" ? header : header["options"])[key] = line.substr(colon + 2);
+class RunSession : public Run {
+ protected:
+  /// The first line of a session of room.world.
+  std::string header() {
+    EXPECT_EQ(troupe({"run", "room.world", "--for", "0.1", "--hash-log", "first.log"}).code, 0);
+    nlohmann::json header{{"troupe_session", 1}, {"tick", 0}, {"hash", ticks("first.log")[0].substr(2, 16)}};
+    for (const std::string& line : lines_of(read("first.log"))) {
+      const auto colon = line.find(": ");
+      if (!line.starts_with("# ") || colon == line.npos) continue;
+      const std::string key = line.substr(2, colon - 2);
+      (key == "version" ? header : header["options"])[key] = line.substr(colon + 2);
+    }
+    return header.dump() + "\n";
   }
-  write("s.jsonl", header.dump() + "\n" + R"({"tick":2,"n":1,"do":"release","robot":"r99"})" + "\n");
+};
+
+/// As after a kill of the view: its options give no end of the run, and room.world has no quit_time.
+TEST_F(RunSession, ThatDoesNotStateItsEndEndsAfterTheLastAction) {
+  const std::string move = R"({"tick":4,"n":1,"do":"speed","robot":"position:0","speed":[0.1,0,0]})"
+                           "\n";
+  const std::string first = header();
+  const auto ends = [&](const std::string& lines, const std::string& time_s, const std::string& warning) {
+    write("s.jsonl", first + lines);
+    const Outcome outcome = troupe({"run", "room.world", "--session", "s.jsonl", "--hash-log", "h.log"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, warning +
+                               "s.jsonl: warning: the session does not state when it ended, because its "
+                               "program was killed: the run ends after the last action, at " +
+                               time_s + " s; --for gives another end\n");
+    EXPECT_EQ(ticks("h.log").size(), 1 + static_cast<std::size_t>(std::lround(10 * std::stod(time_s))));
+  };
+  ends(move, "0.5", "");
+  ends("", "0", "");
+  ends(move + R"({"tick":9,"n":2,"do":"spe)", "0.5",
+       "s.jsonl:3: warning: the last line is incomplete and is skipped\n");
+}
+
+TEST_F(RunSession, EndsWithinTheLimitsOfARun) {
+  const std::string first = header();
+  const auto error_of = [&](const std::string& line) {
+    write("s.jsonl", first + line + "\n");
+    const Outcome outcome = troupe({"run", "room.world", "--session", "s.jsonl"});
+    EXPECT_EQ(outcome.code, 2);
+    return outcome.err;
+  };
+  EXPECT_EQ(error_of(R"({"tick":1000000000000000000,"n":1,"do":"end"})"),
+            "s.jsonl:2: error: \"tick\" must be at most 1000000000000000, found 1000000000000000000\n");
+  EXPECT_EQ(error_of(R"({"tick":1000000000000000,"n":1,"do":"end"})"),
+            "s.jsonl:2: error: tick 1000000000000000 is at 1e+14 s, but a run ends at 1000000000000 s or "
+            "earlier\n");
+}
+
+TEST_F(RunSession, ThatCannotBeRepeatedIsAFailureAfterItsFirstTicks) {
+  write("s.jsonl", header() + R"({"tick":2,"n":1,"do":"release","robot":"r99"})" + "\n");
   const Outcome outcome =
       troupe({"run", "room.world", "--for", "1", "--session", "s.jsonl", "--hash-log", "h.log"});
   EXPECT_EQ(outcome.code, 1) << outcome.err;

@@ -1,6 +1,7 @@
 // Runs the fuzz targets on their seeds (the corpora) and on the inputs that once revealed an error (the
 // findings), in ordinary builds and with the sanitizers of these builds.
 
+#include "tests/fuzz/draws.hpp"
 #include "tests/fuzz/targets.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
@@ -32,7 +33,8 @@ INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus,
                          ::testing::Values(Target{"stage", read_stage}, Target{"json", read_json},
                                            Target{"bitmap", read_bitmap}, Target{"map", read_map},
                                            Target{"recording", read_recording},
-                                           Target{"checkpoint", read_checkpoint}, Target{"study", read_study},
+                                           Target{"checkpoint", read_checkpoint},
+                                           Target{"sealed", read_sealed}, Target{"study", read_study},
                                            Target{"live", talk_to_view}, Target{"command", run_command}),
                          [](const auto& target) { return target.param.name; });
 
@@ -95,6 +97,19 @@ TEST_P(Corpus, IsReadToTheEnd) {
   EXPECT_GE(count, 2u);
   if (!test::k_slow_build) {  // usually a few seconds
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(600));
+  }
+}
+
+TEST(SealedCheckpoints, NoMutantCrashesItsReader) {
+  const int mutants = test::k_slow_build ? 200 : 2000;
+  Random random(1);
+  for (int i = 0; i < mutants; ++i) {
+    std::size_t count = 1;
+    while (chance(random, 30)) ++count;
+    std::string edits(10 * count, '\0');
+    for (char& byte : edits) byte = static_cast<char>(below(random, 256));
+    SCOPED_TRACE(i);
+    read_sealed(edits);
   }
 }
 

@@ -1,9 +1,12 @@
 #include "tests/fuzz/hdf5_text.hpp"
 
 #include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/sealed_file.hpp"
 
 #include <algorithm>
 #include <charconv>
+#include <cstddef>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -61,10 +64,25 @@ void append_rows(Hdf5Dataset& dataset, std::size_t rows, const std::vector<std::
   if (dataset.rows() < rows) dataset.resize(rows);
 }
 
+/// Makes a dataset of a fixed size, with the numbers in `texts`, repeated, as its values.
+template <class T>
+Hdf5Dataset make_fixed(Hdf5Group& group, const std::string& name, const std::vector<std::size_t>& extent,
+                       const std::vector<std::string>& texts) {
+  Hdf5Dataset dataset = group.create_dataset(name, engine::element_of<T>(), extent);
+  std::size_t count = 1;
+  for (const std::size_t size : extent) count = size == 0 ? 0 : count > k_most_values ? count : count * size;
+  if (count > k_most_values) return dataset;
+  std::vector<T> values(count);
+  for (std::size_t i = 0; i < values.size() && !texts.empty(); ++i)
+    values[i] = number<T>(texts[i % texts.size()]);
+  dataset.write(std::span<const T>(values));
+  return dataset;
+}
+
 /// Makes a dataset from the rest of its line. Returns false if `word`, the first word of the line, is not an
 /// element type such as f64, or if the number of dimensions is not 1 to 5.
-bool make_dataset(Hdf5File& file, const std::string& word, const std::string& path,
-                  std::istringstream& rest) {
+bool make_dataset(Hdf5File& file, const std::string& word, const std::string& path, std::istringstream& rest,
+                  Hdf5Format format) {
   std::vector<std::size_t> extent;
   std::string next;
   while (rest >> next && next != "=") extent.push_back(number<std::size_t>(next));
@@ -77,9 +95,13 @@ bool make_dataset(Hdf5File& file, const std::string& word, const std::string& pa
     const std::vector<std::size_t> row(extent.begin() + 1, extent.end());
     std::vector<std::size_t> chunk{4};
     for (const std::size_t size : row) chunk.push_back(std::clamp<std::size_t>(size, 1, 64));
-    Hdf5Dataset dataset =
-        group.create_extendible(name, engine::element_of<T>(), row, {.extent = chunk, .fill = {}});
-    append_rows<T>(dataset, extent[0], texts);
+    Hdf5Dataset dataset;
+    if (format == Hdf5Format::checkpoint) {
+      dataset = make_fixed<T>(group, name, extent, texts);
+    } else {
+      dataset = group.create_extendible(name, engine::element_of<T>(), row, {.extent = chunk, .fill = {}});
+      append_rows<T>(dataset, extent[0], texts);
+    }
     for (const char* attribute : {"unit", "frame", "text"}) dataset.set_text(attribute, "m");
     return true;
   };
@@ -92,7 +114,7 @@ bool make_dataset(Hdf5File& file, const std::string& word, const std::string& pa
   return word == "u8" && make(std::uint8_t{});
 }
 
-bool make_line(Hdf5File& file, const std::string& line) {
+bool make_line(Hdf5File& file, const std::string& line, Hdf5Format format) {
   std::istringstream words(line);
   std::string word;
   std::string path;
@@ -124,17 +146,24 @@ bool make_line(Hdf5File& file, const std::string& line) {
     group.write_texts(last, texts);
     return true;
   }
-  return make_dataset(file, word, path, words);
+  return make_dataset(file, word, path, words, format);
 }
 
 }  // namespace
 
-bool make_hdf5(std::string_view text, const std::filesystem::path& name) {
+bool make_hdf5(std::string_view text, const std::filesystem::path& name, Hdf5Format format) {
   try {
-    Hdf5File file = Hdf5File::create(name);
+    const bool in_memory = format == Hdf5Format::checkpoint;
+    Hdf5File file =
+        in_memory ? Hdf5File::create_in_memory(name, worldio::k_seal_bytes) : Hdf5File::create(name);
     std::istringstream lines{std::string(text)};
     for (std::string line; std::getline(lines, line);)
-      if (!make_line(file, line)) return false;
+      if (!make_line(file, line, format)) return false;
+    if (in_memory) {
+      const std::vector<std::byte> bytes = file.image();
+      std::ofstream(name, std::ios::binary)
+          .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    }
     file.close();
     return true;
   } catch (const worldio::Hdf5Error&) {

@@ -5,6 +5,10 @@
 
 namespace troupe::fuzz {
 
+/// As what the HDF5 file is made: in the format of recordings, with extendible datasets, or in that of
+/// checkpoints, with datasets of a fixed size behind a user block.
+enum class Hdf5Format { recording, checkpoint };
+
 /// Writes an HDF5 file from a text in which each line describes an attribute or a dataset. Fuzz tests change
 /// this text at random. The contents of the file then change, but the file itself remains valid HDF5.
 /// Examples of all sorts of lines:
@@ -25,8 +29,8 @@ namespace troupe::fuzz {
 ///         after `=` are repeated to fill it. Other types: f32 i64 i32 u64 u32 u8
 ///
 /// Groups that do not exist are created. At most 4,096 numbers of a dataset are written; the others keep the
-/// fill value of HDF5. Returns false if a line is invalid or HDF5 reports an error; the file is then
-/// incomplete.
-bool make_hdf5(std::string_view text, const std::filesystem::path& file);
+/// fill value of HDF5, and a larger dataset of a fixed size has no values. Returns false if a line is invalid
+/// or HDF5 reports an error; the file is then incomplete.
+bool make_hdf5(std::string_view text, const std::filesystem::path& file, Hdf5Format format);
 
 }  // namespace troupe::fuzz

@@ -1,9 +1,11 @@
 #include "tests/fuzz/targets.hpp"
 
+#include "base/hash.hpp"
 #include "engine/world/world.hpp"
 #include "tests/fuzz/hdf5_text.hpp"
 #include "tests/support/paths.hpp"
 #include "troupe/registry.hpp"
+#include "troupe/simulation.hpp"
 #include "worldio/images/bitmap.hpp"
 #include "worldio/images/ros_map.hpp"
 #include "worldio/json/json_world.hpp"
@@ -11,11 +13,14 @@
 #include "worldio/load.hpp"
 #include "worldio/results/checkpoint.hpp"
 #include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/hdf5_metadata.hpp"
+#include "worldio/results/little_endian.hpp"
 #include "worldio/results/recording_reader.hpp"
 #include "worldio/results/recording_repair.hpp"
 #include "worldio/results/replay_data.hpp"
 #include "worldio/results/sealed_file.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -26,6 +31,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -174,6 +180,105 @@ std::string with_right_checksums(std::string_view bytes) {
   return png;
 }
 
+/// The name of a file of this process in the folder for temporary files.
+std::filesystem::path temporary_file(const std::string& name) {
+  return std::filesystem::temp_directory_path() / ("troupe-fuzz-" + std::to_string(getpid()) + "." + name);
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Reads a checkpoint whose content is `bytes`, which begin with a user block of k_seal_bytes. Computes its
+/// seal. Returns whether the checkpoint was restored.
+bool read_checkpoint_bytes(std::string_view bytes) {
+  const std::filesystem::path file = temporary_file("checkpoint.h5");
+  const std::string_view rest = bytes.substr(worldio::k_seal_bytes);
+  std::string head = fmt::format("troupe {}\nlayout {}\nbytes {}\nxxh3 {}\n", worldio::k_checkpoint_kind,
+                                 worldio::k_checkpoint_layout, rest.size(), hex(hash_text(rest)));
+  head.resize(worldio::k_seal_bytes - 1, ' ');
+  // Not by write_sealed(), which waits for the disk.
+  std::ofstream(file, std::ios::binary) << head << '\n' << rest;
+  bool is_restored = false;
+  try {
+    const worldio::Checkpoint checkpoint(file);
+    static_cast<void>(checkpoint.memories());
+    Diagnostics diagnostics;
+    std::vector<worldio::ParameterChange> none;
+    engine::WorldSpec spec = checkpoint.spec(registry(), {}, diagnostics, none);
+    if (!diagnostics.has_errors() && is_small(spec)) {
+      spec.ranging = engine::RangingEngine::exact;
+      engine::World world(std::move(spec), registry(), {.threads = 1, .tile_size_m = 0}, diagnostics);
+      checkpoint.restore(world);
+      is_restored = true;
+      make_ticks(world);
+    }
+  } catch (const InputError& error) {
+    check(!tells_of_a_throw(error));
+  } catch (const engine::StepError& error) {
+    check(!tells_of_a_throw(error));
+  }
+  std::filesystem::remove(file);
+  return is_restored;
+}
+
+/// A checkpoint of a small world, and its blocks of metadata.
+struct SavedCheckpoint {
+  std::string bytes;
+  std::vector<worldio::FileBlock> metadata;
+};
+
+const SavedCheckpoint& saved_checkpoint() {
+  static const SavedCheckpoint saved = [] {
+    const std::filesystem::path file = temporary_file("saved.h5");
+    Simulation simulation(k_folder / "study_room.json", {.threads = 1});
+    for (int tick = 0; tick < k_ticks; ++tick) simulation.step();
+    simulation.save(file);
+    const auto blocks = worldio::check_metadata(file, worldio::k_seal_bytes);
+    check(static_cast<bool>(blocks));
+    SavedCheckpoint read{bytes_of(file), *blocks};
+    std::filesystem::remove(file);
+    return read;
+  }();
+  return saved;
+}
+
+/// A change of a number of 1, 2, 4 or 8 bytes in a block of metadata.
+struct Edit {
+  std::uint64_t block;
+  std::uint64_t at;  ///< in the block: the byte of this index if even, else the byte that is not 0
+  std::uint64_t width;
+  std::uint64_t change;
+  std::uint64_t by;
+};
+
+void edit(std::string& bytes, const std::vector<worldio::FileBlock>& metadata, const Edit& edit) {
+  const worldio::FileBlock& block = metadata[edit.block % metadata.size()];
+  const std::span<std::uint8_t> all(reinterpret_cast<std::uint8_t*>(bytes.data()), bytes.size());
+  const std::span<std::uint8_t> own = all.subspan(block.at, block.bytes);
+  std::vector<std::size_t> used;
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if (edit.at % 2 == 0 || own[i] != 0) used.push_back(i);
+  const std::size_t at = used.empty() ? 0 : used[edit.at / 2 % used.size()];
+  const std::span<std::uint8_t> field =
+      own.subspan(at, std::min<std::size_t>(std::size_t{1} << edit.width % 4, own.size() - at));
+  const worldio::FileBlock& other = metadata[edit.by % metadata.size()];
+  const std::uint64_t value = worldio::little_endian(field);
+  switch (edit.change % 8) {
+    case 0: worldio::put_little_endian(edit.by, field); break;
+    case 1: worldio::put_little_endian(std::numeric_limits<std::uint64_t>::max(), field); break;
+    case 2: worldio::put_little_endian(value + edit.by % 64 - 32, field); break;
+    case 3: worldio::put_little_endian(other.at - worldio::k_seal_bytes, field); break;
+    case 4: worldio::put_little_endian(value ^ std::uint64_t{1} << edit.by % 64, field); break;
+    case 5: worldio::put_little_endian(std::uint64_t{1} << edit.by % 64, field); break;
+    case 6: worldio::put_little_endian(0, field); break;
+    default:  // the bytes at this place of another block
+      std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(other.at),
+                  std::min<std::size_t>(other.bytes, own.size()), own.begin());
+  }
+}
+
 }  // namespace
 
 void read_stage(std::string_view text) {
@@ -215,9 +320,8 @@ void read_map(std::string_view text) {
 }
 
 void read_recording(std::string_view text) {
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / ("troupe-fuzz-" + std::to_string(getpid()) + ".h5");
-  if (!worldio::has_hdf5() || !make_hdf5(text, file)) return;
+  const std::filesystem::path file = temporary_file("h5");
+  if (!worldio::has_hdf5() || !make_hdf5(text, file, Hdf5Format::recording)) return;
   try {
     const worldio::RecordingReader recording(file);
     static_cast<void>(recording.world_json());
@@ -243,34 +347,28 @@ void read_recording(std::string_view text) {
 }
 
 void read_checkpoint(std::string_view text) {
-  const std::string name = (std::filesystem::temp_directory_path() / "troupe-fuzz-").string();
-  const std::filesystem::path content = name + std::to_string(getpid()) + ".content.h5";
-  const std::filesystem::path file = name + std::to_string(getpid()) + ".checkpoint.h5";
-  if (!worldio::has_hdf5() || !make_hdf5(text, content)) return;
-  std::ifstream stream(content, std::ios::binary);
-  std::string bytes(worldio::k_seal_bytes, ' ');
-  bytes.append(std::istreambuf_iterator<char>(stream), {});
-  worldio::write_sealed(file, worldio::k_checkpoint_kind, worldio::k_checkpoint_layout,
-                        std::as_bytes(std::span(bytes)));
-  try {
-    const worldio::Checkpoint checkpoint(file);
-    static_cast<void>(checkpoint.memories());
-    Diagnostics diagnostics;
-    std::vector<worldio::ParameterChange> none;
-    engine::WorldSpec spec = checkpoint.spec(registry(), {}, diagnostics, none);
-    if (!diagnostics.has_errors() && is_small(spec)) {
-      spec.ranging = engine::RangingEngine::exact;
-      engine::World world(std::move(spec), registry(), {.threads = 1, .tile_size_m = 0}, diagnostics);
-      checkpoint.restore(world);
-      make_ticks(world);
-    }
-  } catch (const InputError& error) {
-    check(!tells_of_a_throw(error));
-  } catch (const engine::StepError& error) {
-    check(!tells_of_a_throw(error));
-  }
+  const std::filesystem::path content = temporary_file("content.h5");
+  if (!worldio::has_hdf5() || !make_hdf5(text, content, Hdf5Format::checkpoint)) return;
+  read_checkpoint_bytes(bytes_of(content));
   std::filesystem::remove(content);
-  std::filesystem::remove(file);
+}
+
+void read_sealed(std::string_view edits) {
+  if (!worldio::has_hdf5()) return;
+  const SavedCheckpoint& saved = saved_checkpoint();
+  std::string bytes = saved.bytes;
+  constexpr std::size_t k_edit_bytes = 10;
+  constexpr std::size_t k_most_edits = 8;
+  for (std::size_t e = 0; e < k_most_edits && edits.size() >= k_edit_bytes; ++e) {
+    const auto number = [&edits](std::size_t at, std::size_t size) {
+      return worldio::little_endian(
+          std::span(reinterpret_cast<const std::uint8_t*>(edits.data()) + at, size));
+    };
+    edit(bytes, saved.metadata, {number(0, 2), number(2, 2), number(4, 1), number(5, 1), number(6, 4)});
+    edits.remove_prefix(k_edit_bytes);
+  }
+  const bool is_restored = read_checkpoint_bytes(bytes);
+  check(is_restored || bytes != saved.bytes);
 }
 
 void read_study(std::string_view text) {

@@ -28,6 +28,11 @@ void read_recording(std::string_view text);
 /// Troupe would reject the file before it reads the content.
 void read_checkpoint(std::string_view text);
 
+/// Reads a checkpoint that Troupe wrote, with changes of its metadata (the structures of HDF5 itself) and a
+/// header that fits. Each 10 bytes of the input are a change: which block and byte (2 + 2 bytes), how many
+/// bytes, what becomes of them, and a number (1 + 1 + 4). Checks that the unchanged checkpoint is restored.
+void read_sealed(std::string_view edits);
+
 /// Reads a study: a JSON file that describes many runs of a world with different parameters (docs/sweeps.md).
 /// If the study is valid, loads up to three of its runs. If their world is tests/fuzz/files/study_room.json,
 /// also computes some ticks of each.

@@ -211,13 +211,13 @@ class Checkers(unittest.TestCase):
                 )
 
     def test_missing_libraries_for_pictures_are_reported_at_once(self):
-        """Pictures need OSMesa, which a wheel does not contain. The error comes with the environment, not with a picture."""
+        """Pictures need OSMesa or EGL, which a wheel does not contain. The error comes with the environment, not with a picture."""
 
         class WithoutOSMesa(troupe.Simulation):
             def picture(self, **_):
-                raise RuntimeError("cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6)")
+                raise RuntimeError("cannot draw: neither OSMesa nor EGL is installed")
 
-        text = 'render_mode="rgb_array": cannot draw: OSMesa is not installed (Debian, Ubuntu: apt install libosmesa6)'
+        text = 'render_mode="rgb_array": cannot draw: neither OSMesa nor EGL is installed'
         with unittest.mock.patch("troupe.envs.render.Simulation", WithoutOSMesa):
             for make in (troupe.envs.Env, troupe.envs.ParallelEnv, lambda task, **options: troupe.envs.VectorEnv(task, 4, **options)):
                 with self.assertRaisesRegex(RuntimeError, re.escape(text)):

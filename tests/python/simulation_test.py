@@ -17,6 +17,7 @@ import sys
 import threading
 import time
 import traceback
+import types
 import unittest.mock
 import weakref
 
@@ -27,6 +28,58 @@ from support import (HOSPITAL, ROOM, ROOT, WAIT_S, InAFolder, has_view, needs_vi
 
 sys.path.insert(0, str(ROOT))
 from tests.support.websocket import Socket  # noqa: E402
+
+
+class Objects(unittest.TestCase):
+    """Without its constructor, an object of the module would refer to memory that is not initialised."""
+
+    def test_no_class_makes_an_object_without_its_constructor(self):
+        classes = [each for each in vars(troupe._core).values() if type(each).__name__ == "pybind11_type"]
+        self.assertGreater(len(classes), 15)
+        for each in classes:
+            if hasattr(each, "__setstate__"):  # pickle makes such objects, which __setstate__() completes
+                continue
+            with self.subTest(each.__name__), self.assertRaisesRegex(
+                    TypeError, rf"^{each.__name__}\.__new__\(\) makes no object: call the class, or the function that returns such"):
+                each.__new__(each)
+
+    def test_an_object_without_its_constructor_has_no_use(self):
+        base = troupe.Events.__mro__[1]
+        for each in (troupe.Events, troupe.Measures, troupe.Swarm, troupe.Model, troupe.Simulation, troupe.Event, troupe.Pose):
+            unmade = base.__new__(each)
+            for name in dir(each):
+                if name.startswith("__") or not (callable(getattr(each, name)) or isinstance(vars(each).get(name), property)):
+                    continue
+                if isinstance(vars(each).get(name), (staticmethod, types.FunctionType)):
+                    continue
+                with self.subTest(f"{each.__name__}.{name}"), self.assertRaisesRegex(
+                        TypeError, f"^an object of the class {each.__name__} was made without its constructor"):
+                    used = getattr(unmade, name)
+                    used()
+        with self.assertRaisesRegex(TypeError, "without its constructor"):
+            troupe.Measures(base.__new__(troupe.Simulation))
+        with self.assertRaisesRegex(TypeError, "without its constructor"):
+            troupe.Simulation(ROOM).swarm(of=base.__new__(troupe.Model))
+
+    def test_derived_classes_are_made_as_before(self):
+        class Watch(troupe.Events):
+            def __init__(self, world):
+                super().__init__(world)
+                self.calls = 0
+
+            def see(self):
+                self.calls += 1
+                return super().see()
+
+        class Other(troupe.Simulation):
+            def __new__(cls, *arguments, **named):
+                return super().__new__(cls)
+
+        world = Other(ROOM, threads=1)
+        watch = Watch(world)
+        world.step()
+        self.assertEqual((watch.see(), watch.calls, world.tick), ([], 1, 1))
+        self.assertEqual(pickle.loads(pickle.dumps(troupe.Pose(1, 2, 0, 3))), troupe.Pose(1, 2, 0, 3))
 
 
 class Loading(InAFolder):
@@ -998,6 +1051,42 @@ class Models(InAFolder):
         with self.assertRaisesRegex(RuntimeError, "closed"):
             view.run()
         world.step()
+
+    @needs_view
+    def test_close_ends_a_run_in_another_thread(self):
+        world = troupe.Simulation(ROOM)
+
+        def is_stepping():
+            try:
+                return world.state_hash() is None
+            except RuntimeError:
+                return True
+
+        for is_watched in (False, True):  # without a user, run() waits for one
+            view = world.view(rate=0, out=self.folder)
+            port, token = view.address.removeprefix("http://127.0.0.1:").split("/#")
+            runner = threading.Thread(target=view.run)
+            runner.start()
+            until = time.monotonic() + WAIT_S
+            while not is_stepping() and time.monotonic() < until:
+                time.sleep(0.01)
+            if is_watched:
+                with Socket(int(port)) as viewer:
+                    viewer.send(token)
+                    viewer.receive()
+                    while viewer.state()["tick"] < 10:
+                        pass
+                    view.close()
+            else:
+                view.close()
+            runner.join(WAIT_S)
+            self.assertFalse(runner.is_alive())
+            with self.assertRaisesRegex(RuntimeError, "closed"):
+                view.run()
+            before = world.tick
+            world.step()
+            self.assertEqual(world.tick, before + 1)
+        self.assertGreater(world.tick, 10)
 
     @needs_view
     def test_a_view_runs_for_whole_ticks(self):

@@ -72,9 +72,9 @@ def output_when_interrupted(code, *waits_s):
 
 
 def is_lacking(error):
-    """Whether a text is the error of a build without HDF5 or without pictures, or of a machine without OSMesa."""
+    """Whether a text is the error of a build without HDF5 or without pictures, or of a machine without OSMesa and EGL."""
     return any(text in error for text in ("this build of Troupe has no HDF5", "this build cannot draw pictures",
-                                          "OSMesa is not installed"))
+                                          "neither OSMesa nor EGL is installed"))
 
 
 @contextlib.contextmanager

@@ -160,17 +160,12 @@ envs = gymnasium.make_vec("troupe/Navigation-v0", num_envs=4, vectorization_mode
 first, _ = envs.reset(seed=1)
 again, _ = envs.reset(seed=1)
 assert first.shape == (4, 18) and numpy.array_equal(first, again)
-try:  # pictures need OSMesa of the system, which is not in the wheel
-    ctypes.CDLL("libOSMesa.so.8")
-except OSError:
-    try:
-        gymnasium.make("troupe/Navigation-v0", render_mode="rgb_array")
-    except RuntimeError as error:
-        print(error)
-else:
+try:  # pictures need OSMesa or EGL of the system, which are not in the wheel
     drawn = gymnasium.make("troupe/Navigation-v0", render_mode="rgb_array", render_size=(64, 48))
     drawn.reset(seed=1)
     print(drawn.render().shape)
+except RuntimeError as error:
+    print(error)
 """)
         last = said.splitlines()[-1]
         self.assertTrue(last == "(48, 64, 3)" or "apt install libosmesa6" in last, said)

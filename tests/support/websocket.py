@@ -100,7 +100,8 @@ class Socket:
             if opcode == 2:
                 return payload
             if opcode == 8:
-                raise ConnectionError("the server closed the connection")
+                self.send(payload, 8)
+                raise ConnectionError(f"the server closed the connection: {payload[2:].decode()}")
             if opcode == 9:
                 self.send(payload, 10)
 

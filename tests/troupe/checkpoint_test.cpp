@@ -13,6 +13,7 @@
 #include "troupe/registry.hpp"
 #include "troupe/troupe.hpp"
 #include "worldio/results/hdf5_file.hpp"
+#include "worldio/results/sealed_file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -27,6 +28,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace troupe::checkpoint_test {
@@ -508,6 +510,39 @@ TEST_F(Checkpoint, RefusesOneThatWasCutOffOrDamagedOrIsNewer) {
   EXPECT_THAT(fault_of(newer),
               HasSubstr("the file has layout 2, that of a newer version of Troupe; this program reads layout "
                         "1"));
+}
+
+/// The seal is no secret: a file of unknown origin has one that fits. HDF5 crashed with each of these.
+TEST_F(Checkpoint, RefusesWrongStructuresOfHdf5UnderASealThatFits) {
+  Simulation simulation(write("room.json", k_room));
+  simulation.save(file_);
+  const std::string good = content(file_);
+  const auto fault_of = [&](const std::string& bytes) {
+    worldio::write_sealed(file_, worldio::k_checkpoint_kind, worldio::k_checkpoint_layout,
+                          std::as_bytes(std::span(bytes)));
+    return error_of(file_);
+  };
+  EXPECT_EQ(fault_of(good), "no error");
+  const auto replace_each = [&](std::string_view head, std::size_t at, std::string_view by,
+                                const char* error) {
+    std::size_t count = 0;
+    for (std::size_t found = good.find(head); found != good.npos;
+         found = good.find(head, found + 1), ++count) {
+      std::string bad = good;
+      bad.replace(found + head.size() + at, by.size(), by);
+      EXPECT_THAT(fault_of(bad), AllOf(HasSubstr("run.h5: error: /"), HasSubstr(error))) << "byte " << found;
+    }
+    EXPECT_GT(count, 5u);
+  };
+  using namespace std::string_view_literals;
+  const std::string_view no_address = "\xff\xff\xff\xff\xff\xff\xff\xff"sv;
+  const std::string_view layout = "\x08\0\x18\0\0\0\0\0\3"sv;  // head of a message, and its version
+  replace_each(layout, 0, "\0\0\0"sv,
+               "is damaged, or Troupe did not write the file: it is not stored contiguously");
+  replace_each(layout, 9, "\x01"sv, "is damaged, or Troupe did not write the file: it has ");
+  const std::string_view symbol_table = "\x11\0\x10\0\0\0\0\0"sv;
+  replace_each(symbol_table, 0, no_address, "is damaged, or Troupe did not write the file: it has ");
+  replace_each(symbol_table, 8, no_address, "is damaged, or Troupe did not write the file: it has ");
 }
 
 TEST_F(Checkpoint, ThatCannotBeWrittenLeavesTheOneBefore) {

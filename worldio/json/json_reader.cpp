@@ -2,6 +2,7 @@
 
 #include "base/split.hpp"
 #include "engine/fields/fields.hpp"
+#include "engine/spec/names.hpp"
 
 #include <fmt/format.h>
 
@@ -96,6 +97,18 @@ bool has_error_in(const Diagnostics& diagnostics, std::string_view pointer) {
 void refuse_empty(const JsonCursor& at, std::string_view otherwise) {
   if (at.node().list() && at.node().list()->empty())
     at.error(fmt::format("the list is empty: give at least one entry, or remove the key, for {}", otherwise));
+}
+
+bool check_name(const JsonCursor& at, std::string_view name) {
+  if (name.size() <= engine::k_most_name_bytes) return true;
+  at.error(fmt::format("the name has {} bytes, but a name has at most {}", name.size(),
+                       engine::k_most_name_bytes));
+  return false;
+}
+
+const std::string* read_name(const JsonCursor& at, std::string_view what) {
+  const std::string* name = read_text(at, what);
+  return name && check_name(at, *name) ? name : nullptr;
 }
 
 const std::string* read_text(const JsonCursor& at, std::string_view what) {

@@ -113,6 +113,10 @@ void refuse_empty(const JsonCursor& at, std::string_view otherwise);
 /// Returns the text at a cursor. If the value is not a text or is empty, returns null and reports the error
 /// `expected WHAT, found ...`, where WHAT is `what`, such as "the name of a type".
 const std::string* read_text(const JsonCursor& at, std::string_view what);
+/// As read_text(), for a name, which has at most engine::k_most_name_bytes bytes.
+const std::string* read_name(const JsonCursor& at, std::string_view what);
+/// Reports an error at the value with this name, and returns false, if the name is too long.
+bool check_name(const JsonCursor& at, std::string_view name);
 /// Reports an error and returns true if the text at a cursor contains U+0000. Texts become names of files,
 /// which end at this character.
 bool refuse_nul(const JsonCursor& at, std::string_view text);

@@ -1,6 +1,6 @@
 #include "worldio/json/json_text.hpp"
 
-#include "worldio/characters.hpp"
+#include "base/printable.hpp"
 
 #include <fmt/format.h>
 

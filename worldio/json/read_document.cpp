@@ -229,7 +229,7 @@ void ObjectReader::read_node(const DocumentKey& key, const JsonCursor& at) {
     case Form::version: return check_version(key, at);
     case Form::seed: return read_seed(key, at);
     case Form::name:
-      if (const std::string* name = read_text(at, key.expects)) member<std::string>(key) = *name;
+      if (const std::string* name = read_name(at, key.expects)) member<std::string>(key) = *name;
       return;
     case Form::model_kind: return read_model_kind(key, at);
     case Form::names: return read_names(key, at);
@@ -317,7 +317,7 @@ void ObjectReader::read_names(const DocumentKey& key, const JsonCursor& at) {
   if (!list) return;
   auto& names = member<std::vector<std::string>>(key);
   for (std::size_t i = 0; i < list->size(); ++i)
-    if (const std::string* name = read_text(JsonCursor(at, i, (*list)[i]), key.expects))
+    if (const std::string* name = read_name(JsonCursor(at, i, (*list)[i]), key.expects))
       names.push_back(*name);
   if (list->size() < key.least) at.expected(fmt::format("at least one {}", key.expects.substr(4)));
 }
@@ -364,7 +364,8 @@ void ObjectReader::read_map(const DocumentKey& key, const JsonCursor& at) {
     return at.expected(fmt::format("an object whose keys are the names of the {}", key.field.name));
   void* map = key.make(object_);
   for (const JsonMember& one : *members)
-    read_described(JsonCursor(at, one.key, one.node), key.table(), reading_, key.append(map, one.key));
+    if (check_name(at, one.key))
+      read_described(JsonCursor(at, one.key, one.node), key.table(), reading_, key.append(map, one.key));
 }
 
 void ObjectReader::check_rule(const DocumentRule& rule) const {

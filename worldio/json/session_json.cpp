@@ -1,5 +1,6 @@
 #include "worldio/json/session_json.hpp"
 
+#include "engine/spec/ticks.hpp"
 #include "worldio/files.hpp"
 #include "worldio/json/fields_json.hpp"
 #include "worldio/json/json_document.hpp"
@@ -42,6 +43,13 @@ std::uint64_t read_count(JsonObject& object, std::string_view key, std::string_v
   if (x && *x >= 0) return static_cast<std::uint64_t>(*x);
   JsonCursor(object.at(), key, *node).expected("a whole number, at least 0");
   return 0;
+}
+
+std::uint64_t read_tick(JsonObject& object, std::string_view hint) {
+  const std::uint64_t tick = read_count(object, "tick", hint);
+  if (tick > engine::k_most_ticks)
+    object.at().error(fmt::format("\"tick\" must be at most {}, found {}", engine::k_most_ticks, tick));
+  return tick;
 }
 
 std::string read_name(JsonObject& object, std::string_view key, std::string_view what) {
@@ -156,7 +164,7 @@ SessionHeader read_header(JsonObject& object) {
     object.at().error(fmt::format("unknown version {} of the session format: this program reads version {}",
                                   format, k_session_format));
   header.version = read_name(object, "version", "the version of the program that wrote the session");
-  header.tick = read_count(object, "tick", "the tick at which the session began");
+  header.tick = read_tick(object, "the tick at which the session began");
   header.hash = read_name(object, "hash", "the hash of the state at the tick at which the session began");
   if (object.find("world_hash"))
     header.world_hash = read_name(object, "world_hash", "the hash of the content of the world");
@@ -177,7 +185,7 @@ SessionHeader read_header(JsonObject& object) {
 /// line: the number of the line after the header, from 1
 void read_line(JsonObject& object, std::uint64_t line, Session& session, Diagnostics& diagnostics) {
   const std::size_t before = diagnostics.findings().size();
-  LoggedAct logged{.tick = read_count(object, "tick", "the tick at the end of which the action was applied"),
+  LoggedAct logged{.tick = read_tick(object, "the tick at the end of which the action was applied"),
                    .n = read_count(object, "n", "the number of the action, counted from 1"),
                    .where = object.at().where()};
   const std::string what = read_do(object);

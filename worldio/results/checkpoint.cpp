@@ -4,6 +4,7 @@
 #include "engine/spec/names.hpp"
 #include "engine/spec/ticks.hpp"
 #include "worldio/json/spec_json.hpp"
+#include "worldio/results/hdf5_metadata.hpp"
 #include "worldio/results/sealed_file.hpp"
 
 #include <fmt/format.h>
@@ -240,7 +241,10 @@ void write_checkpoint(const fs::path& file, engine::World& world, const engine::
 
 Checkpoint::Checkpoint(const fs::path& file)
     : file_(file), hdf5_(reading([&file] {
-        check_seal(file, k_checkpoint_kind, k_checkpoint_layout);  // before HDF5 reads any byte of the file
+        // Before HDF5 reads any byte of the file. The seal tells accidents; it can be recomputed.
+        check_seal(file, k_checkpoint_kind, k_checkpoint_layout);
+        if (const auto blocks = check_metadata(file, k_seal_bytes); !blocks)
+          throw InputError(fmt::format("{}: error: {}", file.string(), blocks.error().text));
         return Hdf5File::open(file);
       })) {
   reading([this] {

@@ -116,13 +116,29 @@ hid_t datasets() {
 }
 ///@}
 
-/// Checks that a dataset has its values in this file and needs no plug-in of HDF5 to decode them. HDF5
-/// supports both, but a file of unknown origin could use them to read other files or to run code. The error
-/// text continues a sentence about the dataset, as in "stores its values in other files".
+/// Checks that a dataset has its values in this file, in a layout that Troupe writes, and needs no plug-in of
+/// HDF5 to decode them. HDF5 supports other files and plug-ins, but a file of unknown origin could use them
+/// to read other files or to run code, and HDF5 1.10 copies values in the compact layout from a null pointer
+/// if their size is 0. The error text continues a sentence about the dataset, as in "stores its values in
+/// other files".
 Result<> check_own(hid_t dataset) {
   const Hdf5Id creation(H5Dget_create_plist(dataset), H5Pclose);
-  if (H5Pget_external_count(creation.get()) > 0 || H5Pget_layout(creation.get()) == H5D_VIRTUAL)
+  const H5D_layout_t layout = H5Pget_layout(creation.get());
+  if (H5Pget_external_count(creation.get()) > 0 || layout == H5D_VIRTUAL)
     return Error{"stores its values in other files; all values must be in this file"};
+  if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
+    return Error{
+        "is neither stored contiguously nor in chunks: the file is damaged, or Troupe did not write it"};
+  if (layout == H5D_CONTIGUOUS) {
+    const Hdf5Id space(H5Dget_space(dataset), H5Sclose);
+    const Hdf5Id type(H5Dget_type(dataset), H5Tclose);
+    const auto values =
+        static_cast<hsize_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space.get())));
+    const hsize_t stored = H5Dget_storage_size(dataset);  // 0 if no value was ever written
+    const std::size_t size = std::max<std::size_t>(1, H5Tget_size(type.get()));
+    if (stored != 0 && (stored % size != 0 || stored / size != values))
+      return Error{"has another number of values than are stored: the file is damaged"};
+  }
   const int filters = H5Pget_nfilters(creation.get());
   for (int i = 0; i < filters; ++i) {
     unsigned flags = 0;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string_view>
 
@@ -10,6 +11,9 @@ namespace troupe::worldio {
 /// The bytes with which an HDF5 file begins. If the file has a user block (bytes at the beginning that HDF5
 /// ignores), these bytes follow the user block.
 inline constexpr std::string_view k_hdf5_signature = "\x89HDF\r\n\x1a\n";
+
+/// The address in an HDF5 file that stands for no address.
+inline constexpr std::uint64_t k_hdf5_no_address = std::numeric_limits<std::uint64_t>::max();
 
 /// Two fields of the superblock, which is the header of an HDF5 file (HDF5 File Format Specification 3.0,
 /// section II.A, versions 2 and 3). The fields show whether the file is marked as open for writing. They are

@@ -1,6 +1,7 @@
 #include "worldio/results/hdf5_torn.hpp"
 
 #include "worldio/results/hdf5_checksum.hpp"
+#include "worldio/results/hdf5_superblock.hpp"
 #include "worldio/results/little_endian.hpp"
 
 #include <fmt/format.h>
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <bit>
 #include <fstream>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -22,7 +22,6 @@ using View = std::span<const std::uint8_t>;
 
 constexpr std::size_t k_checksum_bytes = 4;
 constexpr std::size_t k_address_bytes = 8;  // the only size in use
-constexpr std::uint64_t k_no_address = std::numeric_limits<std::uint64_t>::max();
 constexpr std::uint64_t k_page_bytes = 4096;
 constexpr std::size_t k_most_block_bytes = std::size_t{1} << 20;  // larger blocks are not from Troupe
 // No byte of an undamaged file is read more often. This limit ends the search in a file whose blocks refer to
@@ -137,7 +136,7 @@ class Mender {
     if (!is_torn(address, block)) return;
     for (std::size_t at = 0; at + k_address_bytes <= addresses.size(); at += k_address_bytes)
       if (const auto one = addresses.subspan(at, k_address_bytes); little_endian(one) >= end_)
-        put_little_endian(k_no_address, one);
+        put_little_endian(k_hdf5_no_address, one);
     put_little_endian(metadata_checksum(block.first(block.size() - k_checksum_bytes)),
                       block.last(k_checksum_bytes));
     if (!stream_.seekp(static_cast<std::streamoff>(address)) ||
@@ -226,7 +225,7 @@ class Mender {
   }
 
   void mend_super_block(const ArrayShape& shape, std::size_t u, std::uint64_t address) {
-    if (address == k_no_address) return;
+    if (address == k_hdf5_no_address) return;
     const std::size_t blocks = ArrayShape::blocks_of(u);
     const std::size_t marks = (pages_of(shape, u) + 7) / 8;  // bytes per data block: which pages it has
     const std::size_t addresses = shape.head_bytes() + blocks * marks;
@@ -250,7 +249,7 @@ class Mender {
   /// marks: for each page of the block, a bit that says whether the page is in use; the bit of the first page
   /// is the highest bit of the first byte
   void mend_data_block(const ArrayShape& shape, std::size_t u, std::uint64_t address, View marks) {
-    if (address == k_no_address) return;
+    if (address == k_hdf5_no_address) return;
     const std::size_t head = shape.head_bytes();
     const std::size_t pages = pages_of(shape, u);
     const std::size_t elements = pages == 0 ? shape.elements_of(u) * shape.element_bytes : 0;

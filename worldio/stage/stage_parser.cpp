@@ -1,6 +1,7 @@
 #include "worldio/stage/stage_parser.hpp"
 
 #include "base/number_text.hpp"
+#include "engine/spec/names.hpp"
 #include "worldio/characters.hpp"
 #include "worldio/files.hpp"
 #include "worldio/stage/stage_files.hpp"
@@ -509,6 +510,11 @@ class Parser {
     const std::string_view name = peek().text;
     ++at_;
     bool usable = true;
+    if (name.size() > engine::k_most_name_bytes) {
+      errors_.add(word.where(), fmt::format("the name has {} bytes, but a name has at most {}", name.size(),
+                                            engine::k_most_name_bytes));
+      usable = false;
+    }
     if (peek().kind == TokenKind::word) {
       item.base = position();
       ++at_;

@@ -1,6 +1,7 @@
 #include "worldio/stage/stage_values.hpp"
 
 #include "base/limits.hpp"
+#include "engine/spec/names.hpp"
 #include "worldio/colors.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/stage/stage_limits.hpp"
@@ -47,6 +48,11 @@ std::optional<std::string_view> StageValues::text(const StageProperty& property)
 
 std::optional<std::string_view> StageValues::name(const StageProperty& property) {
   const auto given = text(property);
+  if (given && given->size() > engine::k_most_name_bytes) {
+    error(where(property), fmt::format("the name has {} bytes, but a name has at most {}", given->size(),
+                                       engine::k_most_name_bytes));
+    return {};
+  }
   if (!given || (!given->empty() && *given != "/")) return given;
   warning_once(where(property), "\"name\" is empty or only a /; a generated name is used instead");
   return {};

@@ -310,7 +310,7 @@ class Link {
   closed(code, reason) {
     if (code === TRY_AGAIN_LATER) problem(`The program refuses the connection: ${reason}. The page tries again every ${RETRY_MS / 1000} s.`);
     else if (this.isOpened && !this.isGreeted) return problem("This address has no valid token. Open the address that the program has printed.");
-    else problem("The program has ended or cannot be reached.");
+    else problem(reason ? `The program has ended: ${reason}.` : "The program has ended or cannot be reached.");
     setTimeout(() => this.open(), RETRY_MS);
   }
 
