@@ -3,6 +3,7 @@
 #include "apps/diff/diff_recordings.hpp"
 #include "apps/diff/diff_tables.hpp"
 #include "apps/hash_log_reader.hpp"
+#include "apps/messages.hpp"
 #include "apps/options.hpp"
 #include "apps/run_header.hpp"
 #include "base/diagnostics.hpp"
@@ -84,8 +85,8 @@ ExitCode diff_hash_logs(const DiffOptions& options) {
   for (; a && b; a = first.next(), b = second.next()) {
     last = *a;
     if (a->groups == b->groups) continue;
-    fmt::print("differs at tick {}, in {}:\n  {}:{}: {}\n  {}:{}: {}\n", a->tick, groups_that_differ(*a, *b),
-               options.first.string(), a->number, a->text, options.second.string(), b->number, b->text);
+    print("differs at tick {}, in {}:\n  {}:{}: {}\n  {}:{}: {}\n", a->tick, groups_that_differ(*a, *b),
+          options.first.string(), a->number, a->text, options.second.string(), b->number, b->text);
     return k_failed;
   }
   if (a || b) {
