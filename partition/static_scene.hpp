@@ -93,16 +93,9 @@ class StaticScene {
   /// Finds an obstacle with an edge that enters a piece of the shape at a common height. Returns the index of
   /// this obstacle in solids(), or -1 if there is none. If there are several, returns the one that the search
   /// finds first. Skips solids for which ignored(index in solids()) is true. Does not find a solid that
-  /// contains the whole shape, because no edge of such a solid enters the shape; swallowed() finds it.
+  /// contains the whole shape, because no edge of such a solid enters the shape; overlaps() finds it.
   template <class Ignored>
   int crossed(const PlacedShape& shape, Ignored&& ignored) const;
-  /// Whether an obstacle contains a whole piece of the shape at a common height. Skips solids for which
-  /// ignored(index in solids()) is true. The function tests only one point of each piece. The result is exact
-  /// only if no edge of the obstacle enters the shape, so call crossed() first.
-  template <class Ignored>
-  bool swallowed(const PlacedShape& shape, Ignored&& ignored) const {
-    return find_swallowing(shape, [&](std::uint32_t solid) { return !ignored(solid); });
-  }
 
   /// The distance, metres, from a point (metres, world frame) to the nearest edge of an obstacle. If the
   /// distance is more than `most` (metres), the result is `most`. Heights are ignored. A point inside an

@@ -161,6 +161,8 @@ class Program:
     def unknown(self, command):
         """Returns the first subcommand or option of a `troupe` command line that the program does not have, or None."""
         words = re.split(r"\s+", re.split(r"[|;&<>]", command)[0].strip())
+        if words[1:2] == ["help"]:
+            del words[1]  # `troupe help COMMAND`
         if len(words) < 2 or words[1].startswith("-"):
             return None
         if not re.fullmatch(r"[a-z]+", words[1]):

@@ -215,8 +215,9 @@ bool StageKinds::read_parameter(const StageModel& model, const StageParameter& p
   const auto at = static_cast<std::size_t>(table.find(parameter.field));
   auto given =
       value(*property, table.fields[at], to_si, parameter.column, unused(table, params, table.fields[at]));
-  if (given) params[at] = *std::move(given);
-  return given.has_value();
+  if (!given) return false;
+  params[at] = *std::move(given);
+  return true;
 }
 
 /// Reads a property as a value of `field`. A number is multiplied by `to_si`; `column` is the index (0 or 1)
