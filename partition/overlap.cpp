@@ -168,8 +168,8 @@ bool is_near_segment(const PlacedShape& shape, const Vec2& a, const Vec2& b, dou
     if (!piece.z.shifted(shape.z()).overlaps(z)) return false;
     bool is_inside = true;
     for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Vec2 from = ring[i];
-      const Vec2 to = ring[i + 1 < ring.size() ? i + 1 : 0];
+      const Vec2& from = ring[i];
+      const Vec2& to = ring[i + 1 < ring.size() ? i + 1 : 0];
       if (segment_distance(a, b, from, to) <= distance) return true;
       is_inside = is_inside && cross(to - from, a - from) > 0;
     }

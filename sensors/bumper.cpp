@@ -1,6 +1,6 @@
 #include "sensors/bumper.hpp"
 
-#include "engine/conflicts/collision.hpp"
+#include "engine/kinds/collision.hpp"
 #include "engine/kinds/device_kind.hpp"
 #include "engine/kinds/sensor_params.hpp"
 #include "engine/sensing/sight.hpp"

@@ -148,7 +148,8 @@ class Steered(unittest.TestCase):
             if limited("--version").returncode != 0:
                 self.skipTest("NOT TESTED: the limits cannot be set here")
             view = limited("view", world, "--open", "--threads", "1", "--out", folder)
-            notice = "troupe view: ending; a second Ctrl-C or SIGTERM ends the program at once\n"
+            notice = ("troupe view: ending; a second Ctrl-C or SIGTERM ends the program at once\n"
+                      f"troupe view: this command repeats the session: troupe run {world} --session {folder}/rooms.session.jsonl\n")
             self.assertEqual((view.returncode, view.stderr), (3, notice))
 
     def test_a_view_without_an_address_begins_no_session(self):

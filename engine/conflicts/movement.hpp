@@ -66,9 +66,9 @@ class Movement {
   /// What blocked the motion of each row in the last resolution; empty without find_blocks(). A Border may
   /// write the elements of ghosts.
   std::span<Conflicts::Block> blocks() { return blocks_; }
-  /// A blocked motion of the last resolution: the arguments are those of Collision. Call this between
-  /// resolve() and commit(), with find_blocks().
-  Collision collision(std::uint32_t mover, std::uint32_t blocker, bool feels_as_mover) const {
+  /// A blocked motion of the last resolution: the arguments are the members of Collision::Sides. Call this
+  /// between resolve() and commit(), with find_blocks().
+  Collision::Sides collision(std::uint32_t mover, std::uint32_t blocker, bool feels_as_mover) const {
     return {crowd_, state_.scene, mover, blocker, feels_as_mover};
   }
   /// Writes the poses of the bodies that moved or were pushed, their transforms and outlines, the component

@@ -499,12 +499,12 @@ void World::report_collisions() {
         const auto& [feeler, mover, as_mover] = felt_[j];
         const BodyId other = blocks[mover].contact.blocker();
         const Row blocker = location(other) == RowLocation::here ? row(other) : Row();
-        const Collision collision = movement_.collision(mover, blocker.value, as_mover);
+        const Collision::Sides sides = movement_.collision(mover, blocker.value, as_mover);
         const BodyType& type = state_.type(feeler);
         for (const std::size_t d : type.collision_devices) {
           const BodyType::Device& device = type.devices[d];
           const DeviceBatch batch = device_batch({&feeler, 1}, type, device);
-          if (batch.runs(0, d)) device.kind->collide(batch, collision);
+          if (batch.runs(0, d)) device.kind->collide(batch, Collision(sides));
         }
       }
     }

@@ -1496,7 +1496,7 @@ class Looking(InAFolder):
         for _ in range(4):
             world.step()
             seen += events.see()
-        self.assertEqual(repr(seen), "[<Event stall_begins of r0>]")
+        self.assertEqual(repr(seen), "[<Event stall_begins of r0, east>]")
         for value in (troupe.Pose(1, 2, 3, 4), robot.pose(), robot.speed(), world.cast((0, 4, 0), 9), world.cast((0, 0, 0), 0), *seen):
             other = pickle.loads(pickle.dumps(value))
             self.assertEqual((type(other), repr(other)), (type(value), repr(value)))
