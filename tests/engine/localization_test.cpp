@@ -179,7 +179,7 @@ TEST(Localization, OnlyRobotsWithOdometryHaveSuchAState) {
 // Larger numbers could make an estimate infinite, and then NaN, without an error.
 TEST(Localization, TheErrorsAndTheOriginAreLimited) {
   const auto load = [](const char* name, std::vector<double> numbers) {
-    const Robot robot("diff", {{name, std::move(numbers)}});
+    const Robot robot("diff", {{"localization", "odom"}, {name, std::move(numbers)}});
     Simulation simulation(robot.scene.spec);
   };
   EXPECT_NO_THROW(load("odom_error", {1000, 0, -1000}));
