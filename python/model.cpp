@@ -142,9 +142,11 @@ void bind_model_motion(ModelClass& model) {
                             py::arg("body") = id(contact.blocker()),
                             py::arg("behind") = id(contact.stopper()));
           },
-          "What blocked the robot in the last tick: None, or a dict. Its \"cause\" is \"body\", \"pushed\" (a "
+          "What blocked the robot in the last tick: None, or a dict. Its \"cause\" is \"body\", \"pushed\" "
+          "(a "
           "body that it pushes\ncannot go on), \"bounds\" or \"joint\"; \"body\" is the id of the body that "
-          "blocked it, and \"behind\" that of the body that\nstops a pushed body; None if there is none. Raises "
+          "blocked it, and \"behind\" that of the body that\nstops a pushed body; None if there is none. "
+          "Raises "
           "RuntimeError unless the world has \"contacts\": true (docs/driving.md).")
       .def(
           "estimate", [](HeldModel& m) { return m.use().estimate(); },

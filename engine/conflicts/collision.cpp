@@ -40,11 +40,10 @@ bool Collision::reaches(const Vec2& a, const Vec2& b, double distance) const {
     const Vec2 there_a = carried(a, crowd.transforms[row], at);
     const Vec2 there_b = carried(b, crowd.transforms[row], at);
     const ZInterval z = mover.shape.z.shifted(pose.z);
-    const bool is_near =
-        Row(blocker).valid()
-            ? is_near_segment(PlacedShape(*crowd.shapes[blocker], block.at, block.z), there_a, there_b,
-                              distance, z)
-            : scene.is_near_segment(block.contact.blocker(), there_a, there_b, distance, z);
+    const bool is_near = Row(blocker).valid()
+                             ? is_near_segment(PlacedShape(*crowd.shapes[blocker], block.at, block.z),
+                                               there_a, there_b, distance, z)
+                             : scene.is_near_segment(block.contact.blocker(), there_a, there_b, distance, z);
     if (is_near) return true;
   }
   return false;

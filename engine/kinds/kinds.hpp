@@ -705,7 +705,7 @@ struct DecideBatch {
   std::span<const BodyId> ids;           ///< id of each row of the world
   std::span<const std::uint32_t> slots;  ///< slot of each row of the world in the tables of its type
   std::span<Command> commands;           ///< drive command of each row of the world
-  std::span<const std::uint8_t> stalls;  ///< component `stall` of each row of the world: 0 unless stalled
+  std::span<const std::uint8_t> stalls;  ///< component `stall` of each row of the world; empty: none stalls
   /// Component `contact` of each row of the world; empty if the state does not have it.
   std::span<const Contact> contacts;
   Estimates estimates;  ///< estimated poses of the robots, as their drives estimate them
@@ -754,7 +754,10 @@ struct DecideBatch {
     return estimates.of(row(i), slot(i));
   }
   /// Whether the last motion of robot i was blocked, or would have left the bounds of the world.
-  bool stalled(std::size_t i) const { return stalls[row(i).index()] != 0; }
+  bool stalled(std::size_t i) const {
+    const std::size_t r = row(i).index();
+    return !stalls.empty() && stalls[r] != 0;
+  }
   /// What blocked robot i in the last tick; all zero if nothing did, or if the state does not say so
   /// (ControllerKind::reads_contacts).
   Contact blocked_by(std::size_t i) const {

@@ -130,8 +130,8 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
   if (leads()) {
     has_callback_ = has_callback;
     MessageWriter message = message_of(Order::step);
-    message.put(has_callback);
-    message.put(world_.watches_contacts());
+    message.put(static_cast<std::uint8_t>((has_callback ? k_has_callback : 0) |
+                                          (world_.watches_contacts() ? k_watches_contacts : 0)));
     message.put(rejections_);
     put_changes(message);
     transport_.send_to_all(std::move(message));

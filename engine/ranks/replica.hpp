@@ -236,6 +236,9 @@ class Replica {
   /// partition::RankError if rank 0 ends the world instead, because it cannot go on after an exception.
   ReceivedOrder expect(Order order, unsigned from);
 
+  /// Bits of the first byte of Order::step.
+  enum Flags : std::uint8_t { k_has_callback = 1, k_watches_contacts = 2 };
+  void follow_step(std::uint8_t flags);
   std::unique_ptr<RankRows> make_rows();
   void put_changes(partition::MessageWriter& message);
   void get_changes(partition::MessageReader& message, bool is_in_tick);

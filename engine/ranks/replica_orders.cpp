@@ -28,6 +28,12 @@ void Replica::keep_step_error(Work&& work) {
   }
 }
 
+/// Reads the flags of Order::step.
+void Replica::follow_step(std::uint8_t flags) {
+  has_callback_ = (flags & k_has_callback) != 0;
+  if ((flags & k_watches_contacts) != 0) world_.watch_contacts();
+}
+
 void Replica::follow(Order order, MessageReader message) {
   const auto answer = [&](auto&& put_data) {
     MessageWriter data = message_of(order);
@@ -36,8 +42,7 @@ void Replica::follow(Order order, MessageReader message) {
   };
   switch (order) {
     case Order::step:
-      has_callback_ = message.get<bool>();
-      if (message.get<bool>()) world_.watch_contacts();
+      follow_step(message.get<std::uint8_t>());
       require_equal_rejections(message.get<std::uint64_t>());
       get_changes(message, false);
       require_whole();

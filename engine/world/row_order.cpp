@@ -289,8 +289,9 @@ void World::append_rows(std::span<const RowState> added) {
 /// row's data in the state tables.
 std::vector<std::byte> World::row_bytes(Row row) {
   partition::MessageWriter message;
-  message.put(state_.subscribed[row.index()]);
-  message.put(state_.contacts.empty() ? Contact() : state_.contacts[row.index()]);
+  const bool has_contact = !state_.contacts.empty();
+  message.put(static_cast<std::uint8_t>(state_.subscribed[row.index()] + (has_contact ? 2 : 0)));
+  if (has_contact) message.put(state_.contacts[row.index()]);
   for (const PlacedRows* list : {&placed_, &placed_before_}) {
     const Pose* const pose = list->find(row);
     message.put(static_cast<std::uint8_t>(pose != nullptr));
@@ -306,8 +307,9 @@ std::vector<std::byte> World::row_bytes(Row row) {
 /// Sets the data of a row from `bytes`, a result of row_bytes().
 void World::set_state(Row row, std::span<const std::byte> bytes) {
   partition::MessageReader message(bytes);
-  state_.subscribed[row.index()] = message.get<std::uint8_t>();
-  const auto contact = message.get<Contact>();
+  const auto flags = message.get<std::uint8_t>();
+  state_.subscribed[row.index()] = flags & 1;
+  const auto contact = (flags & 2) != 0 ? message.get<Contact>() : Contact();
   if (!state_.contacts.empty()) state_.contacts[row.index()] = contact;
   for (PlacedRows* list : {&placed_, &placed_before_})
     if (message.get<std::uint8_t>() != 0) list->set(row, message.get<Pose>());

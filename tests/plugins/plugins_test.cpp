@@ -262,11 +262,11 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
       AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
             HasSubstr("no_such_function"), EndsWith(" (link it with the CMake target troupe::plugin)")));
   EXPECT_THAT(error_of("another_version"),
-              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 18., but this "
-                                                      "program is troupe 0.3.0 .interface 18.: rebuild it"));
+              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 19., but this "
+                                                      "program is troupe 0.3.0 .interface 19.: rebuild it"));
   EXPECT_THAT(error_of("old_interface"),
               MatchesRegex(about("old_interface") + "was built for troupe 0.3.0 .interface 3., but this "
-                                                    "program is troupe 0.3.0 .interface 18.: rebuild it"));
+                                                    "program is troupe 0.3.0 .interface 19.: rebuild it"));
   EXPECT_THAT(error_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, but Troupe with libstdc..*"));
@@ -286,9 +286,10 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
               EndsWith("has a controller \"expand\", but Troupe ships one with this name: rename it"));
   EXPECT_THAT(
       error_of("command"),
-      EndsWith("has a controller \"command\" that has the name of a component of the state that Troupe "
-               "defines: rename it; all names except alive, carrier, command, condition, joint, life, "
-               "odometry, pose, stall, velocity are allowed"));
+      EndsWith(
+          "has a controller \"command\" that has the name of a component of the state that Troupe "
+          "defines: rename it; all names except alive, carrier, command, condition, contact, joint, life, "
+          "odometry, pose, stall, velocity are allowed"));
   EXPECT_EQ(error_of("swarm", "plugins"),
             "error: " + file("plugins", "swarm") +
                 "has no controller \"swarm\"; it has: swarm:follower, swarm:leader, swarm:needy");
@@ -573,14 +574,16 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
   EXPECT_EQ(error(room("walker")),
             at("3", "/kind") + plugins +
                 "/walker.so has no sensor or device \"walker\"; it has: walker, but no sensor or device");
-  EXPECT_EQ(error(room("beam_ranger:sonic")),
-            at("3", "/kind") + plugins +
-                "/beam_ranger.so has no sensor or device \"beam_ranger:sonic\"; it has: beam_ranger");
+  EXPECT_EQ(
+      error(room("beam_ranger:sonic")),
+      at("3", "/kind") + plugins +
+          "/beam_ranger.so has no sensor or device \"beam_ranger:sonic\"; it has: beam_ranger (did you mean "
+          "\"beam_ranger\"?)");
   EXPECT_THAT(
       error(room("another_version"), "unusable"),
       MatchesRegex(at("3", "/kind") +
                    "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                   "99.1.0 .interface 18., but this program is troupe 0.3.0 .interface 18.: rebuild it"));
+                   "99.1.0 .interface 19., but this program is troupe 0.3.0 .interface 19.: rebuild it"));
   EXPECT_THAT(
       error(room("ranger:ranger"), "unusable"),
       EndsWith(

@@ -93,7 +93,7 @@ TEST(KindKeys, KindsMayNotBeCalledLikeComponentsOfTheEngine) {
   EXPECT_EQ(
       check_kinds(registry).error().text,
       "the controller kind \"pose\" has the name of a component of the state that Troupe defines: rename "
-      "it; all names except alive, carrier, command, condition, joint, life, odometry, pose, stall, "
+      "it; all names except alive, carrier, command, condition, contact, joint, life, odometry, pose, stall, "
       "velocity are allowed");
   registry.controllers.back().name = "posture";
   EXPECT_TRUE(check_kinds(registry));
@@ -159,7 +159,7 @@ TEST(KindKeys, KindsHaveNamesAndTheHooksThatTheEngineCalls) {
 
 /// A world with all components that the engine defines.
 constexpr const char* k_all_components =
-    R"({"troupe": 1, "mortal": true, "arena": {"size_m": [4, 4]}, "types": {"bot": {
+    R"({"troupe": 1, "mortal": true, "contacts": true, "arena": {"size_m": [4, 4]}, "types": {"bot": {
   "size_m": [0.2, 0.2, 0.2], "drive": {"kind": "diff", "localization": "odom"},
   "devices": [{"name": "hand", "kind": "gripper", "size_m": [0.2, 0.4, 0.1]}]}},
   "populations": [{"name": "r", "type": "bot", "count": 1, "reserve": 1, "place": {"rule": "uniform"}}]})";

@@ -843,7 +843,7 @@ TEST(JsonWorld, EverythingWrongIsReportedAtOnce) {
           "maze.json:4: error: /types/a/size_m: expected a list of 3 numbers in m, found the number 1",
           "maze.json:4: error: /types/a/drive/kind: unknown drive \"x\"; known: car, diff, omni",
           "maze.json:6: error: /models/1: expected an object, found the number 4",
-          "maze.json:5: error: unknown key \"noise\"; known: $schema, arena, at, bounds_m, faults, "
+          "maze.json:5: error: unknown key \"noise\"; known: $schema, arena, at, bounds_m, contacts, faults, "
           "floorplans, "
           "ground, include, "
           "measure_every_ms, measure_every_s, measures, models, mortal, overlaps, populations, quit_time_ms, "
