@@ -27,7 +27,8 @@ def render_metadata(batch: Batch) -> Dict[str, Any]:
 
 def _check_pictures() -> None:
     """Draws a small picture of an empty world, so that a missing library (a wheel contains no OSMesa and no EGL) is
-    reported before the training begins and not by its first picture. Raises RuntimeError if pictures cannot be drawn."""
+    reported before the training begins and not by its first picture. Raises RuntimeError if pictures cannot be
+    drawn."""
     try:
         Simulation({"troupe": 1}, threads=1).picture(width=16, height=16)
     except RuntimeError as error:
