@@ -2,7 +2,7 @@
 
 #include "apps/exit_code.hpp"
 #include "apps/options.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 
 #include <string>
 #include <string_view>

@@ -146,12 +146,12 @@ double tile_size_m(std::string_view text) {
   return *size;
 }
 
-void add_world_options(CLI::App& app, WorldOptions& options) {
+void add_world_options(CLI::App& app, WorldCommandOptions& options) {
   add_argument(app, "WORLD", "World file: Stage's .world, or .json", options.world);
   add_run_settings(app, options);
 }
 
-void add_run_settings(CLI::App& app, WorldOptions& options) {
+void add_run_settings(CLI::App& app, WorldCommandOptions& options) {
   add_end_option(app, options);
   add_value(app, "--seed", "N", "Seed of all random numbers (default: the world's, else 1)",
             [&options](const std::string& text) { options.simulation.seed = seed_of("--seed", text); });
@@ -180,19 +180,20 @@ void add_run_settings(CLI::App& app, WorldOptions& options) {
   add_simd_option(app);
 }
 
-void add_threads_option(CLI::App& app, WorldOptions& options) {
-  add_value(app, "--threads", "N", "Worker threads (default: one per available processor)",
+void add_threads_option(CLI::App& app, WorldCommandOptions& options, std::string_view what) {
+  const std::string help = fmt::format("{} (default: one per available processor)", what);
+  add_value(app, "--threads", "N", help.c_str(),
             [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
 }
 
-void add_across_options(CLI::App& app, WorldOptions& options) {
+void add_across_options(CLI::App& app, WorldCommandOptions& options) {
   add_switch(app, "--across-versions", options.across_versions,
              "Resume even if another version of Troupe wrote the checkpoint");
   add_switch(app, "--across-plugins", options.across_plugins,
              "Resume even if plug-ins were rebuilt since the checkpoint was saved");
 }
 
-void refuse_across_options(const WorldOptions& options) {
+void refuse_across_options(const WorldCommandOptions& options) {
   if (options.across_versions || options.across_plugins)
     throw InputError(
         fmt::format("{}: error: --across-versions and --across-plugins are only for checkpoints: omit these "
@@ -200,7 +201,7 @@ void refuse_across_options(const WorldOptions& options) {
                     options.world.string()));
 }
 
-void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
+void add_rank_seed_option(CLI::App& app, WorldCommandOptions& options) {
   add_value(
       app, "--rank-seed", "N",
       "For tests: delay messages between ranks and move robots to other ranks at random, with seed N",
@@ -208,7 +209,7 @@ void add_rank_seed_option(CLI::App& app, WorldOptions& options) {
       ->group("Advanced");
 }
 
-void add_distribute_option(CLI::App& app, WorldOptions& options) {
+void add_distribute_option(CLI::App& app, WorldCommandOptions& options) {
   add_switch(app, "--distribute", options.simulation.distribute,
              "With several ranks: each rank has only its own and nearby robots, if the world allows it");
 }
@@ -221,7 +222,7 @@ void add_rank_limit_option(CLI::App& app, double& limit_s) {
       ->group("Advanced");
 }
 
-void add_end_option(CLI::App& app, WorldOptions& options) {
+void add_end_option(CLI::App& app, WorldCommandOptions& options) {
   add_value(app, "--for", "S", "End at S seconds of simulated time", [&options](const std::string& text) {
     options.for_s = finite_number_of(text);
     if (!options.for_s || *options.for_s < 0 || *options.for_s > engine::k_longest_run_s)
@@ -237,7 +238,7 @@ void add_set_option(CLI::App& app, std::vector<std::pair<std::string, std::strin
              [&set](const std::string& text) { set.push_back(assignment(text)); });
 }
 
-double end_of(const WorldOptions& options, const Simulation& simulation) {
+double end_of(const WorldCommandOptions& options, const Simulation& simulation) {
   if (options.for_s) return *options.for_s;
   if (const auto quit = simulation.quit_time_s()) return *quit;
   const bool json = options.world.extension() == ".json";
@@ -248,7 +249,7 @@ double end_of(const WorldOptions& options, const Simulation& simulation) {
                                                               : ", or set quit_time in the world"));
 }
 
-void check_end(const WorldOptions& options, const Simulation& simulation, double end_s) {
+void check_end(const WorldCommandOptions& options, const Simulation& simulation, double end_s) {
   if (engine::ticks_until(end_s, simulation.tick_s()) >= simulation.tick()) return;
   throw InputError(
       fmt::format("{}: error: the checkpoint was saved at {:.10g} s, after the end of the run at {:.10g} "
@@ -313,7 +314,7 @@ SimulationOptions with_environment(SimulationOptions options) {
   return options;
 }
 
-ResumeOptions resume_options(const WorldOptions& options) {
+ResumeOptions resume_options(const WorldCommandOptions& options) {
   const SimulationOptions& simulation = options.simulation;
   return {.threads = simulation.threads,
           .tile_size_m = simulation.tile_size_m,

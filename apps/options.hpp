@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/cli_app.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "troupe/script.hpp"
 #include "troupe/simulation.hpp"
 
@@ -70,7 +70,7 @@ void add_argument(CLI::App& app, const char* name, const char* help, std::filesy
 
 /// Options of the commands that load a world: the world file, the settings of its simulation, and the end of
 /// the run. Ranks are processes, or groups of threads, that compute the world together.
-struct WorldOptions {
+struct WorldCommandOptions {
   std::filesystem::path world;  ///< world file, or checkpoint (saved state of a run)
   bool is_checkpoint = false;   ///< `world` is a checkpoint
   SimulationOptions simulation;
@@ -83,32 +83,33 @@ struct WorldOptions {
 };
 /// Adds the positional argument WORLD and the options of add_run_settings(). Parsing fills `options`, which
 /// must outlive `app`.
-void add_world_options(CLI::App& app, WorldOptions& options);
+void add_world_options(CLI::App& app, WorldCommandOptions& options);
 /// Adds --for, --seed, --raytracer, --robots, --spare, --set, --plugin-path, --controller and --simd. Parsing
 /// fills `options`, which must outlive `app`.
-void add_run_settings(CLI::App& app, WorldOptions& options);
+void add_run_settings(CLI::App& app, WorldCommandOptions& options);
 /// Adds --for, for commands without the other options of add_run_settings(). Parsing sets options.for_s.
-void add_end_option(CLI::App& app, WorldOptions& options);
+void add_end_option(CLI::App& app, WorldCommandOptions& options);
 /// Adds --set, for commands without the other options of add_run_settings(). set: receives, for each --set,
 /// the JSON pointer and the JSON text of the new value; what: what the help calls the world.
 void add_set_option(CLI::App& app, std::vector<std::pair<std::string, std::string>>& set,
                     std::string_view what = "world");
 
-/// Adds --threads, for commands with one rank. Parsing sets options.simulation.threads.
-void add_threads_option(CLI::App& app, WorldOptions& options);
+/// Adds --threads. Parsing sets options.simulation.threads. what: what the help calls the threads
+void add_threads_option(CLI::App& app, WorldCommandOptions& options,
+                        std::string_view what = "Worker threads");
 /// Adds --across-versions and --across-plugins, for commands that resume checkpoints. Parsing fills
 /// `options`, which must outlive `app`.
-void add_across_options(CLI::App& app, WorldOptions& options);
+void add_across_options(CLI::App& app, WorldCommandOptions& options);
 /// Throws InputError if an option of add_across_options() is given. For a world file, which has no use for
 /// them.
-void refuse_across_options(const WorldOptions& options);
+void refuse_across_options(const WorldCommandOptions& options);
 
 /// Returns the end of the run in simulated time, s: the value of --for, or else the quit time
 /// that the world file gives. Throws InputError if neither is given.
-double end_of(const WorldOptions& options, const Simulation& simulation);
+double end_of(const WorldCommandOptions& options, const Simulation& simulation);
 /// Throws InputError if the simulation was resumed from a checkpoint that was saved after the end of the run
 /// at the simulated time `end_s`, s.
-void check_end(const WorldOptions& options, const Simulation& simulation, double end_s);
+void check_end(const WorldCommandOptions& options, const Simulation& simulation, double end_s);
 /// Adds --simd, which names a SIMD instruction set. Parsing selects this set for range finding (the
 /// computation of the distances that sensors measure) in the whole process. Throws CLI::ValidationError,
 /// while parsing, if the name is unknown or the processor lacks the set.
@@ -120,11 +121,11 @@ void obey_simd_variable();
 /// Adds --rank-seed, an option for tests, which sets SimulationOptions::rank_seed. Ranks are the processes,
 /// or groups of threads, that compute a world together. If a seed is given, messages between ranks arrive
 /// late, and robots move to randomly chosen ranks during the run. No simulated result depends on the seed.
-void add_rank_seed_option(CLI::App& app, WorldOptions& options);
+void add_rank_seed_option(CLI::App& app, WorldCommandOptions& options);
 /// Adds --distribute, which sets SimulationOptions::distribute. Ranks are the processes, or groups of
 /// threads, that compute a world together. Without this option, each rank has the data of all robots. With
 /// it, each rank has only the data of its own robots and of robots near them, if the world allows it.
-void add_distribute_option(CLI::App& app, WorldOptions& options);
+void add_distribute_option(CLI::App& app, WorldCommandOptions& options);
 /// Adds --rank-limit, which sets `limit_s`: the longest time that a rank waits for another rank, wall time,
 /// s. A rank is a process, or a group of threads, that computes a part of the world. `limit_s` must outlive
 /// `app`.
@@ -134,7 +135,7 @@ void add_rank_limit_option(CLI::App& app, double& limit_s);
 void add_kind_options(CLI::App& app, std::vector<std::filesystem::path>& plugin_path,
                       std::vector<std::shared_ptr<const Script>>& scripts);
 
-/// The values of add_kind_options(), for commands without WorldOptions.
+/// The values of add_kind_options(), for commands without WorldCommandOptions.
 struct KindSources {
   std::vector<std::filesystem::path> plugin_path;      ///< folders to search for plug-ins (shared libraries)
   std::vector<std::shared_ptr<const Script>> scripts;  ///< scripts with controllers (--controller)
@@ -153,6 +154,6 @@ std::vector<std::filesystem::path> plugin_path(std::vector<std::filesystem::path
 SimulationOptions with_environment(SimulationOptions options);
 /// Returns how `options` resume a checkpoint in one rank. Adds the folders of environment variables to the
 /// member plugin_path, as with_environment() does.
-ResumeOptions resume_options(const WorldOptions& options);
+ResumeOptions resume_options(const WorldCommandOptions& options);
 
 }  // namespace troupe::apps

@@ -10,7 +10,7 @@
 
 namespace troupe::apps {
 
-struct ViewOptions : WorldOptions {
+struct ViewOptions : WorldCommandOptions {
   std::uint16_t port = 0;          ///< TCP port to listen on; 0: any free port
   std::string bind;                ///< IP address to listen on; empty: the loopback addresses
   std::vector<std::string> hosts;  ///< host names of proxies, accepted in the HTTP header `Host`

@@ -1,4 +1,4 @@
-#include "base/room.hpp"
+#include "base/capacity.hpp"
 
 #ifdef __GLIBC__
 #include <malloc.h>

@@ -103,7 +103,7 @@ void Connections::closed(std::uint64_t client) {
 }
 
 void Connections::refused(const std::string& what) {
-  if (told_.insert(what).second && report_) report_(fmt::format("refused: {}", what));
+  if (reported_.insert(what).second && report_) report_(fmt::format("refused: {}", what));
 }
 
 void Connections::received(std::uint64_t client, bool may_steer, std::string_view text) {

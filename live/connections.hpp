@@ -98,7 +98,7 @@ class Connections : private ViewBackend {
 
   // Used only by the server's thread.
   std::map<std::uint64_t, SentPicture> sent_;
-  std::set<std::string> told_;  // refusals that have been reported, so that each is reported once
+  std::set<std::string> reported_;  // refusals that have been reported, so that each is reported once
 
   std::unique_ptr<ViewServer> server_;  // last, because its thread uses the members above
 };

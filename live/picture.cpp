@@ -78,7 +78,7 @@ void append_bytes(std::string& out, const std::vector<std::uint8_t>& bytes, std:
 /// gives the part, else the colour of the body. part: index of the part; 0: the body itself.
 void put_color(const engine::World& world, std::uint32_t body, std::uint32_t part,
                std::span<std::uint8_t> into) {
-  const Color color = engine::shown_color(world.view(), world.row(BodyId(body)), part)
+  const Color color = engine::shown_color(world.view(), world.view().row(BodyId(body)), part)
                           .value_or(world.spec().bodies[body].color);
   into[0] = to_byte(color.r);
   into[1] = to_byte(color.g);
@@ -95,9 +95,9 @@ void take(const engine::World& world, std::span<const std::uint32_t> order, bool
   for (const worldio::ShownPart& part : parts) colors += part.count;
   picture.colors.resize(has_colors ? 3 * colors : 0);
   for (std::size_t r = 0; r < robots; ++r) {
-    const Row row = world.row(BodyId(order[r]));
-    const Pose& pose = world.poses()[row.index()];
-    const bool there = world.is_there(row);
+    const Row row = world.view().row(BodyId(order[r]));
+    const Pose& pose = world.view().poses()[row.index()];
+    const bool there = world.view().is_there(row);
     picture.poses[r] = there ? steps_of(pose.x) : 0;
     picture.poses[robots + r] = there ? steps_of(pose.y) : 0;
     picture.poses[2 * robots + r] = there ? heading_steps(pose.heading) : k_gone;

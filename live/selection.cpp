@@ -19,7 +19,7 @@ bool Selection::obey(const Request& request, Simulation& simulation) {
   const engine::World& world = simulation.world();
   if (request.what() == "inspect") {
     const std::string robot = request.name("robot");
-    const BodyId body = robot.empty() ? BodyId() : world.find(robot);
+    const BodyId body = robot.empty() ? BodyId() : world.state().names.find(robot);
     if (!robot.empty() && !body.valid()) throw ActRefused(fmt::format("there is no body \"{}\"", robot));
     inspected_ = body.valid() ? std::optional(body) : std::nullopt;
   } else if (request.what() == "plot") {

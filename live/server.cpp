@@ -134,7 +134,7 @@ struct ViewServer::Impl {
   void run();
   void begin_again(const std::exception& error);
   void close_connections();
-  void make_room();
+  void change_capacity();
   void say_goodbye(const std::string& reason);
   /// Whether a Host header names this machine: as a loopback name, as the address that the client has
   /// connected to, or with a name that Options::hosts lists. No other name is accepted, because another site
@@ -371,7 +371,7 @@ class ViewServer::Impl::Connection : public std::enable_shared_from_this<Connect
   int in_flight_ = 0;
 };
 
-void ViewServer::Impl::make_room() {
+void ViewServer::Impl::change_capacity() {
   const std::size_t strangers = connections.size() - clients;
   if (strangers < k_most_connections) return;
   const auto oldest =
@@ -399,7 +399,7 @@ void ViewServer::Impl::accept(Listener& listener) {
           error.message()));
       return accept_later(listener);
     }
-    make_room();
+    change_capacity();
     close_on_exec(socket);
     error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);

@@ -1,7 +1,7 @@
 #include "live/view.hpp"
 
 #include "base/diagnostics.hpp"
-#include "base/raised.hpp"
+#include "base/scoped_flag.hpp"
 #include "engine/sensing/shown_color.hpp"
 #include "engine/world/world.hpp"
 #include "live/request.hpp"
@@ -63,9 +63,10 @@ View::Impl::Impl(Simulation& simulation, const Options& options)
   shown_parts_ = std::move(page.shown_parts);
   places_.assign(world.spec().bodies.size(), static_cast<std::uint32_t>(order_.size()));
   for (std::size_t r = 0; r < order_.size(); ++r) places_[order_[r]] = static_cast<std::uint32_t>(r);
-  has_colors_ = !shown_parts_.empty() || std::ranges::any_of(world.types(), [](const engine::BodyType& type) {
-    return engine::color_device(type, 0) != nullptr;
-  });
+  has_colors_ =
+      !shown_parts_.empty() || std::ranges::any_of(world.view().types(), [](const engine::BodyType& type) {
+        return engine::color_device(type, 0) != nullptr;
+      });
   seed_ = simulation.seed();
   connections_ = std::make_unique<Connections>(options, order_.size(), make_greeting(page.header));
   // The session file is created after the server, so that no file is left if the address or the port is not
@@ -109,7 +110,8 @@ std::string View::Impl::make_greeting(const std::string& header) const {
   // Robots whose name is that of a later body, which requests with this name mean (`same_names` of a world).
   Json namesakes = Json::array();
   for (std::size_t r = 0; r < order_.size(); ++r)
-    if (world.find(world.spec().name(BodyId(order_[r]))) != BodyId(order_[r])) namesakes.push_back(r);
+    if (world.state().names.find(world.spec().name(BodyId(order_[r]))) != BodyId(order_[r]))
+      namesakes.push_back(r);
   const Json json{{"wire", k_wire},
                   {"version", version_line()},
                   {"tick_s", simulation_.tick_s()},
@@ -132,11 +134,11 @@ void View::Impl::run() {
     } catch (const std::exception&) {  // ignored: the text is lost
     }
   });
-  const Raised running(is_running_);  // also if a step throws, and the program then steps the simulation
+  const ScopedFlag running(is_running_);  // also if a step throws, and the program then steps the simulation
   while (!is_over() && !simulation_.stopped()) {
     if (!clock_.is_playing()) {
       {
-        const Raised between_ticks(is_between_ticks_);
+        const ScopedFlag between_ticks(is_between_ticks_);
         simulation_.world().gather_distributed();  // pictures and answers read the rows of all ranks
         wait();
       }
@@ -381,7 +383,8 @@ void View::Impl::greet_again() {
 void View::Impl::carry_out(std::uint64_t client, const Act& act) {
   const bool is_hold = act.kind == Act::Kind::hold || act.kind == Act::Kind::release;
   // By id, because a robot can have several names (aliases).
-  const std::uint32_t robot = is_hold ? simulation_.world().find(act.whom).value : BodyId().value;
+  const std::uint32_t robot =
+      is_hold ? simulation_.world().state().names.find(act.whom).value : BodyId().value;
   if (const auto holder = holders_.find(robot); holder != holders_.end() && holder->second.client != client)
     throw ActRefused(
         fmt::format("another viewer drives \"{}\": wait until that viewer releases the robot", act.whom));

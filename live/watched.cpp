@@ -57,7 +57,7 @@ void append_line(WatchedJson& lines, const Eigen::Vector3d& from, const Eigen::V
 }
 
 Eigen::Vector3d place_of(const engine::World& world, BodyId body) {
-  const Pose pose = world.pose(body);
+  const Pose pose = world.view().pose(body);
   return {pose.x, pose.y, pose.z};
 }
 
@@ -85,12 +85,12 @@ std::optional<MessageFields> message_fields(const engine::BodyType::Device& devi
 void append_heard(const engine::World& world, const engine::Frame& frame, WatchedJson& lines) {
   for (const engine::FrameBody& body : frame.mobile) {
     const BodyId id(body.id);
-    const Row row = world.row(id);
-    for (const engine::BodyType::Device& device : world.type(row).devices) {
+    const Row row = world.view().row(id);
+    for (const engine::BodyType::Device& device : world.view().type(row).devices) {
       const std::optional<MessageFields> fields = message_fields(device);
-      if (!fields || !world.runs(row, device)) continue;
-      const StateTable& table = world.percepts(device);
-      const std::size_t slot = world.slot(row);
+      if (!fields || !world.view().runs(row, device)) continue;
+      const StateTable& table = world.tables()[device.table];
+      const std::size_t slot = world.view().slot(row);
       const auto senders = table.cell<std::uint32_t>(slot, fields->sender);
       const std::size_t heard =
           std::min<std::size_t>(table.cell<std::uint32_t>(slot, fields->count).front(), senders.size());
@@ -122,7 +122,7 @@ WatchedJson commands_of(Model& model, const engine::BodyType& type) {
 
 /// What blocked the row's body in the last tick, for a reader; empty if nothing did.
 std::string blocker_text(const engine::World& world, Row row) {
-  const engine::Contact contact = world.contact(row);
+  const engine::Contact contact = world.view().contact(row);
   const auto name = [&](BodyId body) { return world.spec().name(body); };
   switch (contact.cause) {
     case engine::Contact::k_body: return name(contact.blocker());
@@ -136,8 +136,9 @@ std::string blocker_text(const engine::World& world, Row row) {
 }
 
 bool has_device(const engine::World& world, auto&& wanted) {
-  return std::ranges::any_of(
-      world.types(), [&](const engine::BodyType& type) { return std::ranges::any_of(type.devices, wanted); });
+  return std::ranges::any_of(world.view().types(), [&](const engine::BodyType& type) {
+    return std::ranges::any_of(type.devices, wanted);
+  });
 }
 
 }  // namespace
@@ -145,16 +146,16 @@ bool has_device(const engine::World& world, auto&& wanted) {
 WatchedJson inspection(Simulation& simulation, BodyId id) {
   const engine::World& world = simulation.world();
   Model model = simulation.model(id);
-  const Row row = world.row(id);
+  const Row row = world.view().row(id);
   WatchedJson json{
       {"robot", model.name()}, {"alive", model.is_alive()}, {"components", WatchedJson::array()}};
   if (!row.valid()) return json;
-  const Pose pose = world.pose(id);
+  const Pose pose = world.view().pose(id);
   json["pose"] = {pose.x, pose.y, pose.z, pose.heading};
   for (const StateTable& table : world.tables()) {
-    const std::size_t at = world.row_in(table, row);
+    const std::size_t at = world.view().row_in(table, row);
     if (at >= table.rows() || table.ids()[at] != id || table.component() == "pose") continue;
-    const bool runs = engine::SensedRows(world, table).exist(at);
+    const bool runs = engine::SensedRows(world.view(), table).exist(world.view(), at);
     WatchedJson fields = WatchedJson::array();
     for (std::size_t f = 0; f < table.fields().size(); ++f) {
       const StateField& field = table.fields()[f];
@@ -171,12 +172,13 @@ WatchedJson inspection(Simulation& simulation, BodyId id) {
   }
   json["blocked_by"] = blocker_text(world, row);
   json["eyes"] = WatchedJson::object();
-  for (const engine::BodyType::Device& device : world.type(row).devices) {
-    if (device.prepared.transducers.empty() || !world.senses(row, device)) continue;
+  for (const engine::BodyType::Device& device : world.view().type(row).devices) {
+    if (device.prepared.transducers.empty() || !world.view().senses(row, device)) continue;
     // The name in the header of the page.
-    json["eyes"][worldio::hdf5_name(device.name)] = world.percepts(device).cell<float>(world.slot(row), 0);
+    json["eyes"][worldio::hdf5_name(device.name)] =
+        world.tables()[device.table].cell<float>(world.view().slot(row), 0);
   }
-  json["commands"] = commands_of(model, world.type(row));
+  json["commands"] = commands_of(model, world.view().type(row));
   return json;
 }
 
@@ -211,11 +213,13 @@ void take_shades(const engine::World& world, std::span<const std::uint32_t> plac
     if (!engine::selects(color.component, table.component())) continue;
     const std::optional<std::size_t> field = field_index(table.fields(), color.field);
     if (!field || color.column.value_or(0) >= table.fields()[*field].columns) continue;
-    const engine::SensedRows readings(world, table);
+    const engine::SensedRows readings(world.view(), table);
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const BodyId id = table.ids()[row];
       const std::uint32_t place = places[id.index()];
-      if (place >= robots || !world.is_there(world.row(id)) || !readings.exist(row)) continue;
+      if (place >= robots || !world.view().is_there(world.view().row(id)) ||
+          !readings.exist(world.view(), row))
+        continue;
       const double value = value_of(table, row, *field, color.column);
       if (!std::isfinite(value)) continue;
       values[place] = value;
@@ -253,7 +257,7 @@ std::vector<std::string_view> layers_of(const engine::World& world) {
 }
 
 WatchedJson lines_of(const engine::World& world, std::span<const std::string> layers) {
-  engine::Frame frame = world.frame();
+  engine::Frame frame = engine::make_frame(world);
   WatchedJson all = WatchedJson::object();
   for (const std::string& layer : layers) {
     WatchedJson& lines = all[layer] = WatchedJson::array();

@@ -86,7 +86,7 @@ std::vector<std::string_view> layers_of(const engine::World& world);
 /// has at most 20,000 lines; further lines are left out. An unknown layer gets an empty list.
 ///
 /// The lines of "radio" show the messages that a robot heard when its radio ran last. A radio that does not
-/// run (World::runs()), such as that of a disabled robot, has no lines.
+/// run (CommittedView::runs()), such as that of a disabled robot, has no lines.
 nlohmann::ordered_json lines_of(const engine::World& world, std::span<const std::string> layers);
 
 }  // namespace troupe::live

@@ -1,6 +1,6 @@
 #include "partition/body_index.hpp"
 
-#include "base/room.hpp"
+#include "base/capacity.hpp"
 
 #include <fmt/format.h>
 
@@ -185,14 +185,14 @@ void BodyIndex::rebuild(std::span<const Transform> places, std::span<const doubl
   places_ = places;
   radii_ = radii;
   if (rows != homes_.size()) {
-    resize_with_room(homes_, rows);
+    resize_with_capacity(homes_, rows);
     tile_rows_.clear();
     circles_.clear();
     order_.clear();
     // Memory is reserved for all rows, also for those of absent bodies, so that later ticks do not allocate.
-    make_room(tile_rows_, rows);
-    make_room(circles_, rows + k_read_beyond);
-    make_room(order_, rows);
+    change_capacity(tile_rows_, rows);
+    change_capacity(circles_, rows + k_read_beyond);
+    change_capacity(order_, rows);
   }
   find_tiles(parallel);
 

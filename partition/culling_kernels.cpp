@@ -345,7 +345,7 @@ float limits_of(const Fan& fan, const float* inverse, const float* range_max, fl
 
 std::size_t may_meet(const CircleArrays& circles, std::size_t begin, std::size_t end, const Vec2& reference,
                      const Fan& fan, const float* limits, float low, float high, MetCircles& met) {
-  met.make_room(end - begin + 2 * k_circle_padding);
+  met.change_capacity(end - begin + 2 * k_circle_padding);
   return HWY_DYNAMIC_DISPATCH(fan_may_meet)(circles, begin, end, reference, fan, limits, low, high, met);
 }
 

@@ -199,7 +199,7 @@ class FanCheck {
     const std::size_t count = (all.size() + k_circle_padding - 1) / k_circle_padding * k_circle_padding;
     all.resize(count + 3, {0, 0, -k_infinity, 0});  // unpack() reads three more
     CircleArrays circles;
-    circles.make_room(count + 3);
+    circles.change_capacity(count + 3);
     const std::array<CircleRun, 2> runs{CircleRun(all.data(), 5), CircleRun(all.data() + 5, count - 5)};
     kernels_.unpack(runs, k_mark, 0, circles);
     for (std::size_t c = 0; c < count; ++c)

@@ -27,7 +27,7 @@ void NearCircles::forget_met(std::size_t rows) {
 void NearCircles::add(std::span<const BodyCircle> run, std::uint32_t mark) {
   const auto margin = static_cast<float>(1e-6 + 3e-6 * reach_);
   const auto reach = static_cast<float>(reach_) + margin;
-  circles_.make_room(size_ + run.size());
+  circles_.change_capacity(size_ + run.size());
   for (const BodyCircle& circle : run) {
     const auto x = static_cast<float>(circle.x - centre_.x());
     const auto y = static_cast<float>(circle.y - centre_.y());

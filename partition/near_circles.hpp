@@ -22,7 +22,7 @@ struct CircleArrays {
   std::vector<std::uint32_t> row;  ///< index of a body in the state tables, or number of an outline piece
 
   /// Ensures that the arrays have room for this many circles; keeps the contents.
-  void make_room(std::size_t size) {
+  void change_capacity(std::size_t size) {
     if (size <= x.size()) return;
     const std::size_t room = 2 * size;
     x.resize(room);
@@ -30,7 +30,7 @@ struct CircleArrays {
     radius.resize(room);
     row.resize(room);
   }
-  /// Sets circle i. make_room() must have made room for it.
+  /// Sets circle i. change_capacity() must have made room for it.
   void set(std::size_t i, const BodyCircle& circle) {
     x[i] = circle.x;
     y[i] = circle.y;
@@ -84,7 +84,7 @@ class NearCircles {
   /// Removes all circles but the first `size` ones. `size` must be at most size().
   void keep(std::size_t size) { size_ = size; }
   /// Reserves memory for this many circles.
-  void make_room(std::size_t size) { circles_.make_room(size); }
+  void change_capacity(std::size_t size) { circles_.change_capacity(size); }
 
   std::size_t size() const { return size_; }  ///< number of circles
   /// The circles: the first size() entries of the arrays. Their centres are relative to the centre of the

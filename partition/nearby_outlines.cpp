@@ -60,7 +60,7 @@ void NearbyOutlines::gather(std::size_t band) {
     std::size_t runs = 0;
     std::size_t unpacked = size;
     const auto unpack_runs = [&] {
-      circles_.make_room(size + k_circle_padding);
+      circles_.change_capacity(size + k_circle_padding);
       unpack({runs_.data(), runs}, mark, unpacked, circles_);
       unpacked = size;
       runs = 0;

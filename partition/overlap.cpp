@@ -33,14 +33,11 @@ ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces) {
   return shape;
 }
 
-ObstacleShape inset(const ObstacleShape& shape, double depth) {
-  std::vector<ConvexPrism> pieces(shape.pieces.size());
-  for (std::size_t p = 0; p < pieces.size(); ++p) inset(shape.pieces[p], depth, pieces[p]);
-  return make_obstacle_shape(pieces);
-}
+namespace {
 
-void inset(const ConvexPrism& piece, double depth, ConvexPrism& out) {
-  out = piece;
+/// Returns the piece with its edges moved inwards by `depth`, m.
+ConvexPrism inset(const ConvexPrism& piece, double depth) {
+  ConvexPrism out = piece;
   const Ring& ring = piece.outline;
   // The inward unit normal of the edge that starts at this corner; zero for an edge of length 0.
   const auto inward = [&ring](std::size_t edge) {
@@ -53,9 +50,8 @@ void inset(const ConvexPrism& piece, double depth, ConvexPrism& out) {
     const Vec2 after = inward(i);
     out.outline[i] += depth / (1 + before.dot(after)) * (before + after);
   }
+  return out;
 }
-
-namespace {
 
 /// True if the polygon lies to the left of the line through its edge that starts at p[j] and has the
 /// direction `edge`. This holds for every edge of a convex polygon, unless the edge is so short that the
@@ -115,6 +111,12 @@ bool enters(const Vec2& s0, const Vec2& s1, const Polygon& polygon) {
 }
 
 }  // namespace
+
+ObstacleShape inset(const ObstacleShape& shape, double depth) {
+  std::vector<ConvexPrism> pieces;
+  for (const ConvexPrism& piece : shape.pieces) pieces.push_back(inset(piece, depth));
+  return make_obstacle_shape(pieces);
+}
 
 bool convex_overlap(std::span<const Vec2> a, std::span<const Vec2> b) {
   return !separated_by_edges_of(a, b) && !separated_by_edges_of(b, a);

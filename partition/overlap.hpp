@@ -43,9 +43,6 @@ ObstacleShape make_obstacle_shape(std::span<const ConvexPrism> pieces);
 /// body that penetrates the shape by at most `depth` does not overlap the result. Edges of a piece narrower
 /// than twice `depth` would cross over, so `depth` should be less than half of ObstacleShape::thinnest.
 ObstacleShape inset(const ObstacleShape& shape, double depth);
-/// Writes `piece` with its edges moved inwards by `depth`, m, to `out`. `out` must be another object; the
-/// memory of its outline is reused.
-void inset(const ConvexPrism& piece, double depth, ConvexPrism& out);
 
 /// True if the two shapes overlap: a piece of one shape and a piece of the other share area, seen from above,
 /// and their intervals of heights overlap. Shapes that only touch do not overlap. The caller must pass the

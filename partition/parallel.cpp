@@ -1,6 +1,6 @@
 #include "partition/parallel.hpp"
 
-#include "base/raised.hpp"
+#include "base/scoped_flag.hpp"
 #include "partition/processors.hpp"
 
 #include <exception>
@@ -55,7 +55,7 @@ void Parallel::run(std::size_t count, Call call, void* task) {
     throw std::logic_error(
         "a parallel loop must not begin in a task of another loop of the same world: compute hashes and "
         "measures outside of functions that are called for many robots at once");
-  const Raised in_loop(is_in_loop_);
+  const ScopedFlag in_loop(is_in_loop_);
   Guarded guarded{.call = call, .task = task, .on_task = on_task_};
   if (on_loop_) on_loop_(true);
   run_tasks(count, on_task_ ? Guarded::run_watched : Guarded::run, &guarded);

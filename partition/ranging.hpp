@@ -247,8 +247,8 @@ struct MetCircles : CircleArrays {
   std::vector<BeamSet> beams;  ///< per circle: the beams that may hit it
 
   /// Ensures that the arrays have room for this many circles; keeps the contents.
-  void make_room(std::size_t size) {
-    CircleArrays::make_room(size);
+  void change_capacity(std::size_t size) {
+    CircleArrays::change_capacity(size);
     beams.resize(row.size());
   }
 };

@@ -39,7 +39,7 @@ struct Scattered {
            beams,     true,      beams % 2 == 0, beams > partition::k_most_beams ? &scan : nullptr};
     scan = {Vec2::UnitX(), static_cast<float>(2 * k_pi - step), static_cast<float>(step)};
     Random random(1, 2, 3, 4);
-    circles.make_room(k_circles);
+    circles.change_capacity(k_circles);
     std::vector<Vec2> ends;
     for (std::uint32_t i = 0; i < k_circles; ++i) {
       const Vec2 at(random.uniform(-2, 2), random.uniform(-2, 2));
@@ -244,10 +244,10 @@ void sweep(benchmark::State& state, const char* world_file, std::size_t robots) 
   engine::World world(load(world_file, robots, registry), registry, {.threads = 1}, diagnostics);
   for (int i = 0; i < 10; ++i) world.step();
   std::vector<Row> rows;
-  for (const std::uint32_t row : world.index().order()) rows.emplace_back(row);
+  for (const std::uint32_t row : world.view().index().order()) rows.emplace_back(row);
   std::vector<std::pair<const engine::BodyType::Device*, engine::StateTable>> sensors;
-  for (const auto& sensor : world.type(rows.front()).devices)
-    sensors.emplace_back(&sensor, world.percepts(sensor));
+  for (const auto& sensor : world.view().type(rows.front()).devices)
+    sensors.emplace_back(&sensor, world.tables()[sensor.table]);
   std::uint64_t beams = 0;
   engine::Effects none;
   engine::WorldState nothing;
@@ -280,7 +280,7 @@ void hash_state(benchmark::State& state) {
   Diagnostics diagnostics;
   engine::World world(load("hospital-10cm.json", 10000, registry), registry, {.threads = 1}, diagnostics);
   for (auto _ : state) benchmark::DoNotOptimize(world.hashes());
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(world.rows()));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(world.view().rows()));
 }
 BENCHMARK(hash_state)->Name("hash/whole state (items: robots)");
 

@@ -99,7 +99,7 @@ void report_child(const Scene& scene, const engine::Registry& registry) {
   engine::World world(std::move(spec), registry, {}, diagnostics);
   diagnostics.throw_if_errors();
   const auto built = Clock::now();
-  const std::uint64_t ticks = engine::ticks_until(scene.for_s, world.tick_s());
+  const std::uint64_t ticks = engine::ticks_until(scene.for_s, world.view().tick_s());
   while (world.tick() < ticks) world.step();
 
   nlohmann::json json;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "perf/paper_cases.hpp"
 
 #include <cstddef>

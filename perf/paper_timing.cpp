@@ -2,6 +2,7 @@
 
 #include "apps/run/phase_clock.hpp"
 #include "base/diagnostics.hpp"
+#include "engine/observing/frame.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
 #include "partition/simd_target.hpp"
@@ -40,7 +41,7 @@ double seconds(Clock::duration d) { return std::chrono::duration<double>(d).coun
 class Camera {
  public:
 #ifdef TROUPE_HAS_RENDER
-  explicit Camera(const engine::World& world) : world_(world), painter_(world.frame_scene()) {
+  explicit Camera(const engine::World& world) : world_(world), painter_(engine::make_scene(world)) {
     draw();  // loads Mesa and the driver before timing
     frames_ = 0;
   }
@@ -54,7 +55,7 @@ class Camera {
 
  private:
   void draw() {
-    painter_.draw(world_.frame(), {.camera = {.perspective = true, .pitch = 0.87}});
+    painter_.draw(engine::make_frame(world_), {.camera = {.perspective = true, .pitch = 0.87}});
     ++frames_;
   }
 
@@ -109,8 +110,8 @@ void time_steps(engine::World& world, Timing& timing, const engine::Registry& re
   apps::PhaseClock phases;
   const bool with_phases = world.robots() >= k_least_robots_with_phases;
   if (with_phases) world.on_phase([&phases](std::optional<engine::Phase> phase) { phases(phase); });
-  const std::uint64_t beams = world.beams_cast();
-  const std::uint64_t rounds = world.conflict_rounds();
+  const std::uint64_t beams = world.counters().beams;
+  const std::uint64_t rounds = world.counters().conflict_rounds;
 
   const auto start = Clock::now();
   if (camera) {
@@ -133,9 +134,10 @@ void time_steps(engine::World& world, Timing& timing, const engine::Registry& re
   world.on_phase(nullptr);
   const auto ticks = static_cast<double>(timing.ticks);
   timing.robots = world.robots();
-  timing.beams_per_tick = static_cast<double>(world.beams_cast() - beams) / ticks;
-  timing.rounds_per_tick = static_cast<double>(world.conflict_rounds() - rounds) / ticks;
-  timing.stalled_share = static_cast<double>(world.stalled_count()) / static_cast<double>(world.robots());
+  timing.beams_per_tick = static_cast<double>(world.counters().beams - beams) / ticks;
+  timing.rounds_per_tick = static_cast<double>(world.counters().conflict_rounds - rounds) / ticks;
+  timing.stalled_share =
+      static_cast<double>(world.view().counts().stalled) / static_cast<double>(world.robots());
   timing.move_share = share(phases, engine::Phase::move);
   timing.frames = camera ? camera->frames() : 0;
 }

@@ -1,5 +1,5 @@
 #include "apps/messages.hpp"
-#include "base/raised.hpp"
+#include "base/scoped_flag.hpp"
 #include "live/view.hpp"
 #include "partition/job_thread.hpp"
 #include "python/bindings.hpp"
@@ -54,7 +54,7 @@ class HeldBatch {
     // Another thread could otherwise destroy a view while the step waits in it.
     std::vector<std::shared_ptr<void>> views;
     for (const std::weak_ptr<void>& view : views_) views.push_back(view.lock());
-    const Raised busy(is_busy_);
+    const ScopedFlag busy(is_busy_);
     is_cancelled_ = false;
     const bool has_view = std::ranges::any_of(views, [](const auto& view) { return view != nullptr; });
     if (has_view && is_main_thread()) return work_elsewhere([&] { what(batch); });

@@ -137,8 +137,7 @@ void bind_model_motion(ModelClass& model) {
             const auto id = [](BodyId body) -> py::object {
               return body.valid() ? py::cast(body.value) : py::none();
             };
-            constexpr std::array causes{"none", "body", "pushed", "bounds", "joint"};
-            return py::dict(py::arg("cause") = causes.at(contact.cause),
+            return py::dict(py::arg("cause") = engine::Contact::k_causes.at(contact.cause),
                             py::arg("body") = id(contact.blocker()),
                             py::arg("behind") = id(contact.stopper()));
           },

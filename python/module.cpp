@@ -1,4 +1,4 @@
-#include "base/raised.hpp"
+#include "base/scoped_flag.hpp"
 #include "engine/world/world.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/version.hpp"
@@ -115,7 +115,7 @@ double measured(const py::object& function, Swarm robots) {
 
 void Held::wait_for_others() {
   constexpr std::chrono::milliseconds k_patience(1);
-  const Raised waiting(waiting_);  // no further task may begin
+  const ScopedFlag waiting(waiting_);  // no further task may begin
   while (stepping_) {
     const Unlocked unlocked;
     std::this_thread::sleep_for(k_patience);
@@ -147,7 +147,7 @@ class Held::Stepping {
 
  private:
   std::shared_ptr<void> view_;
-  Raised stepping_;
+  ScopedFlag stepping_;
 };
 
 void Held::work(const std::function<void(Simulation&)>& task) {

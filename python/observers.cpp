@@ -79,7 +79,7 @@ struct HeldMeasures {
  private:
   double value_of(const py::object& function) const {
     Simulation& simulation = held->use();
-    const engine::World::Frozen frozen(simulation.world());
+    const auto measuring = simulation.world().measuring();
     return measured(function, simulation.swarm());
   }
 };

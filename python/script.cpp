@@ -2,7 +2,8 @@
 
 #include "base/diagnostics.hpp"
 #include "base/hash.hpp"
-#include "engine/observing/measures.hpp"
+#include "engine/kinds/measure_kind.hpp"
+#include "engine/rows/measured_world.hpp"
 #include "worldio/files.hpp"
 #include "python/robot_batch.hpp"
 
@@ -145,9 +146,10 @@ class MeasureInPython : public engine::Measure {
   MeasureInPython(const PythonMeasure& measure, std::vector<BodyId> robots)
       : measure_(measure), robots_(std::move(robots)) {}
 
-  double value(engine::World& world) override {
+  double value(const engine::MeasuredWorld& world) override {
     double value = 0;
-    call_script(measure_.file, [&] { value = measured(measure_.function, Swarm::of(world, robots_)); });
+    call_script(measure_.file,
+                [&] { value = measured(measure_.function, Swarm::of(engine::whole_world(world), robots_)); });
     return value;
   }
 
@@ -157,7 +159,7 @@ class MeasureInPython : public engine::Measure {
 };
 
 template <std::size_t k_slot>
-std::unique_ptr<engine::Measure> make_measure(const engine::World&, const engine::Record&,
+std::unique_ptr<engine::Measure> make_measure(const engine::MeasuredWorld&, const engine::Record&,
                                               std::vector<BodyId> robots) {
   return std::make_unique<MeasureInPython>(*Slots<PythonMeasure>::all[k_slot], std::move(robots));
 }

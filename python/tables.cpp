@@ -31,7 +31,7 @@ struct Table {
     const engine::World& world = held->use().world();
     std::string type;
     for (const BodyId body : table->ids()) {
-      const std::string& own = world.type(world.row(body)).name;
+      const std::string& own = world.view().type(world.view().row(body)).name;
       if (type.empty()) type = own;
       if (type != own) return {};
     }
@@ -54,7 +54,10 @@ struct Table {
   }
   std::string given() const { return std::string(engine::given_name(table->component())); }
   /// Whether the values of all rows exist: false if the table has readings of a sensor that does not run.
-  bool runs() const { return engine::SensedRows(held->use().world(), *table).all_exist(); }
+  bool runs() const {
+    const engine::CommittedView& view = held->use().world().view();
+    return engine::SensedRows(view, *table).all_exist(view);
+  }
 
  private:
   py::array view_of(std::size_t f) const {
@@ -75,9 +78,10 @@ struct Table {
   /// Returns a read-only copy of a field of floating-point numbers, with NaN where no reading exists.
   py::array with_nan(const py::array& whole) const {
     py::array copy = py::module_::import("numpy").attr("array")(whole);
-    const engine::SensedRows readings(held->use().world(), *table);
+    const engine::CommittedView& view = held->use().world().view();
+    const engine::SensedRows readings(view, *table);
     for (std::size_t row = 0; row < table->rows(); ++row)
-      if (!readings.exist(row)) copy[py::int_(row)] = std::numeric_limits<double>::quiet_NaN();
+      if (!readings.exist(view, row)) copy[py::int_(row)] = std::numeric_limits<double>::quiet_NaN();
     copy.attr("setflags")(py::arg("write") = false);
     return copy;
   }
@@ -94,7 +98,7 @@ std::vector<Table> tables_of(const Holder& held) {
 /// Throws std::out_of_range if the world has no type of this name.
 void require_type(const engine::World& world, const std::string& name) {
   std::vector<std::string_view> known;
-  for (const engine::BodyType& type : world.types())
+  for (const engine::BodyType& type : world.view().types())
     if (!type.name.empty()) known.push_back(type.name);
   if (std::ranges::find(known, name) == known.end())
     throw std::out_of_range(unknown_name("type", name, std::move(known)));

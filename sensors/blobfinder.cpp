@@ -1,7 +1,8 @@
 #include "sensors/blobfinder.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/observing/frame.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "engine/sensing/shown_color.hpp"
 #include "engine/sensing/visibility_query.hpp"
 
@@ -10,7 +11,9 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace troupe::sensors {
@@ -68,6 +71,7 @@ struct BlobFinder {
 
   static constexpr engine::FrameLayer layer = engine::FrameLayer::blobs;
   void draw(const engine::DeviceView& view, engine::Frame& frame) const;
+  void lint(const engine::LintView& view) const;
 };
 
 struct Blob {
@@ -224,16 +228,44 @@ void BlobFinder::draw(const engine::DeviceView& view, engine::Frame& frame) cons
   }
 }
 
+/// The colours that bodies have in the world file.
+struct ShownColors {
+  struct IsLess {
+    bool operator()(const Color& a, const Color& b) const {
+      return std::tie(a.r, a.g, a.b) < std::tie(b.r, b.g, b.b);
+    }
+  };
+  std::set<Color, IsLess> colors;
+  bool may_change = false;  // LEDs and similar devices may show any colour
+
+  explicit ShownColors(const engine::LintWorld& world) {
+    for (const engine::BodySpec& body : world.spec.bodies) {
+      for (const engine::PartSpec& part : world.spec.types[body.type.index()].parts)
+        if (!part.solids.empty()) colors.insert(part.color.value_or(body.color));
+      for (const engine::BodyType::Device& device : world.types[body.type.index()].devices)
+        may_change = may_change || device.kind->shows_color;
+    }
+  }
+};
+
+/// Warns if the finder looks for colours that no body has.
+void BlobFinder::lint(const engine::LintView& view) const {
+  const ShownColors& shown = view.world.shared<ShownColors>();
+  if (params.colors.empty() || shown.may_change || view.is_set({"colors"})) return;
+  const auto is_sought = [&](const Color& color) {
+    return std::ranges::any_of(params.colors, [&](const Color& one) { return is_same_color(one, color); });
+  };
+  if (std::ranges::none_of(shown.colors, is_sought))
+    view.warn(engine::LintTopic::color,
+              engine::sees_nothing_text(view.device_spec().name, view.type_spec().name) +
+                  "no body has one of the colours in its \"colors\"");
+}
+
 }  // namespace
 
 bool is_same_color(const Color& a, const Color& b) {
   constexpr float k_near = 1e-5f;  // as in Stage; opacity is ignored
   return std::abs(a.r - b.r) < k_near && std::abs(a.g - b.g) < k_near && std::abs(a.b - b.b) < k_near;
-}
-
-const std::vector<Color>* sought_colors(const std::any& prepared) {
-  const auto* finder = std::any_cast<BlobFinder>(&prepared);
-  return finder == nullptr ? nullptr : &finder->params.colors;
 }
 
 DeviceKind blobfinder_kind() {

@@ -1,11 +1,9 @@
 #pragma once
 
 #include "base/color.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_kind.hpp"
 
-#include <any>
 #include <cstddef>
-#include <vector>
 
 namespace troupe::sensors {
 
@@ -45,9 +43,6 @@ enum BlobField : std::size_t {
 /// source  Stage's blobfinder model. Unlike that model, this sensor does not skip a column after each blob.
 engine::DeviceKind blobfinder_kind();
 
-/// Returns the parameter `colors` of a blob finder; null if the device is not a blob finder. prepared: the
-/// data of a device (DeviceKind::Prepared::data). The result is valid as long as these data.
-const std::vector<Color>* sought_colors(const std::any& prepared);
 /// Whether a blob finder takes two colours for the same.
 bool is_same_color(const Color& a, const Color& b);
 

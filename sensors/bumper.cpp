@@ -1,7 +1,7 @@
 #include "sensors/bumper.hpp"
 
 #include "engine/kinds/collision.hpp"
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/kinds/sensor_params.hpp"
 #include "engine/sensing/sight.hpp"
 

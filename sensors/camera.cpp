@@ -1,6 +1,6 @@
 #include "sensors/camera.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/sensing/shown_color.hpp"
 #include "engine/sensing/sight.hpp"
 

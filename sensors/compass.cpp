@@ -1,7 +1,7 @@
 #include "sensors/compass.hpp"
 
 #include "base/math.hpp"
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/sensing/sensing_view.hpp"
 
 namespace troupe::sensors {

@@ -1,15 +1,19 @@
 #include "sensors/fiducial.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/observing/frame.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "engine/sensing/visibility_query.hpp"
+#include "sensors/heights.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <tuple>
+#include <vector>
 
 namespace troupe::sensors {
 namespace {
@@ -74,6 +78,7 @@ struct FiducialFinder {
 
   static constexpr engine::FrameLayer layer = engine::FrameLayer::sights;
   void draw(const engine::DeviceView& view, engine::Frame& frame) const;
+  void lint(const engine::LintView& view) const;
 };
 
 /// A model in sight.
@@ -236,8 +241,7 @@ DeviceKind::Prepared FiducialFinder::prepare(const Params& params, const Pose& p
                    {"size", Element::f32, 3 * n, "m", "size of each target: x, y, z"},
                    {"pose", Element::f64, 4 * n, "m, rad",
                     "pose of each target: x, y, z, heading, world frame"}},
-      .reach_m = pose_body_sensor.position().norm() + params.range_max,
-      .seeks = engine::SoughtMarks{params.key, params.ignore_zloc}};
+      .reach_m = pose_body_sensor.position().norm() + params.range_max};
 }
 
 Result<> FiducialFinder::bind_part(const TypeSpec&, std::uint32_t) const {
@@ -266,6 +270,60 @@ void FiducialFinder::draw(const engine::DeviceView& view, engine::Frame& frame) 
       std::min<std::size_t>(view.state.cell<std::uint32_t>(view.slot, k_fiducial_count)[0], poses.size() / 4);
   for (std::size_t k = 0; k < count; ++k)
     frame.sights.push_back({view.body, view.at(0, 0, 0), {poses[4 * k], poses[4 * k + 1], poses[4 * k + 2]}});
+}
+
+/// The marked parts of all bodies, by their fiducial_key.
+struct Marks {
+  struct OfKey {
+    Heights heights;
+    std::vector<std::uint32_t> types;      // types of bodies that have such a mark; each once
+    std::vector<std::uint32_t> on_joints;  // types of bodies that have such a mark on a joint; each once
+  };
+  std::map<std::int32_t, OfKey> of_key;
+
+  explicit Marks(const engine::LintWorld& world) {
+    for (std::uint32_t t = 0; t < world.types.size(); ++t)
+      for (const PartSpec& part : world.spec.types[t].parts) {
+        if (part.returns.fiducial == 0 || world.bodies[t] == 0) continue;
+        OfKey& marks = of_key[part.returns.fiducial_key];
+        for (const Solid& solid : part.solids)
+          for (const auto& [z, count] : world.levels[t]) marks.heights.add(solid.z.shifted(z), count);
+        if (marks.types.empty() || marks.types.back() != t) marks.types.push_back(t);
+        if (part.joint != engine::k_rigid && (marks.on_joints.empty() || marks.on_joints.back() != t))
+          marks.on_joints.push_back(t);
+      }
+    for (auto& [key, marks] : of_key) marks.heights.sum();
+  }
+};
+
+/// Warns if no other body has a mark with the key of the finder, or if all such marks are at other heights
+/// than the finder. Heights are not compared if the finder or a mark is on a joint, which may move it to
+/// another height.
+void FiducialFinder::lint(const engine::LintView& view) const {
+  if (view.is_set({"key", "ignore_zloc"})) return;
+  const engine::DeviceSpec& finder = view.device_spec();
+  const std::string beginning = engine::sees_nothing_text(finder.name, view.type_spec().name);
+  const auto& all = view.world.shared<Marks>().of_key;
+  const auto marks = all.find(params.key);
+  if (marks == all.end() || !view.has_other_of(marks->second.types))
+    return view.warn(
+        engine::LintTopic::sight,
+        beginning + fmt::format("no other body with a fiducial_return has the fiducial_key of the finder, {}",
+                                params.key));
+  if (params.ignore_zloc || finder.joint != engine::k_rigid || view.has_other_of(marks->second.on_joints))
+    return;
+  std::vector<ZInterval> own;
+  for (const PartSpec& part : view.type_spec().parts)
+    if (part.returns.fiducial != 0 && part.returns.fiducial_key == params.key)
+      for (const Solid& solid : part.solids) own.push_back(solid.z);
+  if (const std::string why = why_at_no_height(view,
+                                               {.all = marks->second.heights,
+                                                .own = own,
+                                                .none = "no other body with a fiducial_return",
+                                                .name = "bodies with a fiducial_return"},
+                                               {&finder.pose_body_device.z, 1});
+      !why.empty())
+    view.warn(engine::LintTopic::sight, beginning + why);
 }
 
 }  // namespace

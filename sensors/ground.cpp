@@ -1,6 +1,7 @@
 #include "sensors/ground.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "engine/sensing/sensing_view.hpp"
 #include "engine/sensing/shown_color.hpp"
 #include "partition/box_grid.hpp"
@@ -11,10 +12,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace troupe::sensors {
@@ -266,15 +269,46 @@ struct GroundSensor {
     }
     return 0;
   }
+
+  void lint(const engine::LintView& view) const;
 };
 
-}  // namespace
+/// For each type with bodies and solids, the lowest height of the top of a solid, m, world frame. A joint may
+/// lower a solid to any height.
+struct LowestTops {
+  std::vector<std::pair<double, std::uint32_t>> types;  // in ascending order
 
-std::optional<double> ground_height(const std::any& prepared) {
-  const auto* sensor = std::any_cast<GroundSensor>(&prepared);
-  if (sensor == nullptr) return {};
-  return sensor->ground.height();
+  explicit LowestTops(const engine::LintWorld& world) {
+    for (std::uint32_t t = 0; t < world.types.size(); ++t) {
+      if (world.bodies[t] == 0) continue;
+      std::optional<double> lowest;
+      for (const PartSpec& part : world.spec.types[t].parts)
+        for (const Solid& solid : part.solids) {
+          const double top = part.joint != engine::k_rigid ? -std::numeric_limits<double>::infinity()
+                                                           : solid.z.max + world.levels[t].begin()->first;
+          lowest = std::min(lowest.value_or(top), top);
+        }
+      if (lowest) types.emplace_back(*lowest, t);
+    }
+    std::ranges::sort(types);
+  }
+};
+
+/// Warns if no part of another body can be ground.
+void GroundSensor::lint(const engine::LintView& view) const {
+  if (view.is_set({"height"})) return;
+  for (const auto& [top, type] : view.world.shared<LowestTops>().types) {
+    if (top > ground.height()) break;
+    if (view.has_other(type)) return;
+  }
+  view.warn(engine::LintTopic::ground,
+            fmt::format("{} sees only the bare floor: no other body has a part whose top is at most {:.4g} m "
+                        "above the floor, its \"height\"",
+                        engine::device_text("sensor", view.device_spec().name, view.type_spec().name),
+                        ground.height()));
 }
+
+}  // namespace
 
 DeviceKind ground_kind() {
   return engine::make_device_kind<GroundSensor>(

@@ -4,13 +4,11 @@
 #include "base/geometry.hpp"
 #include "base/ids.hpp"
 #include "engine/fields/description.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_kind.hpp"
 
-#include <any>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
 
 namespace troupe::sensors {
 
@@ -35,10 +33,6 @@ enum GroundField : std::size_t {
 ///          a size of some millimetres in z. If the model has an LED, the sensor reads the colour of the LED.
 /// edges    A point on the common border of two adjacent zones belongs to exactly one of them.
 engine::DeviceKind ground_kind();
-
-/// Returns the parameter `height` of a ground sensor, m; nothing if the device is not a ground sensor.
-/// prepared: the data of the device (DeviceKind::Prepared::data).
-std::optional<double> ground_height(const std::any& prepared);
 
 /// The parameter that determines which parts of bodies are ground (see ground_kind()). Devices that read or
 /// change the ground include this struct in their own parameters.

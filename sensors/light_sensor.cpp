@@ -1,7 +1,8 @@
 #include "sensors/light_sensor.hpp"
 
 #include "base/math.hpp"
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "engine/sensing/sensing_view.hpp"
 #include "engine/sensing/visibility_query.hpp"
 #include "sensors/light_source.hpp"
@@ -46,6 +47,7 @@ struct LightSensor {
 
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_sensor);
   std::uint64_t sense(const SenseBatch& batch) const;
+  void lint(const engine::LintView& view) const;
 };
 
 /// A light in sight.
@@ -155,13 +157,29 @@ std::uint64_t LightSensor::sense(const SenseBatch& batch) const {
   return eyes->rays() - rays_before;
 }
 
+/// The types of bodies with a light.
+struct LitTypes {
+  std::vector<std::uint32_t> types;
+
+  explicit LitTypes(const engine::LintWorld& world) {
+    world.for_devices<LightSource>(
+        [&](std::uint32_t type, std::size_t, const LightSource&) { types.push_back(type); });
+  }
+};
+
+/// Warns if no other body has a light.
+void LightSensor::lint(const engine::LintView& view) const {
+  if (!view.has_other_of(view.world.shared<LitTypes>().types))
+    view.warn(engine::LintTopic::light,
+              engine::sees_nothing_text(view.device_spec().name, view.type_spec().name) +
+                  "no other body has a light, such as a \"blinkenlight\"");
+}
+
 }  // namespace
 
 DeviceKind light_sensor_kind() {
   return engine::make_device_kind<LightSensor>(
       "light_sensor", "a ring of light sensors: reads the brightness in several directions");
 }
-
-bool is_light_sensor(const std::any& prepared) { return std::any_cast<LightSensor>(&prepared) != nullptr; }
 
 }  // namespace troupe::sensors

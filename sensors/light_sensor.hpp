@@ -1,8 +1,7 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_kind.hpp"
 
-#include <any>
 #include <cstddef>
 
 namespace troupe::sensors {
@@ -33,8 +32,5 @@ enum LightSensorField : std::size_t {
 /// edges  A light straight above or below the sensor, or at the same place, is counted as a light in sight,
 ///        but adds nothing to the brightness in any direction.
 engine::DeviceKind light_sensor_kind();
-
-/// Whether a device is a light sensor. prepared: the data of the device (DeviceKind::Prepared::data).
-bool is_light_sensor(const std::any& prepared);
 
 }  // namespace troupe::sensors

@@ -3,7 +3,8 @@
 #include "base/bearings.hpp"
 #include "base/math.hpp"
 #include "base/random.hpp"
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "engine/sensing/line_crossings.hpp"
 #include "engine/sensing/sensing_view.hpp"
 
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -119,6 +121,7 @@ struct Radio {
   static DeviceKind::Prepared prepare(const Params& params, const Pose& pose_body_radio);
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
   std::uint64_t sense(const SenseBatch& batch) const;
+  void lint(const engine::LintView& view) const;
 
   bool bodies_block() const { return params.bodies == Bodies::block; }
   /// Whether the loss depends on the distance.
@@ -623,17 +626,40 @@ Result<> Radio::bind_part(const engine::TypeSpec& type, std::uint32_t) {
                   distance, radius)};
 }
 
+/// The types with a radio on each channel, including channels that interventions `set`.
+struct Channels {
+  std::map<std::string, std::vector<std::uint32_t>> types;
+
+  explicit Channels(const engine::LintWorld& world) {
+    world.for_devices<Radio>([&](std::uint32_t type, std::size_t d, const Radio& radio) {
+      types[radio.params.channel].push_back(type);
+      for (const engine::Value* name : world.set_values(world.spec.types[type].devices[d].params, "channel"))
+        types[name->text()].push_back(type);
+    });
+  }
+};
+
+/// Warns if no other body has a radio on the channel.
+void Radio::lint(const engine::LintView& view) const {
+  const auto& channels = view.world.shared<Channels>().types;
+  if (view.has_other_of(channels.at(params.channel)) || view.is_set({"channel"})) return;
+  std::string known;
+  for (const auto& [name, types] : channels)
+    if (name != params.channel)
+      known += fmt::format("{}\"{}\"", known.empty() ? "; other channels: " : ", ", name);
+  const engine::DeviceSpec& radio = view.device_spec();
+  view.warn(
+      engine::LintTopic::message,
+      fmt::format("{} hears nothing: no other body has a radio on the channel \"{}\"{}",
+                  engine::device_text(radio.kind, radio.name, view.type_spec().name), params.channel, known));
+}
+
 }  // namespace
 
 DeviceKind radio_kind() {
   return engine::make_device_kind<Radio>("radio",
                                          "sends messages to other radios in range, and receives their "
                                          "messages with the range and bearing of each sender");
-}
-
-const std::string* radio_channel(const std::any& prepared) {
-  const auto* radio = std::any_cast<Radio>(&prepared);
-  return radio == nullptr ? nullptr : &radio->params.channel;
 }
 
 }  // namespace troupe::sensors

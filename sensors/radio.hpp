@@ -1,9 +1,9 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/percept.hpp"
 
 #include <algorithm>
-#include <any>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -200,9 +200,5 @@ class RadioPort {
 /// edges     Radios at exactly the largest distance hear each other. Between radios at the same place, the
 ///           bearing is 0.
 engine::DeviceKind radio_kind();
-
-/// Returns the name of the channel of a radio; null if the device is not a radio. prepared: the data of a
-/// device (DeviceKind::Prepared::data). The result is valid as long as these data.
-const std::string* radio_channel(const std::any& prepared);
 
 }  // namespace troupe::sensors

@@ -1,8 +1,10 @@
 #include "sensors/ranger.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "engine/sensing/sensing_view.hpp"
 #include "partition/ranging.hpp"
+#include "sensors/heights.hpp"
 #include "sensors/ranger_beams.hpp"
 #include "sensors/ranger_exact.hpp"
 #include "sensors/ranger_grid.hpp"
@@ -29,16 +31,6 @@ bool mirrored(const BeamGroup& group) {
            std::abs(group.dy[i] + group.dy[i + half]) < k_same;
   return same;
 }
-
-/// One transducer of a ranger, and its pose.
-struct Transducer {
-  const TransducerParams& params;
-  Pose pose;  // body frame
-
-  std::size_t samples() const { return static_cast<std::size_t>(params.samples); }
-  /// The heading of beam i, body frame, rad.
-  double heading(std::size_t i) const { return pose.heading + params.bearing(static_cast<std::int64_t>(i)); }
-};
 
 void add_beam(BeamGroup& group, const Transducer& transducer, std::size_t i, const Vec2& reference) {
   const SinCos direction = sincos(transducer.heading(i));
@@ -80,29 +72,6 @@ void group_beams(RangerBeams& ranger, const Transducer& transducer) {
   }
 }
 
-/// Adds the extras of a transducer to the ranger if the transducer has noise of readings, a range_min that is
-/// applied, or a beam width. first: the column of the transducer's first reading.
-void add_extras_of(const Transducer& transducer, std::size_t first, RangerBeams& ranger) {
-  const TransducerParams& params = transducer.params;
-  TransducerExtras extras{.first = first,
-                          .count = transducer.samples(),
-                          .range_max = params.range_max,
-                          .noise_stddev = params.noise_stddev,
-                          .noise_relative = params.noise_relative,
-                          .noise_proportional = params.noise_proportional,
-                          .least = params.apply_range_min ? params.range_min : 0,
-                          .noise_angular = params.noise_angular,
-                          .beam_width = params.beam_width,
-                          .origin = transducer.pose.position(),
-                          .z = transducer.pose.z};
-  ranger.has_angular_noise = ranger.has_angular_noise || params.noise_angular > 0;
-  if (extras.beam_width > 0)
-    for (std::size_t i = 0; i < transducer.samples(); ++i) extras.headings.push_back(transducer.heading(i));
-  if (extras.noise_stddev > 0 || extras.noise_relative > 0 || extras.noise_proportional > 0 ||
-      extras.least > 0 || extras.beam_width > 0)
-    ranger.extras.push_back(std::move(extras));
-}
-
 /// Completes a group after its last beam has been added: computes whether it is mirrored, pads the arrays,
 /// and computes the limits. These data do not change between casts.
 void finish(BeamGroup& group) {
@@ -132,6 +101,51 @@ Result<> check_limits(const std::vector<TransducerParams>& transducers) {
   return {};
 }
 
+bool is_in(const ConvexPrism& piece, const Vec2& point) {
+  for (std::size_t i = 0; i < piece.outline.size(); ++i) {
+    const Vec2& a = piece.outline[i];
+    const Vec2& b = piece.outline[(i + 1) % piece.outline.size()];
+    if (cross(b - a, point - a) < 0) return false;
+  }
+  return true;
+}
+
+/// Whether all beams of a ranger end inside `body`, the outline of the robot that carries the ranger. Such
+/// beams detect only bodies that overlap the robot.
+bool stays_inside(const RangerBeams& ranger, const partition::ObstacleShape& body) {
+  const auto stays = [&](const BeamGroup& group, std::size_t beam) {
+    const Vec2 from = ranger.reference + Vec2(group.ox[beam], group.oy[beam]);
+    const Vec2 to = from + group.range_max[beam] * Vec2(group.dx[beam], group.dy[beam]);
+    return std::ranges::any_of(body.pieces, [&](const ConvexPrism& piece) {
+      return piece.z.contains(group.z) && is_in(piece, from) && is_in(piece, to);
+    });
+  };
+  return std::ranges::all_of(ranger.groups, [&](const BeamGroup& group) {
+    for (std::size_t beam = 0; beam < group.count; ++beam)
+      if (!stays(group, beam)) return false;
+    return true;
+  });
+}
+
+/// The outlines that rangers see.
+struct VisibleOutlines {
+  Heights heights;
+  std::vector<std::uint32_t>
+      lifting;  // types of bodies with an outline that a joint, such as a lift, may raise
+
+  explicit VisibleOutlines(const engine::LintWorld& world) {
+    for (std::uint32_t t = 0; t < world.types.size(); ++t) {
+      bool lifts = false;
+      for (const engine::RayOutline& outline : world.types[t].outlines) {
+        for (const auto& [z, count] : world.levels[t]) heights.add(outline.z.shifted(z), count);
+        lifts = lifts || outline.joint != engine::k_rigid;
+      }
+      if (lifts && world.bodies[t] > 0) lifting.push_back(t);
+    }
+    heights.sum();
+  }
+};
+
 }  // namespace
 
 engine::DeviceKind::Prepared Ranger::prepare(const Params& params, const Pose& pose_body_sensor) {
@@ -141,16 +155,21 @@ engine::DeviceKind::Prepared Ranger::prepare(const Params& params, const Pose& p
   std::vector<Transducer> transducers;
   double farthest = 0;
   for (const TransducerParams& one : params.transducers) {
-    const Transducer transducer{one, compose(pose_body_sensor, one.pose)};
-    add_extras_of(transducer, out.bearings.size(), beams);
-    out.transducers.push_back({.first = out.bearings.size(),
+    Transducer transducer{
+        .params = one, .pose = compose(pose_body_sensor, one.pose), .first = out.bearings.size()};
+    out.transducers.push_back({.first = transducer.first,
                                .samples = transducer.samples(),
                                .pose_sensor_transducer = one.pose,
                                .range_max = one.range_max,
                                .fov = one.fov});
     for (std::int64_t i = 0; i < one.samples; ++i) out.bearings.push_back(one.pose.heading + one.bearing(i));
+    if (one.beam_width > 0)
+      for (std::size_t i = 0; i < transducer.samples(); ++i)
+        transducer.headings.push_back(transducer.heading(i));
+    beams.has_angular_noise = beams.has_angular_noise || one.noise_angular > 0;
+    if (transducer.has_extras()) beams.extras.push_back(transducer);
     farthest = std::max(farthest, one.range_max);
-    transducers.push_back(transducer);
+    transducers.push_back(std::move(transducer));
   }
   beams.reference = transducers.empty() ? pose_body_sensor.position() : transducers.front().pose.position();
   for (const Transducer& transducer : transducers)
@@ -184,6 +203,35 @@ std::uint64_t Ranger::sense(const engine::DeviceBatch& batch) const {
     cast_exact(batch, *beams);
   if (!beams->extras.empty()) add_extras(batch, *beams);
   return batch.rows.size() * beams->count;
+}
+
+void Ranger::lint(const engine::LintView& view) const {
+  const engine::BodyType::Device& device = view.device();
+  const std::string beginning = engine::sees_nothing_text(device.name, view.body_type().name);
+  if (beams->count == 0) return view.warn(engine::LintTopic::sight, beginning + "it has no beams");
+  if (device.joint != engine::k_rigid || view.is_set({"transducers"})) return;
+  if (stays_inside(*beams, view.body_type().obstacle)) {
+    float longest = 0;
+    for (const BeamGroup& group : beams->groups)
+      longest = std::max(longest, *std::ranges::max_element(group.range_max));
+    return view.warn(
+        engine::LintTopic::sight,
+        beginning + fmt::format("its beams of at most {:.4g} m end inside its own body", longest));
+  }
+  const VisibleOutlines& visible = view.world.shared<VisibleOutlines>();
+  if (view.has_other_of(visible.lifting)) return;
+  std::vector<ZInterval> own;
+  for (const engine::RayOutline& outline : view.body_type().outlines) own.push_back(outline.z);
+  std::vector<double> heights;
+  for (const BeamGroup& group : beams->groups) heights.push_back(group.z);
+  if (const std::string why = why_at_no_height(view,
+                                               {.all = visible.heights,
+                                                .own = own,
+                                                .none = "no other body that rangers see",
+                                                .name = "bodies that rangers see"},
+                                               heights);
+      !why.empty())
+    view.warn(engine::LintTopic::sight, beginning + why);
 }
 
 engine::DeviceKind ranger_kind() {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_kind.hpp"
 #include "engine/kinds/sensor_params.hpp"
 
 #include <cstdint>
@@ -55,6 +55,10 @@ struct Ranger {
   /// Computes the readings of the ranger for every body of the batch (the bodies that one task of a parallel
   /// loop handles), and writes them to batch.state. Returns the number of rays cast.
   std::uint64_t sense(const engine::DeviceBatch& batch) const;
+  /// Warns if the ranger has no beams, if its beams end inside its own body, or if no other body is at their
+  /// height. A ranger on a joint may move out of its body and to other heights, and a ranger whose
+  /// transducers an intervention changes may get other beams: of these, only the number of beams is checked.
+  void lint(const engine::LintView& view) const;
 };
 
 }  // namespace troupe::sensors

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "base/pose.hpp"
+#include "engine/kinds/sensor_params.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace troupe::sensors {
@@ -39,22 +41,26 @@ struct BeamGroup {
   std::vector<double> angular_noise;  ///< bound of the uniformly distributed error of each heading, rad
 };
 
-/// The noise, the lower limit and the beam width of one transducer (fan of beams). add_extras()
-/// (sensors/ranger_noise.hpp) applies them to the readings of the transducer after its beams have been cast.
-struct TransducerExtras {
-  std::size_t first = 0;      ///< index of its first reading among the readings of the ranger
-  std::size_t count = 0;      ///< number of its readings
-  double range_max = 0;       ///< largest reading, m; readings with noise are clamped to [0, range_max]
-  double noise_stddev = 0;    ///< standard deviation of a normally distributed error of a reading, m
-  double noise_relative = 0;  ///< standard deviation of a second normal error, as a fraction of the reading
-  double noise_proportional = 0;  ///< bound of a uniform error, as a fraction of the reading
-  double least = 0;               ///< lower readings are raised to this value, m; 0: none
-  double noise_angular = 0;       ///< bound of the uniform error of each heading, rad
-  double beam_width = 0;          ///< opening angle of each beam, rad; 0: beams without width
-  Vec2 origin = Vec2::Zero();     ///< point where its beams start, body frame, m
-  double z = 0;                   ///< height of its beams, body frame, m
+/// One transducer (fan of beams) of a ranger. add_extras() (sensors/ranger_noise.hpp) applies its noise,
+/// lower limit and beam width to its readings after its beams have been cast.
+struct Transducer {
+  engine::TransducerParams params;  ///< its parameters in the world file
+  Pose pose;                        ///< pose of the beams at rest, body frame
+  std::size_t first = 0;            ///< index of its first reading among the readings of the ranger
   /// Headings of the beams without noise, body frame, rad; empty if the beams have no width.
-  std::vector<double> headings;
+  std::vector<double> headings = {};
+
+  std::size_t samples() const {
+    return static_cast<std::size_t>(params.samples);
+  }  ///< number of its readings
+  /// The heading of beam i without noise, body frame, rad.
+  double heading(std::size_t i) const { return pose.heading + params.bearing(static_cast<std::int64_t>(i)); }
+  /// Lower readings are raised to this value, m; 0: none.
+  double least() const { return params.apply_range_min ? params.range_min : 0; }
+  bool has_noise() const {  ///< whether its readings have noise
+    return params.noise_stddev > 0 || params.noise_relative > 0 || params.noise_proportional > 0;
+  }
+  bool has_extras() const { return has_noise() || least() > 0 || params.beam_width > 0; }
 };
 
 /// The beams of a ranger (range sensor), prepared once from its parameters. Both ray engines use them: the
@@ -70,8 +76,7 @@ struct RangerBeams {
   double reach = 0;                ///< bound on the distance from the reference to the end of any beam, m
   bool intensity = false;          ///< whether the readings contain intensities
   bool has_angular_noise = false;  ///< whether any beam has angular noise
-  /// One entry for each transducer whose readings have noise, a lower limit or a beam width.
-  std::vector<TransducerExtras> extras;
+  std::vector<Transducer> extras;  ///< the transducers for which Transducer::has_extras() is true
 };
 
 }  // namespace troupe::sensors

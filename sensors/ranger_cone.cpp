@@ -30,12 +30,12 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 }
 
 void cast_cones(const engine::SensingView& view, Row own, const engine::Mount& mount,
-                const TransducerExtras& extras, std::span<const double> headings, std::span<float> ranges,
+                const Transducer& transducer, std::span<const double> headings, std::span<float> ranges,
                 std::span<float> intensities) {
   thread_local const auto near = std::make_unique<engine::VisibilityQuery>();
-  const Vec2 tip = mount.transform * extras.origin;
-  const double z = mount.z + extras.z;
-  const double half_width = extras.beam_width / 2;
+  const Vec2 tip = mount.transform * transducer.pose.position();
+  const double z = mount.z + transducer.pose.z;
+  const double half_width = transducer.params.beam_width / 2;
   near->stand(view, tip, ranges.empty() ? 0 : std::ranges::max(ranges), own, z);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const double heading = mount.heading + headings[i];
@@ -52,7 +52,7 @@ void cast_cones(const engine::SensingView& view, Row own, const engine::Mount& m
       if (chain.ranger_return < 0 || !chain.z.contains(z)) return;
       engine::for_each_edge(chain, [&](const Vec2& a, const Vec2& b) {
         const auto range = nearest_in_cone(right, left, a - tip, b - tip);
-        if (!range || *range > nearest || *range >= extras.range_max) return;
+        if (!range || *range > nearest || *range >= transducer.params.range_max) return;
         if (!intensities.empty())  // at equal distances the larger one, as for beams without a width
           intensities[i] =
               *range < nearest ? chain.ranger_return : std::max(intensities[i], chain.ranger_return);

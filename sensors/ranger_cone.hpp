@@ -23,9 +23,8 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 ///
 /// view         read access to the state of the world
 /// own          row (index in the state tables) of the body that carries the ranger
-/// mount        the frame in which extras.origin, extras.z and `headings` are given, relative to the world
-///              frame
-/// extras       the transducer; its beam_width must be above 0
+/// mount        the frame in which transducer.pose and `headings` are given, relative to the world frame
+/// transducer   its beam_width must be above 0
 /// headings     the headings of the middle lines of the beams in this tick (time step), rad; they include
 ///              angular noise
 /// ranges       before the call: the distances along the middle lines of the beams, m; after it: the
@@ -33,7 +32,7 @@ std::optional<double> nearest_in_cone(const Vec2& right, const Vec2& left, const
 /// intensities  the intensities of the surfaces at these distances, updated together with `ranges`; empty if
 ///              the ranger reports no intensities
 void cast_cones(const engine::SensingView& view, Row own, const engine::Mount& mount,
-                const TransducerExtras& extras, std::span<const double> headings, std::span<float> ranges,
+                const Transducer& transducer, std::span<const double> headings, std::span<float> ranges,
                 std::span<float> intensities);
 
 }  // namespace troupe::sensors

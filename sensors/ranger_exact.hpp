@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_batch.hpp"
 #include "sensors/ranger_beams.hpp"
 
 namespace troupe::sensors {

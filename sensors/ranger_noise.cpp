@@ -28,17 +28,17 @@ void draw_headings_again(const engine::DeviceBatch& batch, std::size_t i, const 
                     [&](std::size_t beam, double heading) { headings[group.first + beam] = heading; });
 }
 
-void add_noise(const TransducerExtras& extras, Random& random, std::span<float> ranges) {
-  const auto range_max = static_cast<float>(extras.range_max);
+void add_noise(const engine::TransducerParams& params, Random& random, std::span<float> ranges) {
+  const auto range_max = static_cast<float>(params.range_max);
   for (float& range : ranges) {
     // The numbers are drawn even if the beam hits nothing, so that the numbers for the next beams do not
     // depend on whether this beam hits something.
-    const double share = extras.noise_proportional > 0 ? random.uniform(-1, 1) : 0;
-    const double normal = extras.noise_stddev > 0 ? random.normal() : 0;
-    const double relative = extras.noise_relative > 0 ? random.normal() : 0;
+    const double share = params.noise_proportional > 0 ? random.uniform(-1, 1) : 0;
+    const double normal = params.noise_stddev > 0 ? random.normal() : 0;
+    const double relative = params.noise_relative > 0 ? random.normal() : 0;
     if (range >= range_max) continue;
-    const double noisy = range + range * extras.noise_proportional * share + extras.noise_stddev * normal +
-                         range * extras.noise_relative * relative;
+    const double noisy = range + range * params.noise_proportional * share + params.noise_stddev * normal +
+                         range * params.noise_relative * relative;
     range = std::clamp(static_cast<float>(noisy), 0.0f, range_max);
   }
 }
@@ -67,13 +67,13 @@ std::pair<const double*, const double*> NoisyHeadings::draw(const BeamGroup& gro
 
 void add_extras(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
   thread_local std::vector<double> noisy_headings;  // by reading
-  const auto has_noisy_width = [](const TransducerExtras& extras) {
-    return extras.beam_width > 0 && extras.noise_angular > 0;
+  const auto has_noisy_width = [](const Transducer& transducer) {
+    return transducer.params.beam_width > 0 && transducer.params.noise_angular > 0;
   };
   const bool draws_again = std::ranges::any_of(ranger.extras, has_noisy_width);
-  const auto headings_of = [&](const TransducerExtras& extras) {
-    const std::span<const double> all(has_noisy_width(extras) ? noisy_headings : extras.headings);
-    return has_noisy_width(extras) ? all.subspan(extras.first, extras.count) : all;
+  const auto headings_of = [&](const Transducer& transducer) {
+    const std::span<const double> all(has_noisy_width(transducer) ? noisy_headings : transducer.headings);
+    return has_noisy_width(transducer) ? all.subspan(transducer.first, transducer.samples()) : all;
   };
   for (std::size_t i = 0; i < batch.rows.size(); ++i) {
     Random random = batch.random(i);
@@ -81,14 +81,14 @@ void add_extras(const engine::DeviceBatch& batch, const RangerBeams& ranger) {
     const std::span<float> ranges = batch.state.cell<float>(batch.slot(i), 0);
     const std::span<float> intensities =
         ranger.intensity ? batch.state.cell<float>(batch.slot(i), 1) : std::span<float>();
-    for (const TransducerExtras& extras : ranger.extras) {
-      const std::span<float> own = ranges.subspan(extras.first, extras.count);
-      if (extras.beam_width > 0)
-        cast_cones(batch.view, batch.rows[i], batch.mount(i), extras, headings_of(extras), own,
-                   ranger.intensity ? intensities.subspan(extras.first, extras.count) : intensities);
-      if (extras.noise_proportional > 0 || extras.noise_stddev > 0 || extras.noise_relative > 0)
-        add_noise(extras, random, own);
-      for (float& range : own) range = std::max(range, static_cast<float>(extras.least));
+    for (const Transducer& transducer : ranger.extras) {
+      const std::span<float> own = ranges.subspan(transducer.first, transducer.samples());
+      if (transducer.params.beam_width > 0)
+        cast_cones(
+            batch.view, batch.rows[i], batch.mount(i), transducer, headings_of(transducer), own,
+            ranger.intensity ? intensities.subspan(transducer.first, transducer.samples()) : intensities);
+      if (transducer.has_noise()) add_noise(transducer.params, random, own);
+      for (float& range : own) range = std::max(range, static_cast<float>(transducer.least()));
     }
   }
 }

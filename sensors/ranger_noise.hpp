@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/random.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_batch.hpp"
 #include "sensors/ranger_beams.hpp"
 
 #include <utility>

@@ -101,8 +101,8 @@ CPP_BEFORE = {
         #include <engine/kinds/measure_kind.hpp>
         #include <troupe/registry.hpp>
         struct Crowding : troupe::engine::Measure {
-          Crowding(const troupe::engine::World&, std::vector<troupe::BodyId>) {}
-          double value(troupe::engine::World&) override { return 0; }
+          Crowding(const troupe::engine::MeasuredWorld&, std::vector<troupe::BodyId>) {}
+          double value(const troupe::engine::MeasuredWorld&) override { return 0; }
         };""",
 }
 

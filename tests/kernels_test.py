@@ -140,8 +140,8 @@ class PlantedFaults(unittest.TestCase):
             text = f"{HEAD}    1000:\tcall   1005 <x+0x5>\n{there}{callee}\n"
             self.assertEqual(len(faults(text)), 1, callee)
             self.assertTrue(faults(text)[0].endswith(f"calls {callee[:-4]}"), faults(text))
-        self.assertEqual(self.faults("call   a30 <troupe::partition::CircleArrays::make_room(unsigned long)>"),
-                         ["calls troupe::partition::CircleArrays::make_room(unsigned long)"])
+        self.assertEqual(self.faults("call   a30 <troupe::partition::CircleArrays::change_capacity(unsigned long)>"),
+                         ["calls troupe::partition::CircleArrays::change_capacity(unsigned long)"])
         self.assertEqual(self.faults("call   *%rax"), ["calls through *%rax"])
         self.assertEqual(faults(f"{HEAD}    1000:\tjmp    1005 <x+0x5>\n{there}memmove-0x4\n")[0][-13:], "calls memmove")
 

@@ -24,7 +24,7 @@ constexpr double k_most_speed = 1e6;  // m/s and rad/s: larger commands are mist
 /// Returns the body that the act names. Throws ActRefused if there is no such body, or if the body is not in
 /// the world.
 Model body_of(Simulation& simulation, const Act& act) {
-  const BodyId id = simulation.world().find(act.whom);
+  const BodyId id = simulation.world().state().names.find(act.whom);
   if (!id.valid()) refuse_act(fmt::format("there is no body \"{}\"", act.whom));
   Model model = simulation.model(id);
   if (!model.is_alive())

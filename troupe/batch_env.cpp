@@ -1,8 +1,8 @@
 #include "troupe/batch_env.hpp"
 
 #include "base/hash.hpp"
-#include "base/raised.hpp"
 #include "base/random.hpp"
+#include "base/scoped_flag.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/world/world.hpp"
@@ -156,7 +156,7 @@ void BatchEnv::Impl::add_copy(const Simulation& world, std::size_t c) {
 /// for all others; for_copies() then rethrows the exception of the first of these copies.
 template <class Work>
 void BatchEnv::Impl::for_copies(Work&& work) {
-  const Raised running(is_running);
+  const ScopedFlag running(is_running);
   constexpr std::size_t k_most = 32;           // copies per task
   constexpr std::size_t k_tasks_a_thread = 8;  // enough that all threads end at about the same time
   const std::size_t n = copies.size();
@@ -273,8 +273,8 @@ void BatchEnv::Impl::act(std::size_t c) {
 /// Commands robot i of a team with its actions, numbers from -1 to 1; without actions, stops its drive.
 void BatchEnv::Impl::command(engine::World& world, const TeamData& team, const TeamCopy& bound, std::size_t i,
                              std::span<const double> given) {
-  const Row row = world.row(bound.ids[i]);
-  if (!world.is_there(row)) return;
+  const Row row = world.view().row(bound.ids[i]);
+  if (!world.view().is_there(row)) return;
   std::array<double, k_drive> drive{};
   for (std::size_t a = 0; a < given.size(); ++a) {
     const Action& action = team.actions_plan[a];
@@ -283,7 +283,7 @@ void BatchEnv::Impl::command(engine::World& world, const TeamData& team, const T
       drive[action.command] = asked;
     } else {
       const DeviceField& field = bound.commands[(action.command - k_drive) * team.robots + i];
-      put_number(world.asked_of(*field.device).row(world.slot(row)) + field.field, action.element,
+      put_number(world.device_command(row, *field.device) + field.field, action.element,
                  action.is_bool ? std::clamp(asked, 0.0, 1.0) : asked);
     }
   }

@@ -33,8 +33,8 @@ class BatchEnv::Impl::RowReader {
         world_(copy.simulation.world()),
         team_(team),
         i_(i),
-        own_(world_.row(team.ids[i])),
-        here_(world_.transform(own_)),
+        own_(world_.view().row(team.ids[i])),
+        here_(world_.view().transform(own_)),
         out_(reinterpret_cast<float*>(row)) {}
 
   void read(const ArrayData& array) {
@@ -47,19 +47,19 @@ class BatchEnv::Impl::RowReader {
     const double scale = part.spec->scale;
     switch (part.spec->of) {
       case Of::reading: return add_reading(part, element);
-      case Of::pose: return add_pose(world_.poses()[own_.index()], here_.rotation, scale);
+      case Of::pose: return add_pose(world_.view().poses()[own_.index()], here_.rotation, scale);
       case Of::estimate: {
-        const Pose pose = world_.estimate(own_);
+        const Pose pose = world_.view().estimate(own_);
         return add_pose(pose, Rotation(pose.heading), scale);
       }
       case Of::speed: {
-        const engine::Velocity& v = world_.velocities()[own_.index()];
+        const engine::Velocity& v = world_.view().velocities()[own_.index()];
         add(v.x * scale);
         add(v.y * scale);
         add(v.turn * scale);
         return;
       }
-      case Of::stalled: return add(world_.stalled(own_) ? 1 : 0);
+      case Of::stalled: return add(world_.view().stalled(own_) ? 1 : 0);
       case Of::time_left:
         return add(static_cast<double>(copy_.last_tick - std::min(copy_.last_tick, world_.tick())) /
                    static_cast<double>(env_.episode_ticks));
@@ -79,8 +79,9 @@ class BatchEnv::Impl::RowReader {
 
   void add_reading(const Part& part, engine::Element element) {
     const DeviceField& reading = team_.readings[part.of_kind * team_.ids.size() + i_];
-    const std::byte* from =
-        world_.percepts(*reading.device).cell<std::byte>(world_.slot(own_), reading.field).data();
+    const std::byte* from = world_.tables()[reading.device->table]
+                                .cell<std::byte>(world_.view().slot(own_), reading.field)
+                                .data();
     const std::size_t size = engine::element_size(part.element);
     const bool is_raw = element != engine::Element::f32;
     if (is_raw || (part.element == engine::Element::f32 && part.spec->scale == 1)) {
@@ -104,9 +105,9 @@ class BatchEnv::Impl::RowReader {
     const BatchPart& wanted = *part.spec;
     const double range2 = wanted.range_m * wanted.range_m;
     for (const BodyId id : team_.groups[part.of_kind]) {  // in order of ids
-      const Row other = world_.row(id);
-      if (other == own_ || !world_.is_there(other)) continue;
-      const Vec2 way = world_.transform(other).position - here_.position;
+      const Row other = world_.view().row(id);
+      if (other == own_ || !world_.view().is_there(other)) continue;
+      const Vec2 way = world_.view().transform(other).position - here_.position;
       const double distance2 = way.x() * way.x() + way.y() * way.y();
       if (distance2 > range2 || (nearest.size() == wanted.count && distance2 >= nearest.back().distance2))
         continue;
@@ -121,7 +122,7 @@ class BatchEnv::Impl::RowReader {
     thread_local std::vector<Near> nearest;
     find_nearest(part, nearest);
     for (const Near& near : nearest) {
-      const Transform& there = world_.transform(near.row);
+      const Transform& there = world_.view().transform(near.row);
       const Seen seen =
           seen_from(here_, there.position.x() - here_.position.x(), there.position.y() - here_.position.y());
       const Rotation& a = here_.rotation;
@@ -138,9 +139,9 @@ class BatchEnv::Impl::RowReader {
   void add_target(const Part& part) {
     const std::vector<BodyId>& targets = team_.targets[part.of_kind];
     const BodyId body = targets[targets.size() == 1 ? 0 : i_];
-    const Row row = world_.row(body);
-    if (row.valid() && !world_.is_there(row)) return add_zeros(part.columns);
-    const Pose pose = world_.pose(body);
+    const Row row = world_.view().row(body);
+    if (row.valid() && !world_.view().is_there(row)) return add_zeros(part.columns);
+    const Pose pose = world_.view().pose(body);
     const double dx = pose.x - here_.position.x();
     const double dy = pose.y - here_.position.y();
     const Seen seen = seen_from(here_, dx, dy);
@@ -167,7 +168,7 @@ void BatchEnv::Impl::observe(std::size_t c) {
     TeamData& team = teams[t];
     for (std::size_t i = 0; i < team.robots; ++i) {
       const std::size_t at = c * team.robots + i;
-      team.alive[at] = world.is_there(world.row(copy.teams[t].ids[i]));
+      team.alive[at] = world.view().is_there(world.view().row(copy.teams[t].ids[i]));
       for (ArrayData& array : team.arrays) {
         std::byte* out = array.bytes.data() + at * array.row_bytes();
         if (team.alive[at] != 0)

@@ -110,10 +110,10 @@ void BatchEnv::Impl::plan_starts(const engine::World& world) {
     StartData& start = starts.emplace_back();
     start.name = name;
     // If "goal1" is a model (of population "goal"), the name does not also stand for goal10 to goal19.
-    const BodyId one = world.find(name);
+    const BodyId one = world.state().names.find(name);
     for (std::size_t b = 0; b < own.bodies.size(); ++b) {
       const bool is_meant = one.valid() ? BodyId(b) == one
-                                        : world.type(BodyId(b)).name == name ||
+                                        : world.view().type(BodyId(b)).name == name ||
                                               engine::is_of_population(own.names, own.bodies[b].name, name);
       if (is_meant) start.bodies.emplace_back(b);
     }
@@ -181,7 +181,8 @@ BatchEnv::Impl::Part BatchEnv::Impl::plan(const BatchPart& part, Simulation& sim
 }
 
 void BatchEnv::Impl::plan_actions(TeamData& team, Simulation& simulation, BodyId robot) const {
-  const bool has_drive = simulation.world().type(simulation.world().row(robot)).drive.has_value();
+  const bool has_drive =
+      simulation.world().view().type(simulation.world().view().row(robot)).drive.has_value();
   for (const BatchAction& action : team.spec->actions) {
     if (action.device.empty())
       plan_drive_action(action, has_drive, team);
@@ -281,7 +282,7 @@ void BatchEnv::Impl::bind(const TeamData& team, Copy& copy, TeamCopy& bound) {
     }
   bind_commands(team, robots, world, bound);
   for (const BodyId id : bound.ids)
-    if (team.drives && !world.type(world.row(id)).drive)
+    if (team.drives && !world.view().type(world.view().row(id)).drive)
       refuse(
           fmt::format("robot \"{}\" of team \"{}\" has no drive, but an action of the team commands the "
                       "drive: put the robot in another team",
@@ -304,8 +305,8 @@ void BatchEnv::Impl::bind_readings(const TeamData& team, const Part& part, const
                       engine::element_name(reading.field->element), robot.name()));
     // The device is the one whose table of readings has this field.
     const std::size_t before = bound.readings.size();
-    for (const engine::BodyType::Device& device : world.type(world.row(robot.id())).devices) {
-      const std::span<const engine::StateField> fields = world.percepts(device).fields();
+    for (const engine::BodyType::Device& device : world.view().type(world.view().row(robot.id())).devices) {
+      const std::span<const engine::StateField> fields = world.tables()[device.table].fields();
       for (std::size_t f = 0; f < fields.size(); ++f)
         if (&fields[f] == reading.field) bound.readings.push_back({&device, f});
     }
@@ -321,13 +322,13 @@ void BatchEnv::Impl::bind_readings(const TeamData& team, const Part& part, const
 /// if there is no such body, one body per robot, whose name ends in the number of the robot.
 std::vector<BodyId> BatchEnv::Impl::targets_of(const TeamData& team, const BatchPart& part,
                                                const std::vector<Model>& robots, const engine::World& world) {
-  if (const BodyId one = world.find(part.name); one.valid()) return {one};
+  if (const BodyId one = world.state().names.find(part.name); one.valid()) return {one};
   std::vector<BodyId> targets;
   for (const Model& robot : robots) {
     const std::string& name = robot.name();
     const std::size_t digits = engine::without_number(name).size();
     const std::string target = part.name + name.substr(digits);
-    const BodyId own = digits < name.size() ? world.find(target) : BodyId();
+    const BodyId own = digits < name.size() ? world.state().names.find(target) : BodyId();
     if (!own.valid() && part.name.empty())
       refuse(fmt::format("team \"{}\": a part \"target\" has no name: give the name of its target",
                          team.spec->name));
@@ -356,7 +357,7 @@ void BatchEnv::Impl::bind_commands(const TeamData& team, std::vector<Model>& rob
             "and the numbers of this command must be of the same type in all robots; make two teams",
             team.spec->name, action.command, action.device));
       // Find the device to whose command `fields` belongs.
-      for (const engine::BodyType::Device& device : world.type(world.row(robot.id())).devices)
+      for (const engine::BodyType::Device& device : world.view().type(world.view().row(robot.id())).devices)
         if (device.prepared.commands.data() == fields.data())
           bound.commands.push_back({&device, field->offset});
     }

@@ -22,7 +22,7 @@ void BatchEnv::Impl::judge(std::size_t c, bool has_stepped) {
     for (std::size_t i = 0; i < team.robots; ++i) {
       const std::size_t at = c * team.robots + i;
       const bool is_alive = team.alive[at] != 0;
-      const bool is_dead = world.presence(world.row(bound.ids[i])) == engine::Presence::dead;
+      const bool is_dead = world.view().presence(world.view().row(bound.ids[i])) == engine::Presence::dead;
       const bool was_finished = has_stepped && bound.was_terminated[i] != 0;
       const bool counts = has_stepped && is_alive && !was_finished;
       const double reward = take_reward(team, bound, c, i, counts);

@@ -2,7 +2,8 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/observing/sensed_rows.hpp"
-#include "engine/world/kind_errors.hpp"
+#include "engine/state/kind_calls.hpp"
+#include "engine/world/state_tables.hpp"
 #include "troupe/value_names.hpp"
 #include "worldio/results/recording_fields.hpp"
 
@@ -47,7 +48,7 @@ std::set<std::string> value_names(const World& world) {
       names.insert(fmt::format("{}.{}", engine::given_name(table.component()), field.name));
   };
   std::ranges::for_each(world.tables(), add);
-  std::ranges::for_each(world.unused_tables(), add);
+  std::ranges::for_each(engine::unused_tables(world.state()), add);
   return names;
 }
 
@@ -55,8 +56,8 @@ std::set<std::string> value_names(const World& world) {
 template <class Visit>
 void for_each_device(const World& world, const Frame& frame, Visit&& visit) {
   for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
-    const Row row = world.row(BodyId(std::size_t{frame.mobile[i].id}));
-    for (const BodyType::Device& device : world.type(row).devices)
+    const Row row = world.view().row(BodyId(std::size_t{frame.mobile[i].id}));
+    for (const BodyType::Device& device : world.view().type(row).devices)
       visit(static_cast<std::uint32_t>(i), row, device);
   }
 }
@@ -64,7 +65,7 @@ void for_each_device(const World& world, const Frame& frame, Visit&& visit) {
 /// Returns the DeviceSpec from which a device of a body was made.
 const engine::DeviceSpec& spec_of(const World& world, BodyId body, const BodyType::Device& device) {
   const std::uint32_t type = world.spec().bodies[body.index()].type.value;
-  const auto d = static_cast<std::size_t>(&device - world.types()[type].devices.data());
+  const auto d = static_cast<std::size_t>(&device - world.view().types()[type].devices.data());
   return world.spec().types[type].devices[d];
 }
 
@@ -89,10 +90,10 @@ struct Ranger {
 /// Returns all rangers, ordered by type and then by device.
 std::vector<Ranger> rangers_of(const World& world) {
   std::vector<Ranger> rangers;
-  for (std::size_t t = 0; t < world.types().size(); ++t) {
-    for (std::size_t d = 0; d < world.types()[t].devices.size(); ++d) {
+  for (std::size_t t = 0; t < world.view().types().size(); ++t) {
+    for (std::size_t d = 0; d < world.view().types()[t].devices.size(); ++d) {
       Ranger ranger{static_cast<std::uint32_t>(t), d, 0};
-      for (const engine::Transducer& transducer : world.types()[t].devices[d].prepared.transducers)
+      for (const engine::Transducer& transducer : world.view().types()[t].devices[d].prepared.transducers)
         ranger.readings += transducer.samples;
       if (ranger.readings > 0) rangers.push_back(ranger);
     }
@@ -104,13 +105,15 @@ std::vector<Ranger> rangers_of(const World& world) {
 /// present pose.
 Pose moved_by_joints(const World& world, Row row, const BodyType::Device& device) {
   if (device.joint == engine::k_rigid) return {};
-  return compose(inverse(engine::Mount(world.poses()[row.index()])), world.mount(row, device.joint)).pose();
+  return compose(inverse(engine::Mount(world.view().poses()[row.index()])),
+                 world.view().mount(row, device.joint))
+      .pose();
 }
 
 }  // namespace
 
 Result<ChosenValue> find_value(const World& world, const std::string& name) {
-  const std::vector<StateTable> unused = world.unused_tables();
+  const std::vector<StateTable> unused = engine::unused_tables(world.state());
   for (ChosenValue& reading : readings_of(name)) {
     bool is_resting = true;
     for (const StateTable& table : world.tables()) {
@@ -118,7 +121,7 @@ Result<ChosenValue> find_value(const World& world, const std::string& name) {
       if (!field || !has_name(table, reading.component)) continue;
       if (reading.column >= field->columns) return no_such_column(reading, field->columns);
       reading.text = with_unit(name, field->unit);
-      is_resting = is_resting && engine::SensedRows(world, table).none_exists();
+      is_resting = is_resting && engine::SensedRows(world.view(), table).none_exists(world.view());
     }
     if (!reading.text.empty()) {
       if (is_resting) reading.text += ": the sensor does not run";
@@ -145,10 +148,10 @@ std::vector<double> values_of(const World& world, const ChosenValue& value, cons
     const StateField* const field = engine::field_named(table.fields(), value.field);
     if (!field || !has_name(table, value.component) || value.column >= field->columns) continue;
     const auto index = static_cast<std::size_t>(field - table.fields().data());
-    const engine::SensedRows readings(world, table);
+    const engine::SensedRows readings(world.view(), table);
     for (std::size_t row = 0; row < table.rows(); ++row) {
       const std::uint32_t place = places[table.ids()[row].index()];
-      if (place < values.size() && readings.exist(row))
+      if (place < values.size() && readings.exist(world.view(), row))
         values[place] = table.number(row, index, value.column);
     }
   }
@@ -160,7 +163,7 @@ std::vector<FrameRanger> frame_rangers(const World& world) {
   for (const Ranger& ranger : rangers_of(world))
     rangers.push_back({ranger.type, ranger.readings,
                        transducers_of(world.spec().types[ranger.type].devices[ranger.device],
-                                      world.types()[ranger.type].devices[ranger.device])});
+                                      world.view().types()[ranger.type].devices[ranger.device])});
   return rangers;
 }
 
@@ -168,13 +171,14 @@ void add_scans(const World& world, Frame& frame) {
   if (world.tick() == 0) return;  // no sensor has run yet
   const std::vector<Ranger> rangers = rangers_of(world);
   for (std::size_t i = 0; i < frame.mobile.size(); ++i) {
-    const Row row = world.row(BodyId(std::size_t{frame.mobile[i].id}));
+    const Row row = world.view().row(BodyId(std::size_t{frame.mobile[i].id}));
     const std::uint32_t type = world.spec().bodies[frame.mobile[i].id].type.value;
     for (auto ranger = std::ranges::lower_bound(rangers, type, {}, &Ranger::type);
          ranger != rangers.end() && ranger->type == type; ++ranger) {
-      const BodyType::Device& device = world.types()[type].devices[ranger->device];
-      if (!world.runs(row, device)) continue;
-      const std::span<const float> ranges = world.percepts(device).cell<float>(world.slot(row), 0);
+      const BodyType::Device& device = world.view().types()[type].devices[ranger->device];
+      if (!world.view().runs(row, device)) continue;
+      const std::span<const float> ranges =
+          world.tables()[device.table].cell<float>(world.view().slot(row), 0);
       frame.scans.push_back({static_cast<std::uint32_t>(i),
                              static_cast<std::uint32_t>(ranger - rangers.begin()), frame.ranges.size(),
                              moved_by_joints(world, row, device)});
@@ -188,23 +192,23 @@ void add_layer(const World& world, engine::FrameLayer layer, Frame& frame) {
   for_each_device(world, frame, [&](std::uint32_t body, Row row, const BodyType::Device& device) {
     const engine::DeviceKind& kind = *device.kind;
     if (kind.layer != layer || !kind.draw) return;
-    if (kind.is_sensor() && (world.tick() == 0 || !world.runs(row, device))) return;
-    const engine::DeviceSpec& spec = spec_of(world, world.body(row), device);
-    engine::call_hook(world, row, device, [&] {
-      kind.draw({world, device.prepared.data, world.percepts(device), world.slot(row), body,
-                 compose(world.mount(row, device.joint), spec.pose_body_device)},
+    if (kind.is_sensor() && (world.tick() == 0 || !world.view().runs(row, device))) return;
+    const engine::DeviceSpec& spec = spec_of(world, world.view().body(row), device);
+    engine::call_hook(world.view(), row, device, [&] {
+      kind.draw({world.view(), device.prepared.data, world.tables()[device.table], world.view().slot(row),
+                 body, compose(world.view().mount(row, device.joint), spec.pose_body_device)},
                 frame);
     });
   });
 }
 
 void add_links(const World& world, Frame& frame) {
-  if (world.carried_count() == 0) return;
+  if (world.view().counts().carried == 0) return;
   for (const engine::FrameBody& body : frame.mobile) {
-    const auto carrier = world.carrier(world.row(BodyId(std::size_t{body.id})));
+    const auto carrier = world.view().carrier(world.view().row(BodyId(std::size_t{body.id})));
     if (!carrier) continue;
     const Pose& to = body.pose_world_body;
-    const Pose from = world.pose(*carrier);
+    const Pose from = world.view().pose(*carrier);
     frame.links.push_back({engine::FrameTie::Kind::carries, {from.x, from.y, from.z}, {to.x, to.y, to.z}});
   }
 }
@@ -214,7 +218,7 @@ void add_charges(const World& world, Frame& frame) {
   for_each_device(world, frame, [&](std::uint32_t body, Row row, const BodyType::Device& device) {
     double& charge = frame.charges[body];
     if (device.kind->energy && std::isnan(charge))  // the first of several devices
-      charge = engine::energy_of(world, row, device).proportion_remaining();
+      charge = engine::energy_of(world.view(), row, device).proportion_remaining();
   });
 }
 

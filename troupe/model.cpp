@@ -1,6 +1,6 @@
 #include "base/diagnostics.hpp"
 #include "engine/kinds/finite.hpp"
-#include "engine/world/kind_errors.hpp"
+#include "engine/state/kind_calls.hpp"
 #include "engine/world/world.hpp"
 #include "models/drives/wheels.hpp"
 #include "troupe/model_place.hpp"
@@ -77,7 +77,7 @@ void check_subscribable(const engine::World& world) {
 
 Row Model::Place::row() const {
   world->require_whole();
-  const Row row = world->row(body);
+  const Row row = world->view().row(body);
   if (!row.valid())
     throw std::logic_error(
         fmt::format("\"{}\" is static: it has no drive, device or controller and cannot be gripped or "
@@ -94,7 +94,7 @@ BodyId Model::Place::of_body() const {
 }
 
 Row Model::Place::whole() const {
-  const Row row = world->row(of_body());
+  const Row row = world->view().row(of_body());
   if (!row.valid())
     throw std::logic_error(fmt::format(
         "\"{}\" is static: only bodies that have a drive, a device or a controller, or that can be "
@@ -119,7 +119,7 @@ void Model::Place::throw_unknown(std::string_view what, std::string_view wanted,
 }
 
 void Model::Place::check_running(const engine::BodyType::Device& sensor) const {
-  if (!world->senses(row(), sensor)) refuse_stopped(sensor, name);
+  if (!world->view().senses(row(), sensor)) refuse_stopped(sensor, name);
 }
 
 const engine::BodyType::Device& Model::Place::ranger(std::string_view wanted) const {
@@ -137,7 +137,7 @@ std::string Model::Place::State::text() const {
 
 Model::Place::State Model::Place::state(std::string_view wanted) const {
   if (const auto* found = find([&](const engine::BodyType::Device& d) { return d.name == wanted; }))
-    return {found, &world->percepts(*found)};
+    return {found, &world->tables()[found->table]};
   std::vector<std::string_view> known = names_of([](const engine::BodyType::Device&) { return true; });
   for (std::size_t c = 0; c < type().controllers.size(); ++c) {
     const std::optional<std::size_t>& memory = type().controllers[c].table;
@@ -165,7 +165,7 @@ Model::Place::Reading Model::Place::reading(std::string_view field, std::string_
   std::vector<std::string_view> known;
   for (const engine::BodyType::Device& device : type().devices) {
     if (!owns(device)) continue;
-    const State state{&device, &world->percepts(device)};
+    const State state{&device, &world->tables()[device.table]};
     if (const auto found = find_in(state)) return *found;
     for (const engine::StateField& other : state.table->fields())
       if (std::ranges::find(known, other.name) == known.end()) known.push_back(other.name);
@@ -220,8 +220,8 @@ Pose Model::pose() const {
   const engine::WorldSpec& spec = world.spec();
   const auto& part = spec.type(place_->body).parts[place_->part];
   if (part.joint != engine::k_rigid)
-    return compose(world.mount(place_->row(), part.joint), part.pose_body_part);
-  return compose(world.pose(place_->body), part.pose_body_part);
+    return compose(world.view().mount(place_->row(), part.joint), part.pose_body_part);
+  return compose(world.view().pose(place_->body), part.pose_body_part);
 }
 
 Eigen::Vector3d Model::size() const {
@@ -249,7 +249,8 @@ void Model::command(engine::ControlMode mode, double x, double y, double turn) {
     throw std::logic_error(fmt::format("\"{}\" has no drive", place_->name));
   refuse_absent();
   if (wheels != nullptr) {
-    place_->world->asked_of(*wheels).as<engine::Command>(place_->slot()) = {x, y, turn, mode};
+    std::byte* const command = place_->world->device_command(place_->row(), *wheels);
+    *reinterpret_cast<engine::Command*>(command) = {x, y, turn, mode};
     return;
   }
   place_->world->set_command(place_->row(), {x, y, turn, mode});
@@ -271,32 +272,34 @@ Model::Speed Model::speed() const {
   if (const auto* wheels = place_->wheels()) {
     if (!place_->world->view().runs(place_->row(), *wheels))
       return {};  // because `wheels` that do not run keep the state of their last run
-    const auto& state = place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot());
+    const auto& state = place_->world->tables()[wheels->table].as<models::WheelsState>(place_->slot());
     return {state.forward, state.left, state.turn};
   }
-  const engine::Velocity v = place_->world->velocities()[place_->row().index()];
+  const engine::Velocity v = place_->world->view().velocities()[place_->row().index()];
   return {v.x, v.y, v.turn};
 }
 
 bool Model::is_alive() const {
   place_->world->require_whole();
-  const Row row = place_->world->row(place_->body);
-  return !row.valid() || place_->world->is_there(row);
+  const Row row = place_->world->view().row(place_->body);
+  return !row.valid() || place_->world->view().is_there(row);
 }
 
 bool Model::stalled() const {
   if (const auto* wheels = place_->wheels())
     return place_->world->view().runs(place_->row(), *wheels) &&
-           place_->world->percepts(*wheels).as<models::WheelsState>(place_->slot()).stalled != 0;
-  return place_->world->stalled(place_->row());
+           place_->world->tables()[wheels->table].as<models::WheelsState>(place_->slot()).stalled != 0;
+  return place_->world->view().stalled(place_->row());
 }
 
 engine::Contact Model::blocked_by() const {
-  place_->world->require_contacts();
-  return place_->world->contact(place_->row());
+  if (!place_->world->state().contact_table) engine::throw_no_contacts();
+  return place_->world->view().contact(place_->row());
 }
 
-Pose Model::estimate() const { return place_->wheels() ? pose() : place_->world->estimate(place_->row()); }
+Pose Model::estimate() const {
+  return place_->wheels() ? pose() : place_->world->view().estimate(place_->row());
+}
 
 void Model::set_estimate(const Pose& pose) {
   require_may_command("set_estimate()");
@@ -321,15 +324,15 @@ std::vector<std::string> Model::sensors() const {
 std::span<const float> Model::ranges(std::string_view sensor) const {
   const auto& found = place_->ranger(sensor);
   place_->check_running(found);
-  return place_->world->percepts(found).cell<float>(place_->world->slot(place_->row()), 0);
+  return place_->world->tables()[found.table].cell<float>(place_->world->view().slot(place_->row()), 0);
 }
 
 std::span<const float> Model::intensities(std::string_view sensor) const {
   const auto& found = place_->ranger(sensor);
   place_->check_running(found);
-  const engine::StateTable& table = place_->world->percepts(found);
+  const engine::StateTable& table = place_->world->tables()[found.table];
   if (table.fields().size() < 2) return {};
-  return table.cell<float>(place_->world->slot(place_->row()), 1);
+  return table.cell<float>(place_->world->view().slot(place_->row()), 1);
 }
 
 Model::Reading Model::reading(std::string_view field, std::string_view wanted) const {
@@ -377,7 +380,7 @@ std::byte* Model::asked(std::string_view wanted, std::size_t bytes,
                     device->name, name(), device->kind->name, names_and_types(device->prepared.commands),
                     device->prepared.command_bytes, names_and_types(fields), bytes));
   refuse_absent();
-  return place_->world->asked_of(*device).row(place_->slot());
+  return place_->world->device_command(place_->row(), *device);
 }
 
 const engine::BodyType::Device& Model::Place::commanded(std::string_view wanted) const {
@@ -392,7 +395,7 @@ Model::Asked Model::asked(std::string_view wanted) {
   const engine::BodyType::Device& device = place_->commanded(wanted);
   refuse_absent();
   return {device.prepared.commands,
-          {place_->world->asked_of(device).row(place_->slot()), device.prepared.command_bytes}};
+          {place_->world->device_command(place_->row(), device), device.prepared.command_bytes}};
 }
 
 std::span<const engine::StateField> Model::command_fields(std::string_view device) const {
@@ -404,7 +407,7 @@ std::optional<Model::Energy> Model::energy() const {
   const engine::TypeSpec& spec = world.spec().type(place_->body);
   for (std::size_t part = place_->part;; part = spec.parts[part].parent) {
     if (const auto* pack = device_on(place_->type(), part, &engine::DeviceKind::energy))
-      return engine::energy_of(world, place_->row(), *pack);
+      return engine::energy_of(world.view(), place_->row(), *pack);
     if (part == 0) return {};
   }
 }
@@ -414,8 +417,9 @@ std::size_t Model::flag_count() const {
   const auto* holder = device_on(place_->type(), place_->part, &engine::DeviceKind::flags);
   if (!holder) return 0;
   const Row row = place_->row();
-  return engine::call_hook(world, row, *holder,
-                           [&] { return holder->kind->flags(world.percepts(*holder), world.slot(row)); })
+  return engine::call_hook(
+             world.view(), row, *holder,
+             [&] { return holder->kind->flags(world.tables()[holder->table], world.view().slot(row)); })
       .count;
 }
 

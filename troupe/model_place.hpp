@@ -30,10 +30,10 @@ struct Model::Place {
   /// Returns the body, for functions that do not apply to parts but apply to static geometry. Throws
   /// std::logic_error if this model is a part.
   BodyId of_body() const;
-  const engine::BodyType& type() const { return world->type(body); }
+  const engine::BodyType& type() const { return world->view().type(body); }
   /// Returns the slot of the body, which is its index in the state tables that only bodies of its type have,
   /// such as those of devices. Throws as row() does.
-  std::size_t slot() const { return world->slot(row()); }
+  std::size_t slot() const { return world->view().slot(row()); }
   /// Returns the device `wheels` of this part, a drive that moves only this part. Returns null if the part
   /// has none. Also returns null for the body itself, because the drive of a body is not a device.
   const engine::BodyType::Device* wheels() const {

@@ -4,11 +4,13 @@
 #include "base/math.hpp"
 #include "base/random.hpp"
 #include "engine/kinds/controller.hpp"
-#include "engine/kinds/device_kind.hpp"
-#include "engine/observing/measures.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/kinds/measure_kind.hpp"
+#include "engine/links/effect_views.hpp"
+#include "engine/observing/robot_sums.hpp"
+#include "engine/rows/measured_world.hpp"
 #include "engine/sensing/sensing_view.hpp"
 #include "engine/sensing/sight.hpp"
-#include "engine/world/world.hpp"
 #include "sensors/ranger.hpp"
 #include "troupe/plugin_library.hpp"
 
@@ -39,7 +41,7 @@
 ///   (engine/kinds/controller.hpp).
 ///
 /// A sensor or another device is a function that returns a DeviceKind (docs/extending.md). make_device_kind()
-/// makes one from a class (engine/kinds/device_kind.hpp); a function can also fill the members itself:
+/// makes one from a class (engine/kinds/make_device_kind.hpp); a function can also fill the members itself:
 ///
 ///     troupe::DeviceKind compass() { return troupe::make_device_kind<Compass>("compass", "..."); }
 ///     TROUPE_DEVICE("compass", compass)
@@ -48,15 +50,16 @@
 ///
 ///     struct Crowding : troupe::Measure {
 ///       static constexpr std::string_view text = "...";
-///       Crowding(const troupe::World& world, std::vector<troupe::BodyId> robots);
-///       double value(troupe::World& world) override;
+///       Crowding(const troupe::MeasuredWorld& world, std::vector<troupe::BodyId> robots);
+///       double value(const troupe::MeasuredWorld& world) override;
 ///     };
 ///     TROUPE_MEASURE("crowding", Crowding)
 ///
 /// Sensors and other devices read the world through the functions in engine/sensing/sensing_view.hpp and
-/// engine/sensing/sight.hpp. Measures, and the function `draw` of a DeviceKind, read the world through the
-/// class World (engine/world/world.hpp). The functions `apply` and `born` of a DeviceKind also use World, and
-/// may change the world.
+/// engine/sensing/sight.hpp. Measures read it through the class MeasuredWorld
+/// (engine/rows/measured_world.hpp), and the function `draw` of a DeviceKind through CommittedView. The
+/// functions `apply` and `born` of a DeviceKind see and change it through the views in
+/// engine/links/effect_views.hpp.
 
 namespace troupe {
 
@@ -66,6 +69,7 @@ using engine::CommittedView;
 using engine::DecideBatch;
 using engine::Description;
 using engine::DeviceBatch;
+using engine::DeviceExchange;
 using engine::DeviceInfo;
 using engine::DeviceKind;
 using engine::Field;
@@ -73,10 +77,13 @@ using engine::FieldTable;
 using engine::FieldType;
 using engine::first_met;
 using engine::from_record;
+using engine::Gripping;
 using engine::make_device_kind;
 using engine::Measure;
+using engine::MeasuredWorld;
 using engine::MeasureKind;
 using engine::memory_fields;
+using engine::OwnDevice;
 using engine::Percept;
 using engine::RayHit;
 using engine::Record;
@@ -89,7 +96,6 @@ using engine::Transducer;
 using engine::TypeSpec;
 using engine::Unit;
 using engine::Value;
-using engine::World;
 using sensors::Ranger;
 using sensors::ranger_kind;
 namespace facts = engine::facts;

@@ -2,8 +2,9 @@
 
 #include "engine/fields/description.hpp"
 #include "engine/kinds/measure_kind.hpp"
+#include "engine/links/effect_views.hpp"
+#include "engine/rows/measured_world.hpp"
 #include "engine/sensing/sensing_view.hpp"
-#include "engine/world/world.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -64,9 +65,9 @@ constexpr std::uint64_t of_sizes() {
 #pragma GCC diagnostic ignored "-Winvalid-offsetof"
 /// Returns a hash of the layouts of all types that plug-in and program exchange: sizes, alignments, and the
 /// offsets of public members. These types include those that inline functions of the classes SensingView and
-/// World access, because a plug-in reads the world through these functions. If plug-in and program have the
-/// same version of the plug-in interface but different hashes, they were compiled with headers of different
-/// revisions of Troupe. tests/plugins/layouts.txt has the hash of each version of the interface.
+/// MeasuredWorld access, because a plug-in reads the world through these functions. If plug-in and program
+/// have the same version of the plug-in interface but different hashes, they were compiled with headers of
+/// different revisions of Troupe. tests/plugins/layouts.txt has the hash of each version of the interface.
 constexpr std::uint64_t layout() {
   using namespace engine;
   using namespace detail;
@@ -74,15 +75,16 @@ constexpr std::uint64_t layout() {
       {// Kinds (the implementations of controllers, devices and measures) and the arguments of their
        // functions, the structs that a SensingView refers to, and the definition of the world.
        TROUPE_PLUGIN_MEMBERS(ControllerKind, name, text, params, needs_drive, switches, reads_contacts,
-                             is_collective, memory, memory_bytes, start, prepare, bind_world, brings, decide),
+                             is_collective, memory, memory_bytes, start, prepare, bind_world, brings, decide,
+                             lint),
        TROUPE_PLUGIN_MEMBERS(ControllerKind::Prepared, data, devices),
        TROUPE_PLUGIN_MEMBERS(DeviceKind, name, text, params, joints, carries, drives, reads, scope, body,
                              prepare, bind_part, bind_world, reach_m, start, sense, act, halt, joints_moved,
                              collide, apply, born, is_spent, needs_supply, energy, flags, shows_color, layer,
-                             draw),
+                             draw, lint),
        TROUPE_PLUGIN_MEMBERS(DeviceKind::Prepared, data, percepts, percept_bytes, commands, command_bytes,
                              reach_m, cell_hint_m, beams, most_effects, feels_collisions, ends_lives, watts,
-                             joints, joint_reach_m, bearings, transducers, camera, seeks),
+                             joints, joint_reach_m, bearings, transducers, camera),
        TROUPE_PLUGIN_MEMBERS(StateField, name, element, columns, unit, text, offset, sparse, appearance,
                              is_bool),
        TROUPE_PLUGIN_MEMBERS(Field, name, type, unit, fallback, in_json, min, max, text, columns, choices,
@@ -102,9 +104,9 @@ constexpr std::uint64_t layout() {
        TROUPE_PLUGIN_MEMBERS(Command, x, y, turn, mode, off),
        TROUPE_PLUGIN_MEMBERS(PublicColumns, spec, scene, fixed_targets, geometry, types, bodies, rows,
                              row_types, slots, outline_begins, joint_begins, index, ray_grid, poses,
-                             transforms, outlines, radii, joint_mounts, roots, carriers, lives, velocities,
-                             commands, conditions, tables, subscribed, now),
-       TROUPE_PLUGIN_MEMBERS(TickCounts, tick, absent, impaired, carried),
+                             transforms, outlines, radii, joint_mounts, roots, carriers, lives, stalls,
+                             contacts, velocities, commands, conditions, tables, subscribed, now),
+       TROUPE_PLUGIN_MEMBERS(TickCounts, tick, absent, impaired, carried, stalled, out_of_bounds),
        TROUPE_PLUGIN_MEMBERS(BodyType, name, obstacle, obstacle_joints, grip, grip_joints, outline_vertices,
                              outlines, hidden_outlines, radius, joint_reach, targets, joints, drive, pushable,
                              devices, joint_devices, collision_devices, carries, controllers),
@@ -135,8 +137,7 @@ constexpr std::uint64_t layout() {
                 Measure, StateTable, SensingView, CommittedView, Transform, Mount, FixedTargets,
                 partition::StaticScene, partition::FixedOutlines, partition::BodyIndex,
                 partition::TileDirectory, partition::RayGrid>(),
-       // DeviceKind::apply() and DeviceKind::born() get a World.
-       of_sizes<World>()});
+       of_sizes<MeasuredWorld, EffectContext, OwnDevice, DeviceExchange, Gripping>()});
 }
 #pragma GCC diagnostic pop
 

@@ -2,7 +2,7 @@
 
 #include "engine/kinds/components.hpp"
 #include "engine/kinds/controller.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/controller_kind.hpp"
 #include "engine/kinds/measure_kind.hpp"
 #include "troupe/plugin_layout.hpp"
 #include "troupe/version.hpp"
@@ -45,7 +45,7 @@ namespace troupe::plugin {
 /// Version of the plug-in interface, which consists of struct Library, the functions that it points to, and
 /// the layouts of the types that plug-in and program exchange (layout()). A test fails if the layouts have
 /// changed but the version has not.
-inline constexpr std::uint32_t k_interface = 19;
+inline constexpr std::uint32_t k_interface = 20;
 
 namespace detail {
 /// A struct that compilers lay out without padding only with -fpack-struct, for which they define no macro.

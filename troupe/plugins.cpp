@@ -4,7 +4,7 @@
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
 #include "base/split.hpp"
-#include "engine/world/kind_errors.hpp"
+#include "engine/kinds/thrown_text.hpp"
 #include "troupe/plugin_library.hpp"
 #include "worldio/files.hpp"
 #include "worldio/json/kind_checks.hpp"

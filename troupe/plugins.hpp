@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/result.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "troupe/script.hpp"
 
 #include <cstdint>

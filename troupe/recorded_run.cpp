@@ -265,7 +265,7 @@ struct RecordedRun::Impl {
     return look;
   }
 
-  /// Gives the bodies looks of their own (Frame::types) in the cases in which World::frame() does, and in the
+  /// Gives the bodies looks of their own (Frame::types) in the cases in which make_frame() does, and in the
   /// same order, in which viewers draw them: bodies whose joints are not at rest, and bodies whose parts show
   /// colours. Bodies of one type with joints at rest and the same colours share a look.
   void change_parts(Frame& shown) const {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/diagnostics.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/controller_kind.hpp"
 #include "engine/kinds/measure_kind.hpp"
 #include "engine/spec/world_spec.hpp"
 

@@ -3,11 +3,12 @@
 #include "base/diagnostics.hpp"
 #include "base/fp_environment.hpp"
 #include "base/hash.hpp"
-#include "base/raised.hpp"
+#include "base/scoped_flag.hpp"
+#include "engine/observing/displacement.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/sensing/sight.hpp"
 #include "engine/spec/ticks.hpp"
-#include "engine/world/kind_errors.hpp"
+#include "engine/state/kind_calls.hpp"
 #include "partition/transport.hpp"
 #include "troupe/build_info.hpp"
 #include "troupe/effective_options.hpp"
@@ -61,7 +62,7 @@ void Simulation::Impl::require_start(BodyId body, const Pose& pose) const {
           fmt::format("\"{}\" cannot be placed: it is not in the world at the start, because it is in the "
                       "reserve of the population \"{}\"",
                       spec.name(body), reserve.population));
-  world->require_pose(body, pose);
+  engine::require_place(world->state(), body, pose);
 }
 
 void Simulation::Impl::refuse_to_replace_inputs(const std::filesystem::path& output) const {
@@ -99,12 +100,12 @@ void Simulation::step() {
   // A library loaded since the last step may have switched on flush-to-zero for this thread.
   if (!check_fp_environment()) restore_fp_environment();
   if (impl_->before_step) {
-    const Raised calling(impl_->in_before_step);
+    const ScopedFlag calling(impl_->in_before_step);
     impl_->before_step(*this);
   }
   if (impl_->before_tick || !impl_->holds.empty())
     impl_->world->before_tick([this] {
-      const Raised calling(impl_->in_before_tick);
+      const ScopedFlag calling(impl_->in_before_tick);
       if (impl_->before_tick) impl_->before_tick(*this);
       impl_->holds.apply(*this);
     });
@@ -115,7 +116,7 @@ void Simulation::step() {
   if (impl_->recording) impl_->recording->observe(*this);
   std::erase_if(impl_->on_tick, [](const Impl::OnTick& callback) { return callback.has_expired(); });
   if (impl_->on_tick.empty()) return;
-  const Raised calling(impl_->in_on_tick);
+  const ScopedFlag calling(impl_->in_on_tick);
   for (const Impl::OnTick& callback : impl_->on_tick)
     if (!callback.has_expired()) callback.call(*this);
 }
@@ -226,9 +227,9 @@ void Simulation::reset(std::uint64_t seed, std::span<const std::pair<Model, Pose
   if (impl_->stop) impl_->stop->begin();
 }
 
-double Simulation::time_s() const { return impl_->world->time_s(); }
+double Simulation::time_s() const { return impl_->world->view().time_s(); }
 std::uint64_t Simulation::tick() const { return impl_->world->tick(); }
-double Simulation::tick_s() const { return impl_->world->tick_s(); }
+double Simulation::tick_s() const { return impl_->world->view().tick_s(); }
 std::size_t Simulation::robots() const { return impl_->world->robots(); }
 std::uint64_t Simulation::seed() const { return impl_->world->spec().seed; }
 std::string Simulation::title() const { return impl_->world->spec().title; }
@@ -243,7 +244,7 @@ Model Simulation::find(std::string_view name) {
   const auto place = [&](BodyId body, std::size_t part) {
     return Model(std::make_shared<Model::Place>(Model::Place{&world, body, part, std::string(name)}));
   };
-  if (const BodyId body = world.find(name); body.valid()) return place(body, 0);
+  if (const BodyId body = world.state().names.find(name); body.valid()) return place(body, 0);
   if (const auto global = spec.part_aliases.find(std::string(name)); global != spec.part_aliases.end()) {
     const auto& parts = parts_of(global->second.body);
     const auto part = std::ranges::find(parts, global->second.part, &engine::PartSpec::name);
@@ -253,7 +254,7 @@ Model Simulation::find(std::string_view name) {
   // The name of a part follows that of its body: "r0.ranger:1".
   for (std::size_t dot = name.rfind('.'); dot != std::string_view::npos && dot > 0;
        dot = name.rfind('.', dot - 1)) {
-    const BodyId body = world.find(name.substr(0, dot));
+    const BodyId body = world.state().names.find(name.substr(0, dot));
     if (!body.valid()) continue;
     const auto& parts = parts_of(body);
     const std::string_view below = name.substr(dot + 1);
@@ -278,7 +279,7 @@ Model Simulation::model(BodyId id) {
 Swarm Simulation::swarm(const Model& robot) {
   impl_->require_own(robot);
   const BodyId body = robot.place_->body;
-  if (!impl_->world->type(body).drive)
+  if (!impl_->world->view().type(body).drive)
     throw std::out_of_range(fmt::format("\"{}\" is not a robot: it has no drive", robot.name()));
   return Swarm(*impl_->world, {body});
 }
@@ -295,13 +296,14 @@ RayHit Simulation::cast(const Pose& from, double range_max, const Model* without
         fmt::format("cast(): range_max is {} m; allowed are 0 to {} m", range_max, k_longest_ray_m));
   if (without != nullptr) impl_->require_own(*without);
   const Rotation rotation(from.heading);
-  return engine::first_met(impl_->world->view(),
-                           {.origin = from.position(),
-                            .direction = {rotation.cos, rotation.sin},
-                            .length = range_max,
-                            .own = without != nullptr ? impl_->world->row(without->place_->body) : Row(),
-                            .z = from.z,
-                            .stops = [](const engine::Returns& returns) { return returns.ranger >= 0; }});
+  return engine::first_met(
+      impl_->world->view(),
+      {.origin = from.position(),
+       .direction = {rotation.cos, rotation.sin},
+       .length = range_max,
+       .own = without != nullptr ? impl_->world->view().row(without->place_->body) : Row(),
+       .z = from.z,
+       .stops = [](const engine::Returns& returns) { return returns.ranger >= 0; }});
 }
 
 void Simulation::set_poses(std::span<const std::pair<Model, Pose>> poses) {
@@ -325,14 +327,15 @@ std::optional<Model> Simulation::spawn(std::string_view population, const Pose& 
 
 std::size_t Simulation::unborn(std::string_view population) const {
   impl_->world->require_whole();
-  return impl_->world->unborn(reserve_of(population));
+  return impl_->world->lives().unborn(reserve_of(population));
 }
 
 std::size_t Simulation::reserve_of(std::string_view population) const {
-  if (const auto reserve = impl_->world->reserve(population)) return *reserve;
+  const std::vector<engine::ReserveSpec>& reserves = impl_->world->spec().reserves;
+  const auto found = std::ranges::find(reserves, population, &engine::ReserveSpec::population);
+  if (found != reserves.end()) return static_cast<std::size_t>(found - reserves.begin());
   std::vector<std::string_view> known;
-  for (const engine::ReserveSpec& reserve : impl_->world->spec().reserves)
-    known.push_back(reserve.population);
+  for (const engine::ReserveSpec& reserve : reserves) known.push_back(reserve.population);
   throw std::out_of_range(fmt::format("no population \"{}\" with a reserve in {}{}", population,
                                       impl_->file.string(),
                                       known.empty() ? "; no population of this world has a reserve"
@@ -374,7 +377,8 @@ std::string Simulation::parameters(std::string_view type) const {
   const auto found = std::ranges::find(types, type, &engine::TypeSpec::name);
   if (found == types.end()) throw std::out_of_range(unknown_name("type", type, name_list(types)));
   const TypeId id(static_cast<std::size_t>(found - types.begin()));
-  return worldio::parameters_json(impl_->world->present_type(id), *impl_->registry);
+  return worldio::parameters_json(impl_->world->interventions().settings().present_type(id),
+                                  *impl_->registry);
 }
 
 std::vector<std::string> Simulation::robot_names() const {
@@ -382,7 +386,8 @@ std::vector<std::string> Simulation::robot_names() const {
   const engine::World& world = *impl_->world;
   world.require_whole();
   for (std::size_t b = 0; b < world.spec().bodies.size(); ++b)
-    if (const Row row = world.row(BodyId(b)); row.valid() && world.type(row).drive && world.is_there(row))
+    if (const Row row = world.view().row(BodyId(b));
+        row.valid() && world.view().type(row).drive && world.view().is_there(row))
       names.push_back(world.spec().name(BodyId(b)));
   return names;
 }
@@ -392,7 +397,7 @@ void Simulation::subscribe(std::string_view model) {
   check_subscribable(*impl_->world);
   const BodyId body = find(model).place_->body;
   // Static geometry has no row in the state tables, and no sensor to run.
-  if (impl_->world->location(body) != engine::RowLocation::none) impl_->world->subscribe(body);
+  if (impl_->world->view().location(body) != engine::RowLocation::none) impl_->world->subscribe(body);
 }
 
 std::uint64_t Simulation::state_hash() const { return impl_->world->hashes().state; }
@@ -424,12 +429,12 @@ Statistics Simulation::statistics() const {
   for (const engine::StateTable& table : w.tables()) state_bytes += table.bytes();
   return {.robots = w.robots(),
           .ticks = w.tick(),
-          .time_s = w.time_s(),
-          .beams = w.beams_cast(),
-          .stalled = w.stalled_count(),
-          .held_at_bounds = w.out_of_bounds_count(),
-          .mean_displacement_m = w.mean_displacement(),
-          .conflict_rounds = w.conflict_rounds(),
+          .time_s = w.view().time_s(),
+          .beams = w.counters().beams,
+          .stalled = w.view().counts().stalled,
+          .held_at_bounds = w.view().counts().out_of_bounds,
+          .mean_displacement_m = engine::mean_displacement(w),
+          .conflict_rounds = w.counters().conflict_rounds,
           .state_bytes = state_bytes};
 }
 
@@ -438,11 +443,11 @@ Model::Energy Simulation::energy() const {
   w.require_whole();
   Model::Energy sum;
   for (std::size_t b = 0; b < w.spec().bodies.size(); ++b) {
-    const Row row = w.row(BodyId(b));
+    const Row row = w.view().row(BodyId(b));
     if (!row.valid()) continue;
-    for (const engine::BodyType::Device& device : w.type(row).devices) {
+    for (const engine::BodyType::Device& device : w.view().type(row).devices) {
       if (!device.kind->energy) continue;
-      const Model::Energy pack = engine::energy_of(w, row, device);
+      const Model::Energy pack = engine::energy_of(w.view(), row, device);
       sum.stored_j += pack.stored_j;
       sum.capacity_j += pack.capacity_j;
       sum.dissipated_j += pack.dissipated_j;

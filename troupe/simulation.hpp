@@ -10,7 +10,7 @@
 #include "engine/ranks/rank_work.hpp"
 #include "engine/sensing/ray_hit.hpp"
 #include "engine/spec/ranging_engine.hpp"
-#include "engine/world/phase.hpp"
+#include "engine/state/phase.hpp"
 
 #include <array>
 #include <cstddef>
@@ -170,7 +170,7 @@ struct ResumeOptions {
 };
 
 /// The phases of a tick (a time step), in the order in which they run: intervene, sense, actuate, decide,
-/// move and index (engine/world/phase.hpp). k_phases is their number; phase_name() returns the name of a
+/// move and index (engine/state/phase.hpp). k_phases is their number; phase_name() returns the name of a
 /// phase.
 using engine::k_phases;
 using engine::Phase;

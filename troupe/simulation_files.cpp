@@ -455,7 +455,7 @@ Simulation Simulation::another(std::uint64_t seed, unsigned threads) const {
   impl->place_again = impl_->place_again;
   impl->changes = impl_->changes;
   engine::WorldSpec spec = impl_->world->spec();
-  spec.experiment.at.resize(spec.experiment.at.size() - impl_->world->settings_made());
+  spec.experiment.at.resize(spec.experiment.at.size() - impl_->world->interventions().settings_made());
   spec.bodies = std::move(bodies);
   spec.seed = seed;
   Diagnostics diagnostics(spec.files);
@@ -521,11 +521,11 @@ std::vector<std::pair<std::string, std::string>> Simulation::effective_options()
   std::vector<std::pair<std::string, std::string>> out{
       {"world", impl_->file.string()},
       {"seed", fmt::format("{}", spec.seed)},
-      {"tick_s", fmt::format("{}", impl_->world->tick_s())},
+      {"tick_s", fmt::format("{}", impl_->world->view().tick_s())},
       {"ranging", std::string(engine::ranging_engine_name(spec.ranging))},
-      {"robots", fmt::format("{}", impl_->world->robots_at_start())},
+      {"robots", fmt::format("{}", impl_->world->lives().robots_at_start())},
       {"threads", fmt::format("{}", threads())},
-      {"tile_m", fmt::format("{}", impl_->world->geometry().tile_m())},
+      {"tile_m", fmt::format("{}", impl_->world->view().geometry().tile_m())},
       {"simd", partition::simd_target()},
   };
   if (ranks() > 1) out.emplace_back("ranks", fmt::format("{}", ranks()));

@@ -1,5 +1,6 @@
 #include "troupe/simulation_source.hpp"
 
+#include "engine/observing/frame.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/frame_data.hpp"
 #include "troupe/simulation.hpp"
@@ -19,13 +20,13 @@ const engine::Record* SimulationSource::window() const {
 }
 
 FrameScene SimulationSource::scene() const {
-  FrameScene scene = simulation_.world().frame_scene();
+  FrameScene scene = engine::make_scene(simulation_.world());
   scene.rangers = frame_rangers(simulation_.world());
   return scene;
 }
 
 std::optional<std::uint32_t> SimulationSource::find_body(std::string_view name) const {
-  const BodyId body = simulation_.world().find(name);
+  const BodyId body = simulation_.world().state().names.find(name);
   return body.valid() ? std::optional(body.value) : std::nullopt;
 }
 
@@ -39,7 +40,7 @@ std::uint64_t SimulationSource::state_hash() const { return simulation_.state_ha
 
 Frame SimulationSource::frame(const FrameWishes& wishes) const {
   const engine::World& world = simulation_.world();
-  Frame frame = world.frame();
+  Frame frame = engine::make_frame(world);
   if (wishes.scans) add_scans(world, frame);
   if (wishes.sights) add_layer(world, engine::FrameLayer::sights, frame);
   if (wishes.blobs) add_layer(world, engine::FrameLayer::blobs, frame);

@@ -47,7 +47,7 @@ Swarm Swarm::of(engine::World& world, std::vector<BodyId> ids) {
     if (id.index() >= bodies)
       throw std::out_of_range(fmt::format(
           "no robot with id {}: the world has {} bodies, whose ids begin at 0", id.value, bodies));
-    if (world.location(id) == engine::RowLocation::none)
+    if (world.view().location(id) == engine::RowLocation::none)
       throw std::out_of_range(
           fmt::format("\"{}\" (id {}) is not a robot: it is static", world.spec().name(id), id.value));
   }
@@ -55,7 +55,7 @@ Swarm Swarm::of(engine::World& world, std::vector<BodyId> ids) {
 }
 
 /// The present row of robot i in the state tables.
-Row Swarm::row(std::size_t i) const { return world_->row(ids_[i]); }
+Row Swarm::row(std::size_t i) const { return world_->view().row(ids_[i]); }
 
 std::vector<std::string> Swarm::names() const {
   std::vector<std::string> names;
@@ -65,10 +65,10 @@ std::vector<std::string> Swarm::names() const {
 }
 
 std::uint64_t Swarm::tick() const { return world_->tick(); }
-double Swarm::time_s() const { return world_->time_s(); }
+double Swarm::time_s() const { return world_->view().time_s(); }
 
 std::vector<std::string> Swarm::types() const {
-  const std::span<const engine::BodyType> all = world_->types();
+  const std::span<const engine::BodyType> all = world_->view().types();
   std::vector<std::uint8_t> has(all.size(), 0);
   for (const BodyId id : ids_) has[world_->spec().bodies[id.index()].type.index()] = 1;
   std::vector<std::string> types;
@@ -96,32 +96,32 @@ void Swarm::write(std::size_t given, std::span<const std::uint8_t> where, Write&
   check_size("elements", given, size());
   if (!where.empty()) check_size("elements of `where`", where.size(), size());
   for (std::size_t i = 0; i < size(); ++i)
-    if ((where.empty() || where[i] != 0) && world_->is_there(row(i))) one(row(i), i);
+    if ((where.empty() || where[i] != 0) && world_->view().is_there(row(i))) one(row(i), i);
 }
 
 void Swarm::alive(std::span<std::uint8_t> out) const {
-  read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->is_there(row); });
+  read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->view().is_there(row); });
 }
 
 void Swarm::stalled(std::span<std::uint8_t> out) const {
-  read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->stalled(row); });
+  read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->view().stalled(row); });
 }
 
 void Swarm::blocked_by(std::span<BodyId> out) const {
-  world_->require_contacts();
-  read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->contact(row).blocker(); });
+  if (!world_->state().contact_table) engine::throw_no_contacts();
+  read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->view().contact(row).blocker(); });
 }
 
 void Swarm::poses(std::span<Pose> out) const {
-  read(out.size(), [&](Row, std::size_t i) { out[i] = world_->pose(ids_[i]); });
+  read(out.size(), [&](Row, std::size_t i) { out[i] = world_->view().pose(ids_[i]); });
 }
 
 void Swarm::estimates(std::span<Pose> out) const {
-  read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->estimate(row); });
+  read(out.size(), [&](Row row, std::size_t i) { out[i] = world_->view().estimate(row); });
 }
 
 void Swarm::speeds(std::span<Model::Speed> out) const {
-  const std::span<const engine::Velocity> velocities = world_->velocities();
+  const std::span<const engine::Velocity> velocities = world_->view().velocities();
   read(out.size(), [&](Row row, std::size_t i) {
     const engine::Velocity& v = velocities[row.index()];
     out[i] = {v.x, v.y, v.turn};
@@ -130,13 +130,13 @@ void Swarm::speeds(std::span<Model::Speed> out) const {
 
 /// The robot with this row, for the search of its devices.
 Model::Place Swarm::place(Row row) const {
-  const BodyId body = world_->body(row);
+  const BodyId body = world_->view().body(row);
   return {world_, body, 0, world_->spec().name(body)};
 }
 
 Swarm::Ranger Swarm::ranger_of(Row row, std::string_view sensor) const {
   const engine::BodyType::Device& device = place(row).ranger(sensor);
-  return {&device, &world_->percepts(device)};
+  return {&device, &world_->tables()[device.table]};
 }
 
 /// Calls visit(ranger, row, i) for each robot i, with its ranger named `sensor`. Throws std::out_of_range if
@@ -147,7 +147,7 @@ void Swarm::for_rangers(std::string_view sensor, Visit&& visit) const {
   Ranger ranger;
   for (std::size_t i = 0; i < size(); ++i) {
     const Row row = this->row(i);
-    if (const engine::BodyType& own = world_->type(row); type != &own) {
+    if (const engine::BodyType& own = world_->view().type(row); type != &own) {
       ranger = ranger_of(row, sensor);
       type = &own;
     }
@@ -176,8 +176,9 @@ void Swarm::ranges(std::span<float> out, std::string_view sensor) const {
         "found a span of {} elements, but {} robots with {} beams each need {}, one per robot and beam",
         out.size(), size(), count, size() * count));
   for_rangers(sensor, [&](const Ranger& ranger, Row row, std::size_t i) {
-    if (!world_->senses(row, *ranger.device)) refuse_stopped(*ranger.device, world_->spec().name(ids_[i]));
-    const std::span<const float> readings = ranger.readings->cell<float>(world_->slot(row), 0);
+    if (!world_->view().senses(row, *ranger.device))
+      refuse_stopped(*ranger.device, world_->spec().name(ids_[i]));
+    const std::span<const float> readings = ranger.readings->cell<float>(world_->view().slot(row), 0);
     std::ranges::copy(readings, out.subspan(i * count).begin());
   });
 }
@@ -207,9 +208,9 @@ Swarm::Cells Swarm::readings_of(Row row, std::string_view field, std::string_vie
 Swarm::Cells Swarm::commands_of(Row row, std::string_view field, std::string_view wanted) const {
   const engine::BodyType::Device& device = place(row).commanded(wanted);
   return {.device = &device,
-          .field = &command_field(
-              device.prepared.commands, field,
-              fmt::format("device \"{}\" of \"{}\"", device.name, world_->spec().name(world_->body(row))))};
+          .field = &command_field(device.prepared.commands, field,
+                                  fmt::format("device \"{}\" of \"{}\"", device.name,
+                                              world_->spec().name(world_->view().body(row))))};
 }
 
 /// Calls visit(cells, row, i) for each robot i. bytes: size of the caller's span. Throws
@@ -227,7 +228,7 @@ void Swarm::for_cells(FindCells find, std::size_t bytes, std::string_view field,
   const engine::BodyType* type = nullptr;
   for (std::size_t i = 0; i < size(); ++i) {
     const Row row = this->row(i);
-    if (const engine::BodyType& own = world_->type(row); type != &own) {
+    if (const engine::BodyType& own = world_->view().type(row); type != &own) {
       const Cells its = (this->*find)(row, field, device);
       const engine::StateField& first = runs.empty() ? *its.field : *runs.front().cells.field;
       if (first.element != its.field->element || first.columns != its.field->columns)
@@ -259,10 +260,12 @@ const engine::StateField& Swarm::reading_field(std::string_view field, std::stri
 
 void Swarm::readings(std::span<std::byte> out, std::string_view field, std::string_view device) const {
   for_cells(&Swarm::readings_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
-    if (cells.device != nullptr && cells.device->kind->is_sensor() && !world_->senses(row, *cells.device))
+    if (cells.device != nullptr && cells.device->kind->is_sensor() &&
+        !world_->view().senses(row, *cells.device))
       refuse_stopped(*cells.device, world_->spec().name(ids_[i]));
     std::memcpy(out.data() + i * cells.field->bytes(),
-                cells.readings->cell<std::byte>(world_->slot(row), cells.index).data(), cells.field->bytes());
+                cells.readings->cell<std::byte>(world_->view().slot(row), cells.index).data(),
+                cells.field->bytes());
   });
 }
 
@@ -274,7 +277,7 @@ std::span<const engine::StateField> Swarm::command_fields(std::string_view devic
 std::vector<std::string_view> Swarm::devices_with_command(std::string_view field) const {
   if (ids_.empty()) throw std::logic_error("a swarm without robots has no devices");
   std::vector<std::string_view> names;
-  for (const engine::BodyType::Device& device : world_->type(row(0)).devices)
+  for (const engine::BodyType::Device& device : world_->view().type(row(0)).devices)
     if (engine::field_named(device.prepared.commands, field) != nullptr) names.push_back(device.name);
   return names;
 }
@@ -282,7 +285,7 @@ std::vector<std::string_view> Swarm::devices_with_command(std::string_view field
 void Swarm::commands(std::span<std::byte> out, std::string_view field, std::string_view device) const {
   for_cells(&Swarm::commands_of, out.size(), field, device, [&](const Cells& cells, Row row, std::size_t i) {
     std::memcpy(out.data() + i * cells.field->bytes(),
-                world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset,
+                world_->view().commands(*cells.device).row(world_->view().slot(row)) + cells.field->offset,
                 cells.field->bytes());
   });
 }
@@ -295,7 +298,7 @@ void Swarm::set_commands(std::span<const std::byte> values, std::string_view fie
   const auto for_selected = [&](auto&& visit) {
     for_cells(&Swarm::commands_of, values.size(), field, device,
               [&](const Cells& cells, Row row, std::size_t i) {
-                if ((where.empty() || where[i] != 0) && world_->is_there(row))
+                if ((where.empty() || where[i] != 0) && world_->view().is_there(row))
                   visit(cells, row, values.subspan(i * cells.field->bytes(), cells.field->bytes()), ids_[i]);
               });
   };
@@ -307,8 +310,7 @@ void Swarm::set_commands(std::span<const std::byte> values, std::string_view fie
                         std::to_integer<unsigned>(value), field, world_->spec().name(id)));
   });
   for_selected([&](const Cells& cells, Row row, std::span<const std::byte> own, BodyId) {
-    std::memcpy(world_->asked_of(*cells.device).row(world_->slot(row)) + cells.field->offset, own.data(),
-                own.size());
+    std::memcpy(world_->device_command(row, *cells.device) + cells.field->offset, own.data(), own.size());
   });
 }
 
@@ -332,7 +334,7 @@ void Swarm::for_each(const std::function<void(std::size_t i, Model& robot)>& vis
   world_->parallel().for_batches(size(), k_batch, [&](std::size_t first, std::size_t end) {
     std::exception_ptr error;
     for (std::size_t i = first; i < end; ++i) {
-      if (!world_->is_there(row(i))) continue;
+      if (!world_->view().is_there(row(i))) continue;
       try {
         const Model::Visit turn(robots_[i]);
         visit(i, robots_[i]);

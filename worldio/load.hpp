@@ -2,7 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/result.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/spec/world_spec.hpp"
 
 #include <cstdint>

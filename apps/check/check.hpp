@@ -2,7 +2,7 @@
 
 #include "apps/check/check_options.hpp"
 #include "apps/exit_code.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 
 namespace troupe::apps {
 

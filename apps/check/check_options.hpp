@@ -13,7 +13,7 @@ namespace troupe::apps {
 ///
 /// Tiles are squares of the world, by which robots are grouped into tasks for the worker threads. Ranks are
 /// groups of threads; each rank computes some of the robots. A tick is a time step.
-struct CheckOptions : WorldOptions {
+struct CheckOptions : WorldCommandOptions {
   std::vector<unsigned> threads{1, 2, 8};  ///< numbers of worker threads per rank to compare
   /// Edge lengths of the tiles to compare, m. 0 means that the program chooses the edge length. The default
   /// 1.7 m is less than the range of most sensors, and so tests beams that cross several tiles.

@@ -41,19 +41,19 @@ struct RobotCamera {
   engine::Camera pictures;
 };
 
-/// Returns the cameras that are in use (World::senses()), in the order of body ids. Cameras of robots that
-/// are not in the world are included.
+/// Returns the cameras that are in use (CommittedView::senses()), in the order of body ids. Cameras of robots
+/// that are not in the world are included.
 std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   std::vector<RobotCamera> cameras;
   for (std::size_t b = 0; b < world.spec().bodies.size(); ++b) {
-    const Row row = world.row(BodyId(b));
+    const Row row = world.view().row(BodyId(b));
     if (!row.valid()) continue;
-    for (const engine::BodyType::Device& device : world.type(row).devices) {
-      if (!device.prepared.camera || !world.senses(row, device)) continue;
+    for (const engine::BodyType::Device& device : world.view().type(row).devices) {
+      if (!device.prepared.camera || !world.view().senses(row, device)) continue;
       const std::string body = world.spec().name(BodyId(b));
       cameras.push_back({device.name.empty() ? body : fmt::format("{}.{}", body, device.name), row, &device,
-                         world.slot(row), *device.prepared.camera});
+                         world.view().slot(row), *device.prepared.camera});
     }
   }
   return cameras;
@@ -63,8 +63,8 @@ std::vector<RobotCamera> running_cameras(const Simulation& simulation) {
 /// for at least one period of the camera. A camera that is stopped, for example because its robot is
 /// disabled, keeps its last reading.
 bool has_reading(const engine::World& world, const RobotCamera& camera) {
-  return world.is_there(camera.row) && world.runs(camera.row, *camera.device) &&
-         world.tick() - world.birth_tick(camera.row) >= camera.device->period;
+  return world.view().is_there(camera.row) && world.view().runs(camera.row, *camera.device) &&
+         world.tick() - world.view().birth_tick(camera.row) >= camera.device->period;
 }
 
 /// Returns the name of a camera in a form for file names: `/` is replaced by `_`, and a number is appended if
@@ -115,7 +115,7 @@ void CameraPictures::observe(const Simulation& simulation) {
   for (const RobotCamera& camera : running_cameras(simulation)) {
     const std::string stem = file_stem(camera.name, taken);
     if (!has_reading(simulation.world(), camera)) continue;
-    const engine::StateTable& state = simulation.world().percepts(*camera.device);
+    const engine::StateTable& state = simulation.world().tables()[camera.device->table];
     const engine::Camera& pictures = camera.pictures;
     const auto color = state.cell<std::uint8_t>(camera.slot, pictures.color);
     const std::string name = fmt::format("{}-{}", stem, time_text(simulation.time_s(), simulation.tick_s()));

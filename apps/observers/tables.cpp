@@ -171,8 +171,8 @@ EventsTable::~EventsTable() { simulation_.on_save(k_events_start, nullptr); }
 void EventsTable::observe(const Simulation& simulation) {
   const engine::World& world = simulation.world();
   for (const engine::Event& event : watch_.see(world)) {
-    const Pose pose = world.pose(event.body);
-    csv_.add(world.tick()).add(time_cell(world.time_s())).add(engine::event_name(event.type));
+    const Pose pose = world.view().pose(event.body);
+    csv_.add(world.tick()).add(time_cell(world.view().time_s())).add(engine::event_name(event.type));
     csv_.add(world.spec().name(event.body)).add(std::uint64_t{event.body.value});
     csv_.add(pose.x).add(pose.y).add(pose.heading);
     if (event.other.valid())

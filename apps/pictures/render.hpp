@@ -11,7 +11,7 @@ namespace troupe::apps {
 
 /// Options of `troupe render`. The member `world` names a world, a checkpoint (saved state of a run) or a
 /// recording (file with the state over time).
-struct RenderOptions : WorldOptions {
+struct RenderOptions : WorldCommandOptions {
   PictureFiles pictures;           ///< the pictures and the film to write
   std::vector<std::string> given;  ///< given options that are not allowed for every type of input
 };

@@ -344,7 +344,7 @@ ExitCode with_others(const Launcher& launcher, double limit_s,
   return code;
 }
 
-ExitCode on_processes(MpiTransport& transport, const Peers& peers, const WorldOptions& options,
+ExitCode on_processes(MpiTransport& transport, const Peers& peers, const WorldCommandOptions& options,
                       RankSignals signals,
                       const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
   SimulationOptions simulation = options.simulation;
@@ -423,7 +423,7 @@ ExitCode reported(const Launcher& launcher, double limit_s, const std::function<
 
 }  // namespace
 
-ExitCode on_ranks(const WorldOptions& options, RankSignals signals,
+ExitCode on_ranks(const WorldCommandOptions& options, RankSignals signals,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run) {
   const std::optional<Launcher> launcher = find_launcher();
   if (!launcher) return run(options.simulation);

@@ -33,7 +33,7 @@ enum class RankSignals {
 ///
 /// Without a launcher, or with one process, calls run(options.simulation), returns its result, and passes its
 /// exceptions on.
-ExitCode on_ranks(const WorldOptions& options, RankSignals signals,
+ExitCode on_ranks(const WorldCommandOptions& options, RankSignals signals,
                   const std::function<ExitCode(const SimulationOptions& simulation)>& run);
 
 /// Calls run() on every process that a launcher has started, and returns the result of this process. Without

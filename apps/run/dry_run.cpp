@@ -19,8 +19,8 @@ namespace {
 /// (DriveKind::top_speed) counts as 0.
 double highest_speed(const engine::World& world) {
   double highest = 0;
-  for (std::size_t t = 0; t < world.types().size(); ++t)
-    if (const auto& drive = world.types()[t].drive; drive && drive->kind->top_speed)
+  for (std::size_t t = 0; t < world.view().types().size(); ++t)
+    if (const auto& drive = world.view().types()[t].drive; drive && drive->kind->top_speed)
       highest = std::max(highest, drive->kind->top_speed(world.spec().types[t].drive->params));
   return highest;
 }
@@ -40,7 +40,7 @@ DryRun dry_run_of(const Simulation& simulation, const Report& report, unsigned r
   const Statistics statistics = simulation.statistics();
   DryRun run{.world = report.world,
              .robots = statistics.robots,
-             .rows = world.rows(),
+             .rows = world.view().rows(),
              .ticks = engine::ticks_until(report.end_s, report.tick_s) - report.first_tick,
              .end_s = report.end_s,
              .world_bytes = resident_bytes(),
@@ -52,7 +52,7 @@ DryRun dry_run_of(const Simulation& simulation, const Report& report, unsigned r
   run.why_replicated = engine::why_replicated(world);
   run.is_distributed = run.why_replicated.empty();
   if (!run.is_distributed) return run;
-  run.longest_motion_m = highest_speed(world) * world.tick_s();
+  run.longest_motion_m = highest_speed(world) * world.view().tick_s();
   const engine::HaloPlan plan = engine::plan_halo(world, ranks, run.longest_motion_m);
   run.coverage_m = plan.coverage_m;
   const auto per_rank = [&](std::size_t engine::HaloPlan::Rank::*count) {

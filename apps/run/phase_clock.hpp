@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/world/phase.hpp"
+#include "engine/state/phase.hpp"
 
 #include <array>
 #include <chrono>

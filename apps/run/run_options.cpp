@@ -111,8 +111,7 @@ Examples:
 
 /// Adds the options for threads, tile size and outputs, which `run` and `resume` have in common.
 void add_output_options(CLI::App& app, RunOptions& options) {
-  add_value(app, "--threads", "N", "Worker threads of each rank (default: one per available processor)",
-            [&options](const std::string& text) { options.simulation.threads = thread_count(text); });
+  add_threads_option(app, options, "Worker threads of each rank");
   add_value(app, "--ranks", "N", "Number of ranks: each computes some of the robots (default: 1)",
             [&options](const std::string& text) {
               options.simulation.ranks = rank_count(text);

@@ -14,7 +14,7 @@ namespace troupe::apps {
 
 /// Options of `troupe run` and `troupe resume`. A rank is a process or a group of threads; several ranks can
 /// compute a world together.
-struct RunOptions : WorldOptions {
+struct RunOptions : WorldCommandOptions {
   /// The world files to run or, for `troupe resume`, the checkpoint to resume. Each world is run with its own
   /// copy of these options, whose member `world` names its file.
   std::vector<std::filesystem::path> worlds;

@@ -104,17 +104,18 @@ struct Robots {
 /// Returns the numbers of robots (Robots) of each type, by TypeId.
 std::vector<Robots> robots_by_type(const engine::World& world) {
   std::vector<Robots> of_type(world.spec().types.size());
-  for (std::size_t r = 0; r < world.rows(); ++r) {
+  for (std::size_t r = 0; r < world.view().rows(); ++r) {
     const Row row(r);
-    if (!world.type(row).drive || !world.is_there(row)) continue;
-    const engine::BodySpec& body = world.spec().bodies[world.body(row).index()];
+    if (!world.view().type(row).drive || !world.view().is_there(row)) continue;
+    const engine::BodySpec& body = world.spec().bodies[world.view().body(row).index()];
     Robots& robots = of_type[body.type.index()];
     ++robots.all;
-    if (world.transform(row).position != world.origin(row)) continue;
+    if (world.view().transform(row).position != world.view().origin(row)) continue;
     ++robots.still;
-    const bool was_born = world.birth_tick(row) > 0;  // with a heading that the spec does not state
-    const bool has_turned = !was_born && world.poses()[r].heading != body.pose_world_body.heading;
-    robots.uncommanded += commands_nothing(world.commands()[r]) && !has_turned && !world.is_disabled(row);
+    const bool was_born = world.view().birth_tick(row) > 0;  // with a heading that the spec does not state
+    const bool has_turned = !was_born && world.view().poses()[r].heading != body.pose_world_body.heading;
+    robots.uncommanded +=
+        commands_nothing(world.view().commands()[r]) && !has_turned && !world.view().is_disabled(row);
   }
   return of_type;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/atomic_maximum.hpp"
+#include "base/atomic_extremes.hpp"
 #include "base/random.hpp"
 #include "engine/conflicts/conflicts.hpp"
 #include "partition/placed_shape.hpp"

@@ -1,6 +1,6 @@
 #include "engine/conflicts/conflicts.hpp"
 
-#include "base/room.hpp"
+#include "base/capacity.hpp"
 #include "engine/conflicts/conflict_resolver.hpp"
 
 #include <algorithm>
@@ -25,14 +25,14 @@ constexpr std::uint32_t k_last_round = 1u << 29;  // Resolution stores a round a
 }  // namespace
 
 void Conflicts::reserve(std::size_t rows, std::size_t most_pushes, const Pushables& pushables) {
-  resize_with_room(resolutions_, rows);
+  resize_with_capacity(resolutions_, rows);
   if (pushables.any()) {
-    resize_with_room(zones_, rows);
-    resize_with_room(pushes_of_, rows);
-    resize_with_room(pushed_last_, rows);
+    resize_with_capacity(zones_, rows);
+    resize_with_capacity(pushes_of_, rows);
+    resize_with_capacity(pushed_last_, rows);
     pushes_.resize(std::max(pushes_.size(), most_pushes));
   }
-  if (const std::size_t room = room_for(rows, reserved_); room != reserved_) {
+  if (const std::size_t room = capacity_for(rows, reserved_); room != reserved_) {
     reserved_ = room;
     waiting_ = std::make_unique_for_overwrite<Waiting[]>(room);
     still_waiting_ = std::make_unique_for_overwrite<Waiting[]>(room);

@@ -26,9 +26,6 @@ struct Motion {
   Transform there() const { return {to.position(), rotation}; }  ///< `to` as a transform, without the height
 };
 
-/// The largest number of bodies that one body may push in a tick.
-inline constexpr std::size_t k_most_pushed = 16;
-
 /// Which bodies can be pushed, and how many bodies each body can push in a tick (its *push limit*). A *row*
 /// is the index of a body in the state tables. If the world has pushable bodies, both spans have one entry
 /// per row. Otherwise both spans are empty, and the numbers have no meaning.
@@ -116,7 +113,7 @@ struct Pushables {
 ///
 /// memory  Grows with the number of rows. resolve() allocates memory only in these cases:
 ///         - The number of rows exceeds the allocated memory, or is less than about two thirds of it
-///           (base/room.hpp).
+///           (base/capacity.hpp).
 ///         - The sum of the push limits of all rows is larger than ever before.
 ///         - There are more than 512 bodies in the zone of a mover.
 class Conflicts {

@@ -1,6 +1,6 @@
 #include "engine/conflicts/movement.hpp"
 
-#include "base/room.hpp"
+#include "base/capacity.hpp"
 #include "engine/state/batches.hpp"
 #include "partition/placed_shape.hpp"
 
@@ -13,9 +13,9 @@
 namespace troupe::engine {
 
 void Movement::build() {
-  resize_with_room(motions_, state_.row_count());
-  resize_with_room(state_.free_circles, state_.row_count());
-  if (finds_blocks_) resize_with_room(blocks_, state_.row_count());
+  resize_with_capacity(motions_, state_.row_count());
+  resize_with_capacity(state_.free_circles, state_.row_count());
+  if (finds_blocks_) resize_with_capacity(blocks_, state_.row_count());
   turns_.clear();
   if (std::ranges::any_of(
           state_.types, [](const BodyType& type) { return type.drive && type.drive->turns_when_blocked; })) {
@@ -23,7 +23,7 @@ void Movement::build() {
       const auto& drive = state_.type(Row(r)).drive;
       turns_.push_back(drive && drive->turns_when_blocked);
     }
-    make_room(turns_, turns_.size());
+    change_capacity(turns_, turns_.size());
   }
   if (std::ranges::none_of(state_.types, &BodyType::pushable)) return;
   // The sizes are those of all bodies of the world, and stay when rows go to other ranks.
@@ -42,8 +42,8 @@ void Movement::build() {
     pushables_.radius = std::max(pushables_.radius, t.obstacle.radius);
     pushables_.thinnest = std::min(pushables_.thinnest, t.obstacle.thinnest);
   }
-  make_room(is_pushable_, is_pushable_.size());
-  make_room(push_limits_, push_limits_.size());
+  change_capacity(is_pushable_, is_pushable_.size());
+  change_capacity(push_limits_, push_limits_.size());
   pushables_.is_pushable = is_pushable_;
   pushables_.limits = push_limits_;
 }
@@ -52,7 +52,7 @@ void Movement::draw_odometry_errors() {
   for (std::size_t r = 0; r < state_.row_count(); ++r) {
     const auto& drive = state_.type(Row(r)).drive;
     if (!drive || !drive->odometry_table) continue;
-    resize_with_room(odometry_errors_, state_.row_count());
+    resize_with_capacity(odometry_errors_, state_.row_count());
     odometry_errors_[r] = drive->localization.error_of(state_.spec.seed, state_.bodies[r]);
   }
 }
@@ -64,10 +64,10 @@ void Movement::rest(Row row) {
 
 void Movement::count_stalls() {
   const auto own = state_.stalls().first(state_.own_rows);
-  out_of_bounds_ =
-      static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{WorldState::k_out_of_bounds}));
-  stalled_ =
-      out_of_bounds_ + static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{WorldState::k_blocked}));
+  state_.now.out_of_bounds =
+      static_cast<std::size_t>(std::ranges::count(own, static_cast<std::uint8_t>(Stall::out_of_bounds)));
+  state_.now.stalled = state_.now.out_of_bounds + static_cast<std::size_t>(std::ranges::count(
+                                                      own, static_cast<std::uint8_t>(Stall::blocked)));
 }
 
 namespace {
@@ -81,7 +81,7 @@ void Movement::forget() {
   std::ranges::fill(blocks_, Conflicts::Block{{~0u, ~0u, ~0u}, ~0u, ~0u, {}, k_nan});
   crowd_ = {};
   conflicts_.forget();
-  stalled_ = out_of_bounds_ = 0x5a5a5a5a;
+  state_.now.stalled = state_.now.out_of_bounds = 0x5a5a5a5a;
 }
 
 void Movement::forget_motions() {
@@ -155,9 +155,9 @@ void Movement::commit() {
       }
       const bool is_blocked = outcome == Conflicts::Outcome::blocked || outcome == Conflicts::Outcome::turned;
       const bool is_out_of_bounds = outcome == Conflicts::Outcome::out_of_bounds;
-      state_.stalls()[row.index()] = is_blocked         ? WorldState::k_blocked
-                                     : is_out_of_bounds ? WorldState::k_out_of_bounds
-                                                        : WorldState::k_free;
+      state_.stalls()[row.index()] = static_cast<std::uint8_t>(is_blocked         ? Stall::blocked
+                                                               : is_out_of_bounds ? Stall::out_of_bounds
+                                                                                  : Stall::free);
       const bool is_own = row.index() < state_.own_rows;
       if (state_.has_contacts()) state_.contact(row) = is_own ? blocks_[row.index()].contact : Contact();
       if (!is_own) continue;
@@ -167,8 +167,8 @@ void Movement::commit() {
     stalled.fetch_add(blocked_here + out_of_bounds_here, std::memory_order_relaxed);
     out_of_bounds.fetch_add(out_of_bounds_here, std::memory_order_relaxed);
   });
-  stalled_ = stalled;
-  out_of_bounds_ = out_of_bounds;
+  state_.now.stalled = stalled;
+  state_.now.out_of_bounds = out_of_bounds;
   if (pushables_.any()) commit_pushes();
 }
 

@@ -38,8 +38,8 @@ class Movement {
   /// Discards the proposed motion of a row and its cached FreeCircle (engine/conflicts/conflicts.hpp). Call
   /// this after code other than commit() has set the pose of the row's body.
   void rest(Row row);
-  /// Computes stalled() and out_of_bounds() from the component `stall`. Call this after other code has
-  /// written that component.
+  /// Computes TickCounts::stalled and out_of_bounds from the component `stall`. Call this after other code
+  /// has written that component.
   void count_stalls();
   /// Overwrites with junk all data of this object that are neither constant nor part of the state.
   /// World::forget() calls this to test that these data can be computed again from the state. The caller must
@@ -83,11 +83,6 @@ class Movement {
   /// Upper bound on the distance that the origin of any body moved in the last resolution, m; 0 before the
   /// first resolution. See Conflicts::longest().
   double longest() const { return conflicts_.longest(); }
-  /// Number of bodies whose motion in the last resolution was blocked or would have ended out of bounds. Only
-  /// own rows count: those with an index less than WorldState::own_rows.
-  std::size_t stalled() const { return stalled_; }
-  /// Number of bodies that stalled() counts because their motion would have ended out of bounds.
-  std::size_t out_of_bounds() const { return out_of_bounds_; }
 
  private:
   /// Adds the motion of this tick, with the error of the robot's odometry, to the robot's odometry estimate.
@@ -105,10 +100,6 @@ class Movement {
   bool finds_blocks_ = false;
   std::vector<std::uint8_t> turns_;  // one per row: 1 if it turns when it is blocked; empty if no body does
   std::vector<Localization::Error> odometry_errors_;  // one per row; empty if no robot has odometry
-
-  // Derived.
-  std::size_t stalled_ = 0;
-  std::size_t out_of_bounds_ = 0;
 
   // Scratch.
   std::vector<Motion> motions_;           // absent bodies never propose one

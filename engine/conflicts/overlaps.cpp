@@ -1,5 +1,6 @@
+#include "engine/conflicts/overlaps.hpp"
+
 #include "base/sort.hpp"
-#include "engine/world/world.hpp"
 #include "partition/placed_shape.hpp"
 
 #include <fmt/format.h>
@@ -8,8 +9,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-
-// Warnings about bodies that overlap, or extend below the floor, at tick 0.
 
 namespace troupe::engine {
 namespace {
@@ -163,17 +162,14 @@ void report_each(const WorldState& state, const Pairs& pairs, Diagnostics& diagn
 
 }  // namespace
 
-/// Warns about bodies that overlap at tick 0, and about bodies that extend below the floor. If
-/// diagnostics.thorough() is true, each of the first k_most_listed pairs gets a warning of its own; otherwise
-/// one warning says how many pairs overlap.
-void World::report_overlaps(Diagnostics& diagnostics) {
-  report_below_floor(state_, diagnostics);
-  const Pairs pairs = OverlapSearch(state_, diagnostics.thorough() ? k_most_listed : 1).find(parallel_);
+void report_overlaps(const WorldState& state, partition::Parallel& parallel, Diagnostics& diagnostics) {
+  report_below_floor(state, diagnostics);
+  const Pairs pairs = OverlapSearch(state, diagnostics.thorough() ? k_most_listed : 1).find(parallel);
   if (pairs.count == 0) return;
   if (diagnostics.thorough())
-    report_each(state_, pairs, diagnostics);
+    report_each(state, pairs, diagnostics);
   else
-    report_count(state_.spec, pairs, diagnostics);
+    report_count(state.spec, pairs, diagnostics);
 }
 
 }  // namespace troupe::engine

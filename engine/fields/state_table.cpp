@@ -1,8 +1,8 @@
 #include "engine/fields/state_table.hpp"
 
 #include "base/assert.hpp"
+#include "base/capacity.hpp"
 #include "base/hash.hpp"
-#include "base/room.hpp"
 #include "engine/fields/moved_rows.hpp"
 
 #include <array>
@@ -116,8 +116,8 @@ std::size_t StateTable::lay_out() {
   return end;
 }
 
-void StateTable::make_room(std::size_t rows) {
-  const std::size_t room = room_for(rows, room_);
+void StateTable::change_capacity(std::size_t rows) {
+  const std::size_t room = capacity_for(rows, room_);
   if (room == room_) return;
   room_ = room;
   const std::vector<std::size_t> old_starts = starts_;
@@ -129,7 +129,7 @@ void StateTable::make_room(std::size_t rows) {
   for (std::size_t f = 0; layout_ == Layout::columns && f < fields_.size(); ++f)
     copy(old_starts[f], starts_[f], this->rows() * strides_[f]);
   data_.swap(data);
-  troupe::make_room(ids_, rows);
+  troupe::change_capacity(ids_, rows);
 }
 
 bool StateTable::bools_hold() const {

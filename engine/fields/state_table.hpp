@@ -203,6 +203,11 @@ class StateTable {
   std::size_t stride(std::size_t field) const { return strides_[field]; }
   /// Size of a row, including padding, bytes; Layout::rows only.
   std::size_t row_bytes() const { return row_bytes_; }
+  /// Whether the rows have the size of T; Layout::rows only.
+  template <class T>
+  bool has_rows_of() const {
+    return row_bytes_ == sizeof(T);
+  }
   /// First byte of a row; Layout::rows only.
   std::byte* row(std::size_t row) { return data_.data() + row * row_bytes_; }
   /// First byte of a row, read-only; Layout::rows only.
@@ -229,7 +234,7 @@ class StateTable {
   /// Sum of the hashes of rows [first, last), modulo 2^64.
   std::uint64_t hash_rows(std::size_t first, std::size_t last) const;
   std::size_t bytes() const { return data_.size(); }  ///< size of data(), bytes
-  /// The memory of all rows, including padding and memory that is reserved for more rows (make_room()).
+  /// The memory of all rows, including padding and memory that is reserved for more rows (change_capacity()).
   std::span<std::byte> data() { return data_; }
   /// Sets every byte of all rows to 0, as in a new table.
   void clear() { std::ranges::fill(data_, std::byte{0}); }
@@ -240,12 +245,12 @@ class StateTable {
   /// have the same fields and layout.
   void copy_row(std::size_t row, const StateTable& from);
   /// Gives the table memory for at least `rows` rows, and frees memory if too much of it is unused
-  /// (room_for() in base/room.hpp). `rows` must be at least rows(). Earlier pointers and spans into the table
-  /// may become invalid.
-  void make_room(std::size_t rows);
+  /// (capacity_for() in base/capacity.hpp). `rows` must be at least rows(). Earlier pointers and spans into
+  /// the table may become invalid.
+  void change_capacity(std::size_t rows);
   /// add_rows() adds a row at the end for each of the bodies `ids`, with all fields 0. The table must already
-  /// have memory for these rows, see make_room(). keep_rows() removes rows from the end, so that `count` rows
-  /// remain; `count` must not exceed rows().
+  /// have memory for these rows, see change_capacity(). keep_rows() removes rows from the end, so that
+  /// `count` rows remain; `count` must not exceed rows().
   ///@{
   void add_rows(std::span<const BodyId> ids);
   void keep_rows(std::size_t count) { ids_.resize(count); }

@@ -1,8 +1,9 @@
 #pragma once
 
 #include "base/ids.hpp"
+#include "engine/kinds/device_kind.hpp"
 #include "engine/kinds/fault_kind.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/rows/ranks.hpp"
 #include "engine/spec/experiment_spec.hpp"
 
 #include <any>
@@ -101,13 +102,11 @@ struct Experiment {
   /// occurs in a body has no event there.
   std::vector<FaultEvent> fault_events;
 
-  std::uint64_t due = k_never;  ///< tick after which the next intervention or fault event is applied
-  /// A body that a random selection may choose. The selection takes the bodies with the lowest keys.
-  struct Candidate {
-    std::uint64_t key = 0;  ///< random number; of bodies with equal keys, the lowest id is taken first
-    BodyId body;            ///< id of the body
-  };
-  std::vector<Candidate> candidates;  ///< scratch memory of World::choose()
+  std::uint64_t due = k_never;        ///< tick after which the next intervention or fault event is applied
+  std::vector<Candidate> candidates;  ///< scratch: the bodies among which choose() chooses
+  /// Chooses as many of `candidates` as the group asks for: those with the lowest keys. Returns them in order
+  /// of ids; valid until the list changes.
+  std::span<const Candidate> choose(const GroupSpec& group);
 };
 
 /// Returns the indices of the interventions of a spec (ExperimentSpec::at) in the order in which they are

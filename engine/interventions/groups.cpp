@@ -2,7 +2,6 @@
 
 #include "base/sort.hpp"
 #include "engine/spec/names.hpp"
-#include "engine/world/world.hpp"
 
 #include <fmt/format.h>
 
@@ -27,7 +26,7 @@ Groups::Bodies Groups::find(const GroupSpec& group, Where where, Diagnostics& di
 }
 
 std::optional<std::size_t> Groups::reserve(std::string_view population) {
-  const std::vector<ReserveSpec>& reserves = world_.spec().reserves;
+  const std::vector<ReserveSpec>& reserves = state_.spec.reserves;
   if (reserves_.empty())
     for (std::size_t i = 0; i < reserves.size(); ++i) reserves_.emplace(reserves[i].population, i);
   const auto found = reserves_.find(population);
@@ -36,28 +35,29 @@ std::optional<std::size_t> Groups::reserve(std::string_view population) {
 
 /// Whether a body, which may be static, belongs to a group.
 bool Groups::is_in(const GroupSpec& group, BodyId body) const {
-  const WorldSpec& spec = world_.spec();
+  const WorldSpec& spec = state_.spec;
   switch (group.by) {
     case By::population: return is_of_population(spec.names, spec.bodies[body.index()].name, group.name);
-    case By::type: return world_.type(body).name == group.name;
+    case By::type: return state_.type(body).name == group.name;
     case By::model: break;
   }
-  return world_.find(group.name) == body;
+  return state_.names.find(group.name) == body;
 }
 
 std::vector<BodyId> Groups::bodies_of(const GroupSpec& group) {
-  const auto has_row = [&](BodyId body) { return world_.location(body) != RowLocation::none; };
+  const auto has_row = [&](BodyId body) { return state_.view.location(body) != RowLocation::none; };
   std::vector<BodyId> bodies;
   if (group.by == By::model) {
-    if (const BodyId body = world_.find(group.name); body.valid() && has_row(body)) bodies.push_back(body);
+    if (const BodyId body = state_.names.find(group.name); body.valid() && has_row(body))
+      bodies.push_back(body);
     return bodies;
   }
-  const WorldSpec& spec = world_.spec();
+  const WorldSpec& spec = state_.spec;
   Index& index = indices_[group.by];
   if (index.empty())
     for (std::size_t b = 1; b < spec.bodies.size(); ++b)  // body 0 is the ground
       if (has_row(BodyId(b)))
-        index[group.by == By::type ? std::string_view(world_.type(BodyId(b)).name)
+        index[group.by == By::type ? std::string_view(state_.type(BodyId(b)).name)
                                    : spec.names.words()[spec.bodies[b].name.word]]
             .push_back(BodyId(b));
   const auto add = [&](const std::vector<BodyId>& some) {
@@ -82,20 +82,20 @@ std::vector<BodyId> Groups::bodies_of(const GroupSpec& group) {
 /// type.
 bool Groups::may_be_empty(const GroupSpec& group) const {
   if (group.by == By::type)
-    return std::ranges::any_of(world_.types(),
+    return std::ranges::any_of(state_.types,
                                [&](const BodyType& type) { return type.runs() && type.name == group.name; });
   return group.by == By::population &&
-         std::ranges::count(world_.spec().empty_populations, group.name, &EmptyPopulation::name) > 0;
+         std::ranges::count(state_.spec.empty_populations, group.name, &EmptyPopulation::name) > 0;
 }
 
 /// Whether a group in which all bodies are static has any bodies.
 bool Groups::is_static(const GroupSpec& group) const {
   std::size_t first = 1;  // body 0 is the ground
   if (group.by == By::model) {
-    const BodyId body = world_.find(group.name);
+    const BodyId body = state_.names.find(group.name);
     return body.valid() && body.index() >= first;
   }
-  const std::size_t bodies = world_.spec().bodies.size();
+  const std::size_t bodies = state_.spec.bodies.size();
   while (first < bodies && !is_in(group, BodyId(first))) ++first;
   return first < bodies;
 }
@@ -105,14 +105,14 @@ bool Groups::is_static(const GroupSpec& group) const {
 const std::vector<std::string>& Groups::known_names(By by) {
   const auto [place, is_new] = known_.try_emplace(by);
   if (!is_new) return place->second;
-  const WorldSpec& spec = world_.spec();
+  const WorldSpec& spec = state_.spec;
   std::set<std::string, std::less<>> known;
   if (by == By::population)
     for (const EmptyPopulation& population : spec.empty_populations) known.insert(population.name);
   for (std::size_t b = 1; b < spec.bodies.size(); ++b) {
-    if (world_.location(BodyId(b)) == RowLocation::none) continue;
+    if (state_.view.location(BodyId(b)) == RowLocation::none) continue;
     const std::string name = spec.name(BodyId(b));
-    if (by == By::type) known.insert(world_.type(BodyId(b)).name);
+    if (by == By::type) known.insert(state_.type(BodyId(b)).name);
     if (by == By::model) known.insert(name);
     const std::string_view population = without_number(name);  // empty if the name is a number
     if (by == By::population && !population.empty() && population.size() < name.size())

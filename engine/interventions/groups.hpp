@@ -3,6 +3,7 @@
 #include "base/diagnostics.hpp"
 #include "base/ids.hpp"
 #include "engine/spec/experiment_spec.hpp"
+#include "engine/state/world_state.hpp"
 
 #include <cstddef>
 #include <map>
@@ -16,16 +17,14 @@
 
 namespace troupe::engine {
 
-class World;  // engine/world/world.hpp
-
 /// The groups of bodies on which the interventions and faults of a world act. Each list, and each text of an
-/// error, is made once, however many interventions and faults refer to the group. The world must exist as
-/// long as this object.
+/// error, is made once, however many interventions and faults refer to the group. The arguments of
+/// the constructor must exist as long as this object.
 class Groups {
  public:
   using Bodies = std::shared_ptr<const std::vector<BodyId>>;  ///< never null
 
-  explicit Groups(const World& world) : world_(world) {}
+  explicit Groups(const WorldState& state) : state_(state) {}
   /// Returns the bodies of a group of the world file that are not static, in order of ids, including bodies
   /// that are not in the world. The random selection of the group (GroupSpec::count, GroupSpec::share) is not
   /// made here.
@@ -34,7 +33,7 @@ class Groups {
   /// in the world file. There is one exception: no error is reported if the group names a population, or a
   /// type of the world whose bodies would not be static, and the world has no body of it.
   Bodies find(const GroupSpec& group, Where where, Diagnostics& diagnostics);
-  /// Returns World::reserve(population). Takes much less time for many calls in a world of many reserves.
+  /// Returns the index in WorldSpec::reserves of the reserve of a population; std::nullopt if there is none.
   std::optional<std::size_t> reserve(std::string_view population);
 
  private:
@@ -49,7 +48,7 @@ class Groups {
   /// by the words of their names (GroupSpec::By::population).
   using Index = std::map<std::string_view, std::vector<BodyId>>;
 
-  const World& world_;
+  const WorldState& state_;
   std::map<GroupSpec::By, Index> indices_;  // built on first use, so that no group searches all bodies
   struct Found {
     Bodies bodies;

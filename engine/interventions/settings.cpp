@@ -1,8 +1,6 @@
-#include "engine/interventions/experiment.hpp"
+#include "engine/interventions/settings.hpp"
 
-#include "engine/ranks/replica.hpp"
-#include "engine/world/kind_errors.hpp"
-#include "engine/world/world.hpp"
+#include "engine/kinds/thrown_text.hpp"
 
 #include <fmt/format.h>
 
@@ -179,9 +177,8 @@ Result<> build_controller_setting(const SettingContext& context, TypeSpec& spec,
 
 // ---- Compiling the spec
 
-Result<> World::build_setting(const SettingSpec& setting, const Registry& registry, const BodyType& type,
-                              std::map<std::uint32_t, TypeSpec>& types,
-                              Experiment::Intervention& intervention) {
+Result<> Settings::build(const SettingSpec& setting, const Registry& registry, const BodyType& type,
+                         Types& types, Experiment::Intervention& intervention) const {
   TypeSpec& spec =
       types.try_emplace(setting.type.value, state_.spec.types[setting.type.index()]).first->second;
   const SettingContext context{setting, state_.spec, registry, type};
@@ -193,10 +190,7 @@ Result<> World::build_setting(const SettingSpec& setting, const Registry& regist
   return build_controller_setting(context, spec, intervention);
 }
 
-/// Calls the hook `bind_world` of devices and controllers again, after poses or colours in the spec have
-/// changed: their kinds have stored places, contours or colours of bodies. The hook `prepare` of controllers
-/// may have read the reach of such a device. No setting may be in force.
-void World::bind_kinds_again(const Registry& registry) {
+void Settings::bind_kinds_again(const Registry& registry) {
   const auto require = [](const auto& prepared) {
     if (!prepared) throw std::logic_error(prepared.error().text);  // it was accepted with the old poses
   };
@@ -222,24 +216,22 @@ void World::bind_kinds_again(const Registry& registry) {
     for (std::size_t c = 0; c < data->size(); ++c) type.controllers[c].data = std::move((*data)[c]);
     has_bound = true;
   }
-  std::map<std::uint32_t, TypeSpec> types;
+  Types types;
   if (!has_bound) return;
   for (Experiment::Intervention& each : experiment_.interventions) {
     if (!is_setting(each)) continue;
     const SettingSpec& setting = *state_.spec.experiment.at[each.spec].setting;
-    require(build_setting(setting, registry, state_.types[setting.type.index()], types, each));
+    require(build(setting, registry, state_.types[setting.type.index()], types, each));
   }
 }
 
 // ---- Running
 
-bool World::is_setting(const Experiment::Intervention& intervention) const {
+bool Settings::is_setting(const Experiment::Intervention& intervention) const {
   return state_.spec.experiment.at[intervention.spec].action == Action::set;
 }
 
-/// Applies a setting if it is not in force, and otherwise undoes it: swaps the prepared data of the
-/// intervention with the present data of the type. No memory is thus allocated during a run.
-void World::swap_setting(Experiment::Intervention& intervention) {
+void Settings::swap(Experiment::Intervention& intervention) {
   const SettingSpec& setting = *state_.spec.experiment.at[intervention.spec].setting;
   BodyType& type = state_.types[setting.type.index()];
   switch (setting.of) {
@@ -251,20 +243,17 @@ void World::swap_setting(Experiment::Intervention& intervention) {
     std::swap(type.controllers[c].data, intervention.controllers[c]);
 }
 
-/// Applies the settings among the first `count` interventions, in their order.
-void World::swap_settings(std::size_t count) {
+void Settings::swap_first(std::size_t count) {
   for (std::size_t i = 0; i < count; ++i)
-    if (Experiment::Intervention& next = experiment_.interventions[i]; is_setting(next)) swap_setting(next);
+    if (Experiment::Intervention& next = experiment_.interventions[i]; is_setting(next)) swap(next);
 }
 
-/// Undoes the settings among the first `count` interventions, the last one first.
-void World::swap_settings_back(std::size_t count) {
+void Settings::swap_first_back(std::size_t count) {
   while (count > 0)
-    if (Experiment::Intervention& done = experiment_.interventions[--count]; is_setting(done))
-      swap_setting(done);
+    if (Experiment::Intervention& done = experiment_.interventions[--count]; is_setting(done)) swap(done);
 }
 
-double World::longest_reach() const {
+double Settings::longest_reach() const {
   double longest = 0;
   for (const BodyType& type : state_.types)
     for (const BodyType::Device& device : type.devices)
@@ -276,11 +265,9 @@ double World::longest_reach() const {
   return longest;
 }
 
-TypeSpec World::present_type(TypeId type) const { return type_at(type, experiment_.next); }
-
 /// Returns the number of the last intervention, counted from 1, among the first `count` interventions that
 /// has a basis of this type (Experiment::Intervention::basis); 0 if there is none.
-std::size_t World::find_basis(TypeId type, std::size_t count) const {
+std::size_t Settings::find_basis(TypeId type, std::size_t count) const {
   const auto has_basis = [&](const Experiment::Intervention& each) {
     return each.basis && state_.spec.experiment.at[each.spec].setting->type == type;
   };
@@ -289,7 +276,7 @@ std::size_t World::find_basis(TypeId type, std::size_t count) const {
 }
 
 /// Returns the spec of a type with the settings among the first `count` interventions applied.
-TypeSpec World::type_at(TypeId type, std::size_t count) const {
+TypeSpec Settings::type_at(TypeId type, std::size_t count) const {
   const std::size_t known = find_basis(type, count);
   TypeSpec spec =
       known > 0 ? experiment_.interventions[known - 1].basis->spec : state_.spec.types[type.index()];
@@ -302,40 +289,21 @@ TypeSpec World::type_at(TypeId type, std::size_t count) const {
   return spec;
 }
 
-Result<> World::set(const SettingSpec& setting, const Registry& registry) {
-  require_whole();
-  require_unfrozen();
-  require_between_steps("set()");
-  if (!has_params(state_.spec.types, setting))
-    return Error{"refers to a type, or to a drive, device or controller of a type, that does not exist"};
-  Result<> done = insert_setting(setting, registry);
-  if (done && replica_ != nullptr) replica_->set(setting);
-  return done;
-}
-
-Result<> World::set_at(std::uint64_t tick, const SettingSpec& setting, const Registry& registry) {
-  if (tick != state_.now.tick) {
-    state_.now.tick = tick;
-    derive_experiment();
-  }
-  return insert_setting(setting, registry);
-}
-
 /// While an object of this class exists, no setting is in force.
-class World::WithoutSettings {
+class Settings::Undone {
  public:
-  explicit WithoutSettings(World& world) : world_(world) { world.swap_settings_back(world.experiment_.next); }
-  ~WithoutSettings() { world_.swap_settings(world_.experiment_.next); }
-  WithoutSettings(const WithoutSettings&) = delete;
-  WithoutSettings& operator=(const WithoutSettings&) = delete;
+  explicit Undone(Settings& settings) : settings_(settings) {
+    settings.swap_first_back(settings.experiment_.next);
+  }
+  ~Undone() { settings_.swap_first(settings_.experiment_.next); }
+  Undone(const Undone&) = delete;
+  Undone& operator=(const Undone&) = delete;
 
  private:
-  World& world_;
+  Settings& settings_;
 };
 
-/// Inserts a setting after the interventions of the present tick. Applies it, unless interventions of this
-/// tick are still due.
-Result<> World::insert_setting(const SettingSpec& setting, const Registry& registry) {
+Result<> Settings::insert(const SettingSpec& setting, const Registry& registry) {
   Experiment& e = experiment_;
   // The setting is inserted after all interventions of this tick, as in a world that is resumed from a
   // checkpoint of this tick.
@@ -349,21 +317,20 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
   if (known > 0) {
     type = e.interventions[known - 1].basis->type;
   } else {
-    const WithoutSettings undone(*this);
+    const Undone undone(*this);
     type = std::make_shared<const BodyType>(state_.types[setting.type.index()]);
   }
-  std::map<std::uint32_t, TypeSpec> types;
+  Types types;
   TypeSpec& spec = types.emplace(setting.type.value, type_at(setting.type, place)).first->second;
   Experiment::Intervention own;
   own.tick = state_.now.tick;
   own.spec = state_.spec.experiment.at.size();
-  if (const Result<> built = build_setting(setting, registry, *type, types, own); !built)
-    return built.error();
+  if (const Result<> built = build(setting, registry, *type, types, own); !built) return built.error();
   own.basis = std::make_shared<const Experiment::Basis>(Experiment::Basis{spec, type});
-  auto later = build_settings_from(place, setting.type, registry, *type, types);
+  auto later = build_from(place, setting.type, registry, *type, types);
   if (!later) return later.error();
   if (e.made++ == 0) {
-    const WithoutSettings undone(*this);
+    const Undone undone(*this);
     e.declared = e.interventions;
   }
   for (auto& [i, again] : *later) e.interventions[i] = std::move(again);
@@ -375,19 +342,17 @@ Result<> World::insert_setting(const SettingSpec& setting, const Registry& regis
   added.setting = setting;
   // If interventions of this tick are still due, the next step applies them and, after them, the setting.
   // Otherwise the setting is applied now.
-  if (place == e.next) swap_setting(e.interventions[e.next++]);
+  if (place == e.next) swap(e.interventions[e.next++]);
   if (e.present.tick != state_.now.tick) e.present = {state_.now.tick, 0};
   ++e.present.settings;
-  find_due();
   return {};
 }
 
 /// Compiles again the settings of a type from the intervention with the index `first` on, because each
 /// contains the values of those before it. Returns them with their indices; changes no intervention. The last
-/// two arguments are as for build_setting().
-Result<std::vector<std::pair<std::size_t, Experiment::Intervention>>> World::build_settings_from(
-    std::size_t first, TypeId changed_type, const Registry& registry, const BodyType& type,
-    std::map<std::uint32_t, TypeSpec>& types) {
+/// two arguments are as for build().
+Result<std::vector<std::pair<std::size_t, Experiment::Intervention>>> Settings::build_from(
+    std::size_t first, TypeId changed_type, const Registry& registry, const BodyType& type, Types& types) {
   std::vector<std::pair<std::size_t, Experiment::Intervention>> built;
   for (std::size_t i = first; i < experiment_.interventions.size(); ++i) {
     const Experiment::Intervention& each = experiment_.interventions[i];
@@ -395,7 +360,7 @@ Result<std::vector<std::pair<std::size_t, Experiment::Intervention>>> World::bui
     if (!spec.setting || spec.setting->type != changed_type) continue;
     Experiment::Intervention& again = built.emplace_back(i, each).second;
     again.basis.reset();
-    if (const Result<> done = build_setting(*spec.setting, registry, type, types, again); !done)
+    if (const Result<> done = build(*spec.setting, registry, type, types, again); !done)
       return Error{
           fmt::format("with these values, the world's intervention \"set\" at {:.10g} s would fail: {}",
                       spec.time_s, done.error().text)};
@@ -403,10 +368,9 @@ Result<std::vector<std::pair<std::size_t, Experiment::Intervention>>> World::bui
   return built;
 }
 
-/// Undoes the changes of all calls of set(). No setting is in force afterwards.
-void World::forget_settings() {
+void Settings::forget() {
   Experiment& e = experiment_;
-  swap_settings_back(std::exchange(e.next, 0));
+  swap_first_back(std::exchange(e.next, 0));
   e.present = {};
   if (e.made == 0) return;
   e.interventions = std::exchange(e.declared, {});

@@ -4,6 +4,7 @@
 #include "base/pose.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
 
@@ -80,6 +81,8 @@ struct Condition {
   std::uint32_t dead = 0;
   std::uint8_t out = 0;  ///< bits of Out; each alone stops devices, controllers and drive
 
+  /// Factor by which the velocity of the drive is multiplied.
+  double scale() const { return speed == 0 ? 1 : speed; }
   /// Whether no fault affects the body and the body is not disabled.
   bool is_sound() const { return speed == 0 && dead == 0 && out == 0; }
 };
@@ -99,6 +102,8 @@ struct Contact {
     k_bounds,  ///< the motion would have ended outside the bounds of the world
     k_joint,   ///< the body could move, but `body` was in the way of a joint, such as that of a gripper
   };
+  /// The names of the values of Cause, in their order.
+  static constexpr std::array<std::string_view, 5> k_causes{"none", "body", "pushed", "bounds", "joint"};
   std::uint32_t cause = k_none;  ///< a value of Cause
   std::uint32_t body = 0;        ///< id of the body that blocked the motion, plus 1; 0: none
   std::uint32_t behind = 0;      ///< id of the body that stops the pushed body, plus 1; 0: none
@@ -108,6 +113,9 @@ struct Contact {
 
   bool operator==(const Contact&) const = default;
 };
+/// The largest number of bodies that one body may push in a tick.
+inline constexpr std::size_t k_most_pushed = 16;
+
 /// Throws std::logic_error because the state does not have the component `contact`. The text says how to get
 /// it.
 [[noreturn]] void throw_no_contacts();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/fields/description.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/controller_kind.hpp"
 
 #include <any>
 #include <array>
@@ -224,7 +224,8 @@ std::vector<StateField> memory_fields() {
 }
 
 /// Makes a controller kind from a class C. A controller kind is a table of functions that implements one sort
-/// of controller (ControllerKind in engine/kinds/kinds.hpp). `name` and `text` must live as long as the kind.
+/// of controller (ControllerKind in engine/kinds/device_kind.hpp). `name` and `text` must live as long as the
+/// kind.
 ///
 /// C must be copyable. One object of C serves all robots of a body type. Several threads call this object at
 /// once, each for different robots, so operator() must not change the object. The data that a robot keeps
@@ -258,6 +259,7 @@ std::vector<StateField> memory_fields() {
 ///         // of a kind. The controller may use reserved devices, and reserves none.
 ///     Result<> bind_world(const WorldSpec&, const TypeSpec&, std::uint32_t part);
 ///         // Completes the object from the world: ControllerKind::bind_world.
+///     void lint(const LintView&) const;  // finds probable mistakes in a world: ControllerKind::lint
 ///     static constexpr std::array<std::string_view, N> brings;
 ///         // Kinds of devices that the loader of Stage worlds adds to each model with this controller:
 ///         // ControllerKind::brings.
@@ -292,6 +294,8 @@ ControllerKind make_controller_kind(std::string_view name, std::string_view text
     else
       detail::decide_one_by_one<Memory>(controller, batch);
   };
+  if constexpr (requires { &C::lint; })
+    kind.lint = [](const std::any& data, const LintView& view) { std::any_cast<C>(&data)->lint(view); };
   return kind;
 }
 

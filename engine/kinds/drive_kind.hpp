@@ -1,69 +1,69 @@
 #pragma once
 
-#include "engine/fields/description.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "base/pose.hpp"
+#include "base/result.hpp"
+#include "engine/fields/fields.hpp"
+#include "engine/kinds/commands.hpp"
+#include "engine/kinds/localization.hpp"
 
 #include <any>
+#include <cstdint>
+#include <span>
 #include <string_view>
 
 namespace troupe::engine {
 
-/// Makes the kind of a drive from a class D. A kind is a table of functions, its hooks. DriveKind in
-/// engine/kinds/kinds.hpp says when the engine calls each hook and what the hook must do.
-///
-/// name: name of the kind in files, such as "diff"
-/// text: description in one sentence, which `troupe describe` prints
-///
-/// Both strings must live as long as the kind. D must be copyable. All robots of a body type share one object
-/// of D, and several threads call this object at once. D must have these members:
-///
-///     struct Params { ...; describe };         // parameters of the drive (engine/fields/description.hpp)
-///     void drive(const DriveBatch&) const;     // computes the velocities of several robots
-///
-/// `describe` is a function that lists the members of Params with units, limits and texts. D may also have
-/// these members:
-///
-///     static D make(const Params&);            // makes the object; default: D{params}
-///     static Result<> check(const Params&);    // finds inconsistent parameters; default: no error
-///     Velocity start() const;                  // velocity until the drive first runs; default: 0
-///     static Result<Localization> localization(const Params&);
-///         // how robots estimate their poses; default: the estimates are the true poses
-///     static std::int64_t pushes(const Params&);
-///         // number of bodies that a robot can push at once; default: 0
-///     static bool turns_when_blocked(const Params&);
-///         // whether a robot whose motion is blocked may turn on the spot; default: false
-///     static double top_speed(const Params&);  // highest speed, m/s; default: unknown
-template <class D>
-DriveKind make_drive_kind(std::string_view name, std::string_view text) {
-  using Params = typename D::Params;
-  DriveKind kind{.name = name, .text = text, .params = described<Params>()};
-  kind.prepare = [](const Record& record) -> std::any {
-    const auto params = from_record<Params>(record);
-    if constexpr (requires { &D::make; })
-      return D::make(params);
-    else
-      return D{params};
-  };
-  kind.check = [](const Record& record) -> Result<> {
-    if constexpr (requires { &D::check; })
-      return D::check(from_record<Params>(record));
-    else
-      return {};
-  };
-  kind.drive = [](const std::any& data, const DriveBatch& batch) { std::any_cast<D>(&data)->drive(batch); };
-  if constexpr (requires { &D::start; })
-    kind.start = [](const std::any& data) -> Velocity { return std::any_cast<D>(&data)->start(); };
-  if constexpr (requires { &D::localization; })
-    kind.localization = [](const Record& record) { return D::localization(from_record<Params>(record)); };
-  if constexpr (requires { &D::pushes; })
-    kind.pushes = [](const Record& record) { return D::pushes(from_record<Params>(record)); };
-  if constexpr (requires { &D::turns_when_blocked; })
-    kind.turns_when_blocked = [](const Record& record) {
-      return D::turns_when_blocked(from_record<Params>(record));
-    };
-  if constexpr (requires { &D::top_speed; })
-    kind.top_speed = [](const Record& record) { return D::top_speed(from_record<Params>(record)); };
-  return kind;
-}
+struct LintView;  // engine/observing/lint_view.hpp
+
+// The hooks of kinds: see DeviceKind.
+
+/// The argument of the hook DriveKind::drive: robots of one type whose drives run in this tick. There may be
+/// no robots. Entry i of each span belongs to robot i, but `estimates` may be empty.
+struct DriveBatch {
+  std::span<const Command> commands;  ///< the commands to the drives
+  /// Output: the velocities that the drives produce from this tick on. If `estimates` is not empty, each
+  /// entry contains on input the velocity that the drive computed last. If `estimates` is empty, the input
+  /// has no meaning.
+  std::span<Velocity> velocities;
+  std::span<const Pose> estimates;  ///< estimated poses of the robots; empty if all commands are speeds
+  double elapsed_s = 0;             ///< time from one run of these drives to the next, s
+};
+
+/// A kind of drive, which computes velocities from commands.
+struct DriveKind {
+  std::string_view name = {};  ///< name in files: "diff"
+  std::string_view text = {};  ///< description in one sentence, which `troupe describe` prints
+  FieldTable params = {};      ///< table of the parameters of a drive of this kind
+  /// Compiles the parameters to the argument `data` of the other hooks. The hook must accept all parameters
+  /// within the limits of `params`, because the engine calls it even if `check` returned an error. If this
+  /// hook, `check` or one of those that compute settings throws, building the world reports an error at the
+  /// position of the drive in the world file.
+  std::any (*prepare)(const Record& params) = nullptr;
+  /// Checks that the parameters are consistent. The error says which parameters are inconsistent, and why.
+  Result<> (*check)(const Record& params) = nullptr;
+  /// Computes the velocities of a batch from the commands, within the limits of the drive. If a computed
+  /// velocity, or a command, is not finite, World::step() throws a StepError that names the robot.
+  void (*drive)(const std::any& data, const DriveBatch& batch) = nullptr;
+  /// Returns the velocity that a robot has until its drive runs for the first time. Null: 0. If it is not
+  /// finite, making the world, or the birth of the robot, throws a StepError that names the robot.
+  Velocity (*start)(const std::any& data) = nullptr;
+  /// Hooks that compute settings from the parameters. The engine itself, not the kind, applies these
+  /// settings.
+  ///@{
+  /// Returns how robots with this drive estimate their poses. The error says why the parameters are
+  /// inconsistent. Null: the estimates are the true poses, world frame.
+  Result<Localization> (*localization)(const Record& params) = nullptr;
+  /// Returns the number of pushable bodies that a robot can push at once. The engine limits the number to the
+  /// range from 0 to k_most_pushed. Null: 0.
+  std::int64_t (*pushes)(const Record& params) = nullptr;
+  /// Whether a robot whose motion is blocked may still turn on the spot (class Conflicts, `turning`). Null:
+  /// no.
+  bool (*turns_when_blocked)(const Record& params) = nullptr;
+  /// Returns the highest speed that the limits of the drive allow, m/s. Null: unknown.
+  double (*top_speed)(const Record& params) = nullptr;
+  ///@}
+  /// The same as DeviceKind::lint, for a drive.
+  void (*lint)(const std::any& data, const LintView& view) = nullptr;
+};
 
 }  // namespace troupe::engine

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/pose.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/commands.hpp"
 
 #include <cmath>
 

@@ -13,7 +13,7 @@
 
 namespace troupe::engine {
 
-class World;
+class MeasuredWorld;
 
 /// A measure of a run, such as the area that robots have covered. It computes one number from the present
 /// state of the world and from its own memory of earlier states. It never changes the world. The number must
@@ -25,11 +25,11 @@ class Measure {
   /// Updates the memory of the measure with the present state. MeasureSet, the class that computes all
   /// measures of a run, calls this function once after every tick (time step), in order. The first call is
   /// for the state with which measuring begins. By default the function does nothing.
-  virtual void see(World& world) { static_cast<void>(world); }
+  virtual void see(const MeasuredWorld& world) { static_cast<void>(world); }
   /// Returns the value for the present state, in the unit MeasureKind::unit; NaN if the measure has no value
   /// in this state. The caller calls see() for a state before value(), and may call value() any number of
   /// times for one state.
-  virtual double value(World& world) = 0;
+  virtual double value(const MeasuredWorld& world) = 0;
   /// The memory of the measure as bytes; by default there is none. A checkpoint (a file with the whole state
   /// of a run) contains these bytes. When a run is resumed from the checkpoint, the saved bytes are written
   /// back to the memory. The number of bytes must be the same in every call.
@@ -69,8 +69,8 @@ struct MeasureKind {
   /// not have.
   ///
   /// The measure must keep the ids, not the rows (indices in the state tables), because the row of a robot
-  /// can change during a run. World::row() returns the present row of a robot.
-  std::unique_ptr<Measure> (*make)(const World& world, const Record& params,
+  /// can change during a run. MeasuredWorld::row() returns the present row of a robot.
+  std::unique_ptr<Measure> (*make)(const MeasuredWorld& world, const Record& params,
                                    std::vector<BodyId> robots) = nullptr;
 };
 
@@ -84,12 +84,12 @@ MeasureKind make_measure_kind(std::string_view name, Unit unit, std::string_view
   MeasureKind kind{.name = name, .unit = unit, .text = text, .definition = definition, .formula = formula};
   if constexpr (requires { typename M::Params; }) {
     kind.params = described<typename M::Params>();
-    kind.make = [](const World& world, const Record& record,
+    kind.make = [](const MeasuredWorld& world, const Record& record,
                    std::vector<BodyId> robots) -> std::unique_ptr<Measure> {
       return std::make_unique<M>(world, from_record<typename M::Params>(record), std::move(robots));
     };
   } else {
-    kind.make = [](const World& world, const Record&,
+    kind.make = [](const MeasuredWorld& world, const Record&,
                    std::vector<BodyId> robots) -> std::unique_ptr<Measure> {
       return std::make_unique<M>(world, std::move(robots));
     };

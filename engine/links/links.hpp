@@ -81,6 +81,8 @@ class Links {
   /// a drive device (DeviceKind::drives) moves joints of these bodies, because such joints move without a
   /// limit.
   double farthest(Row row) const;
+  /// Upper bound on farthest() of the roots of all trees of two or more bodies; 0 if there are no such trees.
+  double farthest_in_trees() const;
   /// Upper bound on how far the joints of a body of this type can move any point of the body away from the
   /// body's origin, compared with the joints at rest, m. The bound does not hold if a drive device
   /// (DeviceKind::drives) moves joints of the type, because such joints move without a limit.

@@ -3,7 +3,7 @@
 #include "base/fp_environment.hpp"
 #include "engine/interventions/experiment.hpp"
 #include "engine/spec/ticks.hpp"
-#include "engine/world/kind_errors.hpp"
+#include "engine/state/kind_calls.hpp"
 
 #include <fmt/format.h>
 
@@ -107,11 +107,11 @@ ControllerCheck::ControllerCheck(World& world, const Registry& registry) : world
   }
   diagnostics.throw_if_errors();
   const ExperimentSpec& experiment = world.spec().experiment;
-  for (const std::size_t i : order_of_interventions(experiment, world.tick_s()))
+  for (const std::size_t i : order_of_interventions(experiment, world.view().tick_s()))
     if (const InterventionSpec& at = experiment.at[i]; at.setting)
-      settings_.push_back({ticks_until(at.time_s, world.tick_s()), *at.setting});
+      settings_.push_back({ticks_until(at.time_s, world.view().tick_s()), *at.setting});
   follow_settings(world.tick() + 1);
-  for (const BodyType& type : world.types()) {
+  for (const BodyType& type : world.view().types()) {
     watched_.emplace_back();
     for (const BodyType::Controller& controller : type.controllers)
       watched_.back().push_back(watch(type, controller));
@@ -126,13 +126,13 @@ ControllerCheck::~ControllerCheck() { world_.on_decide(nullptr); }
 
 std::vector<ControllerFinding> ControllerCheck::start_twice() const {
   std::vector<Finding> findings;
-  for (const BodyType& type : world_.types()) {
+  for (const BodyType& type : world_.view().types()) {
     for (std::size_t c = 0; c < type.controllers.size(); ++c) {
       const BodyType::Controller& controller = type.controllers[c];
       if (!controller.table) continue;
       std::vector<std::byte> first(controller.kind->memory_bytes, k_other_junk);
       std::vector<std::byte> second(controller.kind->memory_bytes, k_junk);
-      call_kind(world_, {}, controller, [&] {
+      call_kind(world_.view(), {}, controller, [&] {
         controller.kind->start(first.data());
         spoil_stack();
         controller.kind->start(second.data());
@@ -204,11 +204,11 @@ ControllerCheck::Watched ControllerCheck::watch(const BodyType& type,
   return watched;
 }
 
-/// The callback World::OnDecide, which the worker threads of the world call for each batch of robots. Calls
+/// The callback Tick::OnDecide, which the worker threads of the world call for each batch of robots. Calls
 /// the controller, and stores copies of the inputs and outputs of its decisions.
 void ControllerCheck::record(const BodyType& type, const BodyType::Controller& controller,
                              const DecideBatch& batch) {
-  Watched& watched = watched_[static_cast<std::size_t>(&type - world_.types().data())]
+  Watched& watched = watched_[static_cast<std::size_t>(&type - world_.view().types().data())]
                              [static_cast<std::size_t>(&controller - type.controllers.data())];
   const std::size_t written = watched.written.size();
   Decisions here{.given = batch, .rows = {batch.rows.begin(), batch.rows.end()}};
@@ -259,23 +259,24 @@ std::size_t ControllerCheck::pending() const {
 std::vector<ControllerFinding> ControllerCheck::repeat() {
   restore_fp_environment();  // the calling thread may have another floating-point mode
   follow_settings(world_.tick());
-  commands_.assign(world_.rows(), Command{k_nan, k_nan, k_nan});
+  commands_.assign(world_.view().rows(), Command{k_nan, k_nan, k_nan});
   kept_commands_ = commands_;
-  estimates_.assign(world_.rows(), k_nowhere);
+  estimates_.assign(world_.view().rows(), k_nowhere);
   std::vector<Finding> findings;
   for (std::size_t t = 0; t < watched_.size(); ++t) {
     for (std::size_t c = 0; c < watched_[t].size(); ++c) {
       Watched& watched = watched_[t][c];
       if (watched.taken.rows.empty()) continue;
       decisions_ += watched.taken.rows.size();
-      const BodyType::Controller& same = world_.types()[t].controllers[c];
+      const BodyType::Controller& same = world_.view().types()[t].controllers[c];
       for (const auto how : {Finding::Repeat::again, Finding::Repeat::afresh}) {
         const Finding about{.controller = controller_name(same, c), .repeat = how};
-        repeat(world_.types()[t], how == Finding::Repeat::again ? same : fresh_types_[t].controllers[c],
-               watched, about, findings);
+        repeat(world_.view().types()[t],
+               how == Finding::Repeat::again ? same : fresh_types_[t].controllers[c], watched, about,
+               findings);
         compare(watched, about, findings);
       }
-      watched = watch(world_.types()[t], same);
+      watched = watch(world_.view().types()[t], same);
     }
   }
   return findings;
@@ -288,10 +289,10 @@ template <class Visit>
 void ControllerCheck::for_outputs(const BodyType& type, const Watched& watched, Row row, Visit&& visit) {
   visit(std::string_view("command"), command_fields_, reinterpret_cast<std::byte*>(&commands_[row.index()]),
         reinterpret_cast<std::byte*>(&kept_commands_[row.index()]), sizeof(Command));
-  if (&world_.type(row) != &type) return;
+  if (&world_.view().type(row) != &type) return;
   for (std::size_t w = 0; w < written_.size(); ++w) {
     const Written& written = watched.written[w];
-    const std::size_t first = world_.slot(row) * written.row_bytes;
+    const std::size_t first = world_.view().slot(row) * written.row_bytes;
     visit(written.what, written.fields, written_[w].data() + first, kept_written_[w].data() + first,
           written.row_bytes);
   }
@@ -356,7 +357,7 @@ void ControllerCheck::repeat(const BodyType& type, const BodyType::Controller& c
                           const std::byte* kept, std::size_t bytes) {
       if (std::memcmp(output, kept, bytes) == 0) return;
       Finding finding{.controller = about.controller, .repeat = Finding::Repeat::other};
-      finding.body = world_.body(row);
+      finding.body = world_.view().body(row);
       const auto report = [&](const StateField& field, std::size_t column, const StateValue& a,
                               const StateValue& b) {
         finding.field = fmt::format("{} {}", what, field_text(field, column));
@@ -379,14 +380,15 @@ void ControllerCheck::repeat(const BodyType& type, const BodyType::Controller& c
     batch.rows = rows.subspan(first, std::min(most, rows.size() - first));
     std::ranges::for_each(batch.rows, undo_changes_by_others);
     if (first % k_rows_per_batch == 0) spoil_stack();
-    call_kind(world_, batch.rows, controller, [&] { controller.kind->decide(controller.data, batch); });
+    call_kind(world_.view(), batch.rows, controller,
+              [&] { controller.kind->decide(controller.data, batch); });
     std::ranges::for_each(batch.rows, keep);
   }
   // Tests first whether there are changes at all: in a world with many types, a loop over all rows for each
   // type would take long.
   const std::size_t bytes = commands_.size() * sizeof(Command);
   if (std::memcmp(commands_.data(), kept_commands_.data(), bytes) == 0 && written_ == kept_written_) return;
-  for (std::size_t r = 0; r < world_.rows(); ++r) undo_changes_by_others(Row(r));
+  for (std::size_t r = 0; r < world_.view().rows(); ++r) undo_changes_by_others(Row(r));
 }
 
 void ControllerCheck::compare(const Watched& watched, const Finding& about,
@@ -395,7 +397,7 @@ void ControllerCheck::compare(const Watched& watched, const Finding& about,
   Finding finding = about;
   for (std::size_t i = 0; i < taken.rows.size(); ++i) {
     const std::size_t row = taken.rows[i].index();
-    finding.body = world_.body(taken.rows[i]);
+    finding.body = world_.view().body(taken.rows[i]);
     const auto report = [&](std::string_view of) {
       return [&finding, &findings, of](const StateField& field, std::size_t column, const StateValue& a,
                                        const StateValue& b) {

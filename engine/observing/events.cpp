@@ -40,25 +40,27 @@ EventWatch::EventWatch(World& world) {
 }
 
 EventWatch::Stall EventWatch::stall_of(const World& world, Row row) {
-  if (!world.stalled(row)) return k_free;
-  return world.is_out_of_bounds(row) ? k_out_of_bounds : k_blocked;
+  if (!world.view().stalled(row)) return k_free;
+  return world.view().is_out_of_bounds(row) ? k_out_of_bounds : k_blocked;
 }
 
-BodyId EventWatch::carrier_of(const World& world, Row row) { return world.carrier(row).value_or(BodyId()); }
+BodyId EventWatch::carrier_of(const World& world, Row row) {
+  return world.view().carrier(row).value_or(BodyId());
+}
 
 void EventWatch::remember(const World& world) {
   tick_ = world.tick();
   const std::size_t bodies = world.spec().bodies.size();
   stalls_.resize(bodies);
   carriers_.resize(bodies);
-  if (world.has_conditions()) disabled_.resize(bodies);
-  if (world.has_lives()) lives_.resize(bodies);
-  for (std::size_t r = 0; r < world.rows(); ++r) {
-    const std::size_t b = world.body(Row(r)).index();
+  if (world.view().has_conditions()) disabled_.resize(bodies);
+  if (world.view().has_lives()) lives_.resize(bodies);
+  for (std::size_t r = 0; r < world.view().rows(); ++r) {
+    const std::size_t b = world.view().body(Row(r)).index();
     stalls_[b] = stall_of(world, Row(r));
     carriers_[b] = carrier_of(world, Row(r));
-    if (!disabled_.empty()) disabled_[b] = world.is_disabled(Row(r));
-    if (!lives_.empty()) lives_[b] = world.presence(Row(r));
+    if (!disabled_.empty()) disabled_[b] = world.view().is_disabled(Row(r));
+    if (!lives_.empty()) lives_[b] = world.view().presence(Row(r));
   }
 }
 
@@ -66,20 +68,21 @@ void EventWatch::remember(const World& world) {
 /// Bodies that are not in the world have no such events.
 void EventWatch::see_failures(const World& world) {
   if (disabled_.empty()) return;
-  for (std::size_t r = 0; r < world.rows(); ++r) {
-    const BodyId body = world.body(Row(r));
-    const bool now = world.is_disabled(Row(r));
+  for (std::size_t r = 0; r < world.view().rows(); ++r) {
+    const BodyId body = world.view().body(Row(r));
+    const bool now = world.view().is_disabled(Row(r));
     if (now == disabled_[body.index()]) continue;
-    if (world.is_there(Row(r))) events_.push_back({now ? EventType::fails : EventType::recovers, body, {}});
+    if (world.view().is_there(Row(r)))
+      events_.push_back({now ? EventType::fails : EventType::recovers, body, {}});
     disabled_[body.index()] = now;
   }
 }
 
 void EventWatch::see_lives(const World& world) {
   if (lives_.empty()) return;
-  for (std::size_t r = 0; r < world.rows(); ++r) {
-    const BodyId body = world.body(Row(r));
-    const Presence now = world.presence(Row(r));
+  for (std::size_t r = 0; r < world.view().rows(); ++r) {
+    const BodyId body = world.view().body(Row(r));
+    const Presence now = world.view().presence(Row(r));
     Presence& before = lives_[body.index()];
     if (now == before) continue;
     if (now == Presence::dead && before == Presence::unborn) events_.push_back({EventType::birth, body, {}});
@@ -96,8 +99,8 @@ std::span<const Event> EventWatch::see(const World& world) {
     return events_;
   }
   tick_ = world.tick();
-  for (std::size_t r = 0; r < world.rows(); ++r) {
-    const BodyId body = world.body(Row(r));
+  for (std::size_t r = 0; r < world.view().rows(); ++r) {
+    const BodyId body = world.view().body(Row(r));
     Stall& before = stalls_[body.index()];
     if (const Stall now = stall_of(world, Row(r)); now != before) {
       if (before != k_free)
@@ -105,7 +108,7 @@ std::span<const Event> EventWatch::see(const World& world) {
             {before == k_out_of_bounds ? EventType::held_ends : EventType::stall_ends, body, {}});
       if (now != k_free)
         events_.push_back({now == k_out_of_bounds ? EventType::held_begins : EventType::stall_begins, body,
-                           world.contact(Row(r)).blocker()});
+                           world.view().contact(Row(r)).blocker()});
       before = now;
     }
     BodyId& carrier = carriers_[body.index()];

@@ -194,4 +194,14 @@ struct Frame {
   double times_real_time = 0;
 };
 
+class World;
+
+/// Returns the data for drawing a world that do not change during a run. FrameScene::rangers (the rangers
+/// whose beams can be drawn) is empty.
+FrameScene make_scene(const World& world);
+/// Returns the data for drawing a world that change with each tick. The members Frame::time_s, `tick`,
+/// `mobile` and `types` are set. All other members are empty. Throws std::logic_error if the last step threw
+/// (World::require_whole()).
+Frame make_frame(const World& world);
+
 }  // namespace troupe::engine

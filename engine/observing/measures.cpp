@@ -1,8 +1,8 @@
 #include "engine/observing/measures.hpp"
 
 #include "base/hash.hpp"
+#include "engine/kinds/thrown_text.hpp"
 #include "engine/spec/names.hpp"
-#include "engine/world/kind_errors.hpp"
 
 #include <fmt/format.h>
 
@@ -22,10 +22,10 @@ namespace {
 /// by a std::runtime_error whose text names the tick and the measure, because the exception of a plug-in does
 /// not name its origin. Exceptions of another language (MeasureKind::is_foreign) propagate unchanged: they
 /// name the file and the line, and programs in that language catch them. During the call, functions that
-/// change the world throw (World::Frozen).
+/// change the world throw (World::measuring()).
 template <class Call>
 auto call_measure(World& world, const MeasureKind& kind, const std::string& column, Call&& call) {
-  const World::Frozen frozen(world);
+  const auto measuring = world.measuring();
   if (kind.is_foreign) return call();
   try {
     return call();
@@ -35,9 +35,9 @@ auto call_measure(World& world, const MeasureKind& kind, const std::string& colu
 }
 
 /// Returns a measure that MeasureKind::make has made. Throws std::logic_error if it has returned null.
-std::unique_ptr<Measure> make_measure(const MeasureKind& kind, const World& world, const Record& params,
+std::unique_ptr<Measure> make_measure(const MeasureKind& kind, World& world, const Record& params,
                                       const std::vector<BodyId>& robots) {
-  std::unique_ptr<Measure> measure = kind.make(world, params, robots);
+  std::unique_ptr<Measure> measure = kind.make(world.measured(), params, robots);
   if (!measure) throw std::logic_error("the function `make` of its kind returned no measure");
   return measure;
 }
@@ -46,7 +46,7 @@ template <class Parts>
 void see_all(World& world, const Parts& parts, const std::vector<std::string>& columns,
              std::span<const std::unique_ptr<Measure>> measures) {
   for (std::size_t i = 0; i < parts.size(); ++i)
-    call_measure(world, *parts[i].kind, columns[i], [&] { measures[i]->see(world); });
+    call_measure(world, *parts[i].kind, columns[i], [&] { measures[i]->see(world.measured()); });
 }
 
 // append() writes a value as text. Different values give different texts, because numbers are written
@@ -101,11 +101,11 @@ std::optional<std::span<const std::byte>> find_memory(std::span<const std::byte>
 
 /// The names of bodies, of their types and of their populations. Collected once for all unknown names of a
 /// list of measures, because a search among all bodies takes long for each name.
-struct BodyNames {
-  explicit BodyNames(const World& world) : known(names_of_robots(world)) {
+struct KnownNames {
+  explicit KnownNames(const World& world) : known(names_of_robots(world)) {
     const WorldSpec& spec = world.spec();
     for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
-      const BodyType& type = world.type(BodyId(b));
+      const BodyType& type = world.view().type(BodyId(b));
       std::unordered_set<std::string>& names = type.drive ? of_robots : of_others;
       names.insert(type.name);
       std::string name = spec.name(BodyId(b));
@@ -142,7 +142,7 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
   world.require_whole();
   world.require_between_steps("making measures");
   world.gather_distributed();
-  std::unique_ptr<const BodyNames> names;
+  std::unique_ptr<const KnownNames> names;
   for (std::size_t i = 0; i < specs.size(); ++i) {
     const auto error = [&](const std::string& message) {
       diagnostics.error(specs[i].where,
@@ -162,16 +162,16 @@ MeasureSet::MeasureSet(World& world, const Registry& registry, std::span<const M
 }
 
 Result<> MeasureSet::add(const MeasureSpec& spec, const Registry& registry,
-                         std::unique_ptr<const BodyNames>& names) {
+                         std::unique_ptr<const KnownNames>& names) {
   const auto found = registry.find_measure(spec.kind);
   if (!found) return found.error();
   const MeasureKind* kind = *found;
-  if (names && !spec.of.empty() && !names->of_robots.contains(spec.of) && !world_.find(spec.of).valid() &&
-      !is_name_of_no_robots(world_, spec.of))
+  if (names && !spec.of.empty() && !names->of_robots.contains(spec.of) &&
+      !world_.state().names.find(spec.of).valid() && !is_name_of_no_robots(world_, spec.of))
     return Error{names->text_of_unknown(spec.of)};
   std::vector<BodyId> robots = robots_of(world_, spec.of);
   if (robots.empty() && !spec.of.empty() && !is_name_of_no_robots(world_, spec.of)) {
-    if (!names) names = std::make_unique<BodyNames>(world_);
+    if (!names) names = std::make_unique<KnownNames>(world_);
     return Error{names->text_of_unknown(spec.of)};
   }
   std::string column = measure_name(spec, unit_suffixes(kind->unit).front().suffix);
@@ -230,7 +230,7 @@ double MeasureSet::value(std::size_t column) {
   world_.require_whole();
   world_.require_between_steps("value()");
   return call_measure(world_, *parts_[column].kind, columns_[column],
-                      [&] { return measures_[column]->value(world_); });
+                      [&] { return measures_[column]->value(world_.measured()); });
 }
 
 std::vector<double> MeasureSet::values() {
@@ -280,23 +280,17 @@ std::vector<std::size_t> MeasureSet::remember(std::span<const std::byte> memory)
   return missing;
 }
 
-std::size_t count_there(const World& world, std::span<const BodyId> bodies) {
-  if (world.absent_count() == 0) return bodies.size();
-  return static_cast<std::size_t>(
-      std::ranges::count_if(bodies, [&](BodyId body) { return world.is_there(world.row(body)); }));
-}
-
 std::vector<BodyId> robots_of(const World& world, std::string_view of) {
   const WorldSpec& spec = world.spec();
-  const auto is_robot = [&](BodyId body) { return world.type(body).drive.has_value(); };
+  const auto is_robot = [&](BodyId body) { return world.view().type(body).drive.has_value(); };
   // If "r1" is a robot (of population "r"), the name does not also stand for the robots r10 to r19.
-  const BodyId named = of.empty() ? BodyId() : world.find(of);
+  const BodyId named = of.empty() ? BodyId() : world.state().names.find(of);
   const bool is_one = named.valid() && is_robot(named);
   std::vector<BodyId> robots;
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
     const BodyId body(b);
     if (!is_robot(body)) continue;
-    const bool is_meant = of.empty() || world.type(body).name == of ||
+    const bool is_meant = of.empty() || world.view().type(body).name == of ||
                           (is_one ? body == named : is_of_population(spec.names, spec.bodies[b].name, of));
     if (is_meant) robots.push_back(body);
   }
@@ -304,7 +298,7 @@ std::vector<BodyId> robots_of(const World& world, std::string_view of) {
 }
 
 bool is_name_of_no_robots(const World& world, std::string_view name) {
-  const std::span<const BodyType> types = world.types();
+  const std::span<const BodyType> types = world.view().types();
   return std::ranges::any_of(types, [&](const BodyType& type) { return type.drive && type.name == name; }) ||
          std::ranges::any_of(world.spec().empty_populations, [&](const EmptyPopulation& population) {
            return types[population.type.index()].drive && population.name == name;
@@ -315,9 +309,9 @@ std::vector<std::string> names_of_robots(const World& world) {
   std::set<std::string> names;
   const WorldSpec& spec = world.spec();
   for (const EmptyPopulation& population : spec.empty_populations)
-    if (world.types()[population.type.index()].drive) names.insert(population.name);
+    if (world.view().types()[population.type.index()].drive) names.insert(population.name);
   for (std::size_t b = 0; b < spec.bodies.size(); ++b) {
-    const BodyType& type = world.type(BodyId(b));
+    const BodyType& type = world.view().type(BodyId(b));
     if (!type.drive) continue;
     names.insert(type.name);
     const std::string name = spec.name(BodyId(b));
@@ -328,7 +322,7 @@ std::vector<std::string> names_of_robots(const World& world) {
 }
 
 std::string unknown_robots(const World& world, std::string_view name) {
-  return BodyNames(world).text_of_unknown(name);
+  return KnownNames(world).text_of_unknown(name);
 }
 
 }  // namespace troupe::engine

@@ -4,6 +4,7 @@
 #include "base/exact_sum.hpp"
 #include "base/result.hpp"
 #include "engine/kinds/measure_kind.hpp"
+#include "engine/rows/measured_world.hpp"
 #include "engine/world/world.hpp"
 
 #include <algorithm>
@@ -22,7 +23,7 @@ namespace troupe::engine {
 /// unit, this is the name of the measure's column (MeasureSet::columns()).
 std::string measure_name(const MeasureSpec& spec, std::string_view unit = {});
 
-struct BodyNames;  // engine/observing/measures.cpp
+struct KnownNames;  // engine/observing/measures.cpp
 
 /// The measures of one run. A measure is a number that is computed from the state of the world after a tick
 /// (time step), such as the mean displacement of robots. Each measure has one column in the tables of
@@ -104,7 +105,7 @@ class MeasureSet {
   };
   /// Adds a measure. The error says why it cannot be added. Throws std::length_error as MeasureKind::make.
   /// names: null until a measure has had an unknown name of robots
-  Result<> add(const MeasureSpec& spec, const Registry& registry, std::unique_ptr<const BodyNames>& names);
+  Result<> add(const MeasureSpec& spec, const Registry& registry, std::unique_ptr<const KnownNames>& names);
   void begin();
   void note_present();  // stores the tick and the seed of the world
 
@@ -134,30 +135,5 @@ std::vector<std::string> names_of_robots(const World& world);
 /// Returns the text of an error for a name that robots_of() does not find, and for which
 /// is_name_of_no_robots() is false.
 std::string unknown_robots(const World& world, std::string_view name);
-
-/// Returns how many of the bodies are in the world, that is, neither unborn nor dead. No body may be static.
-std::size_t count_there(const World& world, std::span<const BodyId> bodies);
-
-/// Returns the sum term(0) + ... + term(count - 1), computed exactly and then rounded to double; 0 if `count`
-/// is 0. The result depends on neither the number of threads nor the order of the terms. The worker threads
-/// of the world call term(i), so it must be thread-safe. Call this between two steps, or in Measure::see() or
-/// Measure::value().
-template <class Term>
-double exact_sum(World& world, std::size_t count, Term&& term) {
-  constexpr std::size_t k_block = 1024;
-  // Reused, because stop conditions call this in every step. It is empty during the call, because term() may
-  // compute a sum of another world.
-  thread_local std::vector<ExactSum> kept;
-  std::vector<ExactSum> memory = std::move(kept);
-  memory.assign((count + k_block - 1) / k_block, ExactSum());
-  const std::span<ExactSum> sums = memory;
-  world.parallel().for_batches(count, k_block, [&, sums](std::size_t first, std::size_t end) {
-    for (std::size_t i = first; i < end; ++i) sums[first / k_block].add(term(i));
-  });
-  ExactSum sum;
-  for (const ExactSum& of_block : sums) sum.add(of_block);
-  kept = std::move(memory);
-  return sum.value();
-}
 
 }  // namespace troupe::engine

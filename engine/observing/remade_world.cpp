@@ -14,7 +14,7 @@ namespace {
 /// bytes between fields are not state.
 void copy_fields(const World& world, const StateTable& from, StateTable& to) {
   std::vector<std::size_t> rows;  // rows in `from`, one for each body of `to`
-  for (const BodyId body : to.ids()) rows.push_back(world.row_in(from, world.row(body)));
+  for (const BodyId body : to.ids()) rows.push_back(world.view().row_in(from, world.view().row(body)));
   for (std::size_t f = 0; f < from.fields().size(); ++f) {
     const std::size_t bytes = from.fields()[f].bytes();
     for (std::size_t r = 0; r < rows.size(); ++r)
@@ -27,7 +27,7 @@ void copy_fields(const World& world, const StateTable& from, StateTable& to) {
 std::unique_ptr<World> remade_world(World& world, const Registry& registry, const WorldOptions& options) {
   Diagnostics overlaps;  // warnings about overlaps, not shown because `world` has already reported them
   auto other = std::make_unique<World>(world.spec(), registry, options, overlaps);
-  for (const BodyId body : world.subscribed()) other->subscribe(body);
+  for (const BodyId body : world.view().subscribed()) other->subscribe(body);
   const auto fill = [&world](std::span<StateTable> tables) {
     for (std::size_t t = 0; t < tables.size(); ++t) copy_fields(world, world.tables()[t], tables[t]);
   };

@@ -2,7 +2,7 @@
 
 namespace troupe::engine {
 
-SensedRows::SensedRows(const World& world, const StateTable& table) : world_(world), table_(table) {
+SensedRows::SensedRows(const CommittedView& world, const StateTable& table) : table_(table) {
   const auto index = static_cast<std::size_t>(&table - world.tables().data());
   if (index == 0 || table.rows() == 0) return;  // BodyType::Device::table is 0 for a type without bodies
   // All rows of a device's table are bodies of one type. A search through all types would take most of the
@@ -11,15 +11,15 @@ SensedRows::SensedRows(const World& world, const StateTable& table) : world_(wor
     if (device.table == index && device.kind->is_sensor() && !device.active) sensor_ = &device;
 }
 
-bool SensedRows::all_exist() const {
+bool SensedRows::all_exist(const CommittedView& world) const {
   for (std::size_t row = 0; row < table_.rows(); ++row)
-    if (!exist(row)) return false;
+    if (!exist(world, row)) return false;
   return true;
 }
 
-bool SensedRows::none_exists() const {
+bool SensedRows::none_exists(const CommittedView& world) const {
   for (std::size_t row = 0; row < table_.rows(); ++row)
-    if (exist(row)) return false;
+    if (exist(world, row)) return false;
   return table_.rows() > 0;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "engine/world/world.hpp"
+#include "engine/sensing/sensing_view.hpp"
+
+#include <cstddef>
 
 namespace troupe::engine {
 
@@ -11,21 +13,20 @@ namespace troupe::engine {
 /// has subscribed to the body (World::subscribe()).
 class SensedRows {
  public:
-  /// `table` must be one of World::tables() of `world`. Both must outlive the object. Throws std::logic_error
-  /// if the last step of the world threw (World::require_whole()).
-  SensedRows(const World& world, const StateTable& table);
+  /// `table` must be one of the tables of `world`, and must outlive the object.
+  SensedRows(const CommittedView& world, const StateTable& table);
 
-  /// Whether a row of the table has meaningful values. row: index in the table, below StateTable::rows()
-  bool exist(std::size_t row) const {
-    return !sensor_ || world_.senses(world_.row(table_.ids()[row]), *sensor_);
+  /// Whether a row of the table has meaningful values. `world` is the present view of the same world, here
+  /// and below. row: index in the table, below StateTable::rows()
+  bool exist(const CommittedView& world, std::size_t row) const {
+    return !sensor_ || world.senses(world.row(table_.ids()[row]), *sensor_);
   }
   /// Whether all rows of the table have meaningful values; true for a table without rows.
-  bool all_exist() const;
+  bool all_exist(const CommittedView& world) const;
   /// Whether the table has rows, but none of them has meaningful values.
-  bool none_exists() const;
+  bool none_exists(const CommittedView& world) const;
 
  private:
-  const World& world_;
   const StateTable& table_;
   const BodyType::Device* sensor_ = nullptr;  // the sensor that writes the table; null if all its rows exist
 };

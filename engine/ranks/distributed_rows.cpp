@@ -1,6 +1,7 @@
 #include "engine/ranks/distributed_rows.hpp"
 
 #include "engine/kinds/effects.hpp"
+#include "engine/world/rank_access.hpp"
 #include "engine/world/world.hpp"
 
 #include <fmt/format.h>
@@ -33,7 +34,7 @@ std::vector<std::size_t> tables_sent(std::span<const Sharing> sharing) {
 }
 
 bool reports_joints(const World& world) {
-  return std::ranges::any_of(world.types(), [](const BodyType& type) {
+  return std::ranges::any_of(world.view().types(), [](const BodyType& type) {
     return std::ranges::any_of(type.joint_devices, [&](std::size_t device) {
       return type.devices[device].kind->joints_moved != nullptr;
     });
@@ -48,15 +49,16 @@ bool reports_joints(const World& world) {
 
 }  // namespace
 
-DistributedRows::DistributedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing,
+DistributedRows::DistributedRows(World& world, RankAccess& access, std::span<const Sharing> sharing,
                                  RankPost post, std::optional<std::uint64_t> cut_seed,
                                  std::optional<double> skin_m)
     : world_(require_distributable(world)),
-      links_(parts.links),
+      access_(access),
+      links_(access.links()),
       post_(std::move(post)),
       reports_joints_(reports_joints(world)),
-      halo_(world, parts.tables, parts.links, tables_sent(sharing), post_, cut_seed, skin_m),
-      effects_(world, halo_, parts.effects, post_) {
+      halo_(world, access, tables_sent(sharing), post_, cut_seed, skin_m),
+      effects_(world, halo_, access.effects(), post_) {
   for (const Sharing each : sharing) is_known_.push_back(each != Sharing::kept);
   halo_.divide();
 }
@@ -68,22 +70,22 @@ bool DistributedRows::take_all() {
   return leads();
 }
 
-/// Appends the data that belong to no row: the tick, and the numbers of births (World::births()).
+/// Appends the data that belong to no row: the tick, and the numbers of births (RankAccess::births()).
 /// redistribute() sends the rows later.
 void DistributedRows::put_all(MessageWriter& message) {
   message.put(world_.tick());
-  message.put_bytes(std::as_bytes(world_.births()));
+  message.put_bytes(std::as_bytes(access_.births()));
   halo_.own_all();
   is_on_rank_0_ = true;
 }
 
 void DistributedRows::adopt_all(MessageReader message, bool is_in_tick) {
   halo_.own_none();
-  world_.adopt(
+  access_.adopt(
       message.get<std::uint64_t>(), [](std::span<StateTable>) {}, is_in_tick);
-  std::vector<std::uint32_t> births(world_.births().size());
+  std::vector<std::uint32_t> births(access_.births().size());
   message.get_bytes(std::as_writable_bytes(std::span(births)));
-  world_.set_births(births);
+  access_.set_births(births);
   is_on_rank_0_ = true;
 }
 
@@ -97,19 +99,20 @@ void DistributedRows::redistribute(bool have_jumped) {
   const bool must_distribute =
       std::exchange(is_on_rank_0_, false) || have_changed || have_jumped || halo_.lacks_ghosts();
   if (!must_distribute && leads() && halo_.is_complete()) halo_.forget_completion();
-  if (must_distribute || world_.longest_reach() > halo_.reach()) halo_.distribute(0);
+  if (must_distribute || world_.interventions().settings().longest_reach() > halo_.reach())
+    halo_.distribute(0);
 }
 
-void DistributedRows::add_candidates(std::vector<Experiment::Candidate>& candidates) {
+void DistributedRows::add_candidates(std::vector<Candidate>& candidates) {
   MessageWriter own = post_.begin(Order::candidates);
-  for (const Experiment::Candidate& candidate : candidates) {
+  for (const Candidate& candidate : candidates) {
     own.put(candidate.key);
     own.put(candidate.body);
   }
   post_.send_to_all(std::move(own));
   post_.receive_from_all(Order::candidates, [&](unsigned, MessageReader& message) {
     while (!message.is_done()) {
-      Experiment::Candidate& candidate = candidates.emplace_back();
+      Candidate& candidate = candidates.emplace_back();
       candidate.key = message.get<std::uint64_t>();
       candidate.body = message.get_below<BodyId>(world_.spec().bodies.size());
     }

@@ -30,7 +30,7 @@ class DistributedRows final : public RankRows {
   /// cut_seed: for tests; if set, each rank owns the rows of bodies in random parts of the plane
   /// skin_m: the skin, m (class Halo, `ghosts`). With a larger skin, each rank has more ghosts, and the ranks
   /// exchange rows less often. Not set: Halo chooses it
-  DistributedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
+  DistributedRows(World& world, RankAccess& access, std::span<const Sharing> sharing, RankPost post,
                   std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
 
   RowRange own() const override { return {0, halo_.own()}; }
@@ -45,7 +45,7 @@ class DistributedRows final : public RankRows {
   void adopt_all(partition::MessageReader message, bool is_in_tick) override;
 
   void redistribute(bool have_jumped) override;
-  void add_candidates(std::vector<Experiment::Candidate>& candidates) override;
+  void add_candidates(std::vector<Candidate>& candidates) override;
   bool on_any_rank(bool own) override;
   void put_rows_of(unsigned rank, partition::MessageWriter& message) const override;
   void get_rows_of(unsigned rank, partition::MessageReader& message) override;
@@ -68,6 +68,7 @@ class DistributedRows final : public RankRows {
   bool leads() const { return post_.rank == 0; }
 
   World& world_;
+  RankAccess& access_;
   Links& links_;
   RankPost post_;
   bool reports_joints_;                 // devices of any type have the hook joints_moved

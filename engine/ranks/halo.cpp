@@ -1,7 +1,7 @@
 #include "engine/ranks/halo.hpp"
 
+#include "base/capacity.hpp"
 #include "base/random.hpp"
-#include "base/room.hpp"
 #include "base/sort.hpp"
 
 #include <fmt/format.h>
@@ -18,10 +18,6 @@ using partition::MessageReader;
 using partition::MessageWriter;
 using partition::TileOwners;
 
-// Margin for the rounding of distances, radii and motions, m. Up to 10 km from the origin, it exceeds the
-// amount by which the spatial index enlarges the circles of bodies (partition::enclosing_circle()). The
-// rounding of positions is much smaller: at most 5e-10 m for coordinates of up to 2,000 km.
-constexpr double k_slack_m = 1e-3;
 // The skin (class Halo) without the option skin_m, as a multiple of the longest motion in a tick. Two bodies
 // can approach each other by two such motions per tick, so rows are distributed about once in half as many
 // ticks.
@@ -29,32 +25,32 @@ constexpr double k_skin_motions = 16;
 
 /// Appends the data that a table has for a row, if it has any.
 void put_table_row(const World& world, const StateTable& table, Row row, MessageWriter& message) {
-  if (const std::optional<std::size_t> at = world.find_in(table, row))
+  if (const std::optional<std::size_t> at = world.view().find_in(table, row))
     message.put_bytes({table.row(*at), table.row_bytes()});
 }
 
 /// Reads what put_table_row() has appended for the same table and row, and overwrites the data of the row.
 void get_table_row(const World& world, StateTable& table, Row row, MessageReader& message) {
-  if (const std::optional<std::size_t> at = world.find_in(table, row))
+  if (const std::optional<std::size_t> at = world.view().find_in(table, row))
     message.get_bytes({table.row(*at), table.row_bytes()});
 }
 
 /// The squares of which the regions of ranks consist: a quarter of a tile of the index each, so that ranks
 /// can divide the bodies more evenly.
 partition::GridGeometry owned_squares(const World& world) {
-  partition::GridGeometry squares = world.geometry();
+  partition::GridGeometry squares = world.view().geometry();
   if (squares.tile_bits > 0) --squares.tile_bits;
   return squares;
 }
 
 /// The place of the row's body (class Halo, `owners`), m, world frame.
-Vec2 place_of(const World& world, Row row) { return world.transform(world.root(row)).position; }
+Vec2 place_of(const World& world, Row row) { return world.view().transform(world.view().root(row)).position; }
 
 /// The keys of the squares of all bodies in the world among the first `rows` rows, sorted.
 std::vector<TileOwners::Key> sorted_keys(const World& world, std::size_t rows) {
   std::vector<TileOwners::Key> keys;
   for (std::size_t r = 0; r < rows; ++r)
-    if (world.is_there(Row(r)))
+    if (world.view().is_there(Row(r)))
       keys.push_back(TileOwners::key(owned_squares(world), place_of(world, Row(r))));
   std::ranges::sort(keys);
   return keys;
@@ -83,86 +79,18 @@ std::vector<TileOwners::Key> weighted_cut(std::vector<WeightedKey> all, unsigned
 
 }  // namespace
 
-Halo::Extent Halo::extent_of(const World& world) {
-  Extent extent{.reach = world.longest_reach(), .radius = world.farthest_in_trees()};
-  std::size_t limit = 0;
-  for (const BodyType& type : world.types()) {
-    if (!type.runs()) continue;
-    const double shift = Links::farthest_shift(type);
-    extent.shift = std::max(extent.shift, shift);
-    extent.radius = std::max(extent.radius, std::max(type.radius, type.obstacle.radius) + shift);
-    extent.has_trees = extent.has_trees || type.carries;
-    if (type.drive) limit = std::max<std::size_t>(limit, type.drive->pushes);
-    if (!type.pushable) continue;
-    extent.has_pushable = true;
-    extent.pushable_radius = std::max(extent.pushable_radius, type.obstacle.radius);
-  }
-  extent.push_reach = 2 * static_cast<double>(limit) * extent.pushable_radius;
-  return extent;
-}
-
-/// A carried body is up to `radius` away from its place.
-double Halo::Extent::of_sensing() const { return reach + shift + (has_trees ? 2 : 1) * radius; }
-
-double Halo::Extent::zone(double longest) const { return longest + radius + push_reach + k_slack_m; }
-
-double Halo::Extent::of_motions(double longest) const {
-  return std::max(2 * radius + 2 * longest, has_pushable ? 3 * zone(longest) + pushable_radius : 0.0);
-}
-
-double Halo::Extent::of_all(double longest) const {
-  return std::max(of_sensing() + 2 * longest, of_motions(longest)) + k_slack_m;
-}
-
-std::string why_replicated(const World& world) {
-  const WorldSpec& spec = world.spec();
-  if (spec.ranging == RangingEngine::grid) return "the world uses the grid ray engine";
-  for (std::size_t t = 0; t < spec.types.size(); ++t) {
-    const BodyType& type = world.types()[t];
-    const auto of_type = [&](std::string_view what) {
-      return fmt::format("robots of type \"{}\" {}", spec.types[t].name, what);
-    };
-    if (type.pushable && type.is_composite())
-      return of_type("can be pushed, and have joints or can carry bodies");
-    for (const BodyType::Controller& controller : type.controllers)
-      if (controller.kind->is_collective)
-        return of_type(fmt::format("have the controller \"{}\", which decides for all robots in one call",
-                                   controller.kind->name));
-    for (const BodyType::Device& device : type.devices) {
-      const DeviceKind& kind = *device.kind;
-      if (kind.drives && !kind.joints.empty())
-        return of_type(
-            fmt::format("have the device \"{}\" of the kind \"{}\", which can drive a part of the robot "
-                        "to any distance",
-                        device.name, kind.name));
-      if (kind.apply != nullptr && kind.scope == ApplyScope::anything)
-        return of_type(fmt::format("have the device \"{}\" of the kind \"{}\", which can change any bodies",
-                                   device.name, kind.name));
-      if (!std::isfinite(device.prepared.reach_m))
-        return of_type(fmt::format("have the device \"{}\" of the kind \"{}\", whose reach has no limit",
-                                   device.name, kind.name));
-    }
-  }
-  for (const ReserveSpec& reserve : spec.reserves)
-    if (const TypeId type = spec.bodies[reserve.first.index()].type; !spec.types[type.index()].joints.empty())
-      return fmt::format("robots of type \"{}\", which have joints, can be born",
-                         spec.types[type.index()].name);
-  if (!std::isfinite(world.longest_reach()))
-    return "an intervention changes the reach of a device to one that has no limit";
-  return {};
-}
-
-Halo::Halo(World& world, std::span<StateTable> tables, Links& links, std::vector<std::size_t> sent,
-           RankPost post, std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m)
+Halo::Halo(World& world, RankAccess& access, std::vector<std::size_t> sent, RankPost post,
+           std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m)
     : world_(world),
-      tables_(tables),
-      links_(links),
+      access_(access),
+      tables_(access.tables()),
+      links_(access.links()),
       sent_(std::move(sent)),
       post_(std::move(post)),
       cut_seed_(cut_seed),
       skin_m_(skin_m),
       extent_(extent_of(world)),
-      own_(world.rows()),
+      own_(world.view().rows()),
       shown_(post_.ranks),
       seen_(post_.ranks),
       shown_rows_(post_.ranks),
@@ -172,16 +100,16 @@ Halo::Halo(World& world, std::span<StateTable> tables, Links& links, std::vector
 HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion) {
   HaloPlan plan{.coverage_m = Halo::extent_of(world).of_all(longest_motion) + k_skin_motions * longest_motion,
                 .ranks = std::vector<HaloPlan::Rank>(ranks)};
-  const std::vector<TileOwners::Key> keys = sorted_keys(world, world.rows());
+  const std::vector<TileOwners::Key> keys = sorted_keys(world, world.view().rows());
   const TileOwners owners(owned_squares(world), TileOwners::equal_cut(keys, ranks));
   std::vector<std::set<unsigned>> neighbours(ranks);
   std::vector<unsigned> near;
-  for (std::size_t r = 0; r < world.rows(); ++r) {
+  for (std::size_t r = 0; r < world.view().rows(); ++r) {
     const Vec2 at = place_of(world, Row(r));
     const unsigned owner = owners.owner(at);
     ++plan.ranks[owner].own;
     near.clear();
-    if (world.is_there(Row(r))) owners.find_near(at, plan.coverage_m, near);
+    if (world.view().is_there(Row(r))) owners.find_near(at, plan.coverage_m, near);
     for (const unsigned rank : near) {
       ++plan.ranks[rank].ghosts;
       neighbours[rank].insert(owner);
@@ -212,7 +140,7 @@ void Halo::choose_coverage(double longest) {
 }
 
 void Halo::divide() {
-  keys_ = sorted_keys(world_, world_.rows());
+  keys_ = sorted_keys(world_, world_.view().rows());
   owners_ = TileOwners(owned_squares(world_), TileOwners::equal_cut(keys_, post_.ranks));
   if (cut_seed_)
     cut_again();
@@ -220,17 +148,17 @@ void Halo::divide() {
     keys_ = {};
   choose_coverage(0);
   std::vector<BodyId> leaving;
-  std::vector<World::RowState> ghosts;
+  std::vector<RowState> ghosts;
   std::vector<unsigned> near;
-  for (std::size_t r = 0; r < world_.rows(); ++r) {
+  for (std::size_t r = 0; r < world_.view().rows(); ++r) {
     if (owners_.owner(place(Row(r))) == post_.rank) continue;
-    leaving.push_back(world_.body(Row(r)));
+    leaving.push_back(world_.view().body(Row(r)));
     find_ranks_near(Row(r), near);
     if (std::ranges::binary_search(near, post_.rank))
-      ghosts.push_back({leaving.back(), world_.row_bytes(Row(r))});
+      ghosts.push_back({leaving.back(), access_.row_bytes(Row(r))});
   }
-  own_ = world_.rows() - leaving.size();
-  world_.exchange_rows(leaving, ghosts, own_);
+  own_ = world_.view().rows() - leaving.size();
+  access_.exchange_rows(leaving, ghosts, own_);
   release_freed_memory();
   is_complete_ = false;
   note_neighbours();
@@ -240,9 +168,9 @@ void Halo::divide() {
 /// ghost only as a guest.
 void Halo::find_ranks_near(Row row, std::vector<unsigned>& near) const {
   near.clear();
-  if (world_.is_there(row)) owners_.find_near(place(row), coverage_, near);
+  if (world_.view().is_there(row)) owners_.find_near(place(row), coverage_, near);
   if (guests_.empty()) return;
-  const BodyId root = world_.body(world_.root(row));
+  const BodyId root = world_.view().body(world_.view().root(row));
   auto guest = std::ranges::lower_bound(guests_, root, {}, &Guest::root);
   if (guest == guests_.end() || guest->root != root) return;
   for (; guest != guests_.end() && guest->root == root; ++guest) near.push_back(owners_.owner(guest->host));
@@ -282,9 +210,9 @@ void Halo::balance(std::span<const std::uint64_t> times) {
 }
 
 void Halo::put_row(MessageWriter& message, Row row) const {
-  message.put(world_.body(row));
+  message.put(world_.view().body(row));
   message.put_point(place(row));
-  message.put_all(std::span<const std::byte>(world_.row_bytes(row)));
+  message.put_all(std::span<const std::byte>(access_.row_bytes(row)));
   message.put_all(std::span<const Goal>(goals_of({row.index(), row.index() + 1})));
 }
 
@@ -296,7 +224,7 @@ Halo::Arrival Halo::get_row(MessageReader& message) const {
   arrival.state.bytes = message.get_all<std::byte>();
   arrival.goals = message.get_all<Goal>();
   for (const Goal& goal : arrival.goals)
-    message.require(goal.body.index() < bodies && goal.joint < world_.type(goal.body).joints.size());
+    message.require(goal.body.index() < bodies && goal.joint < world_.view().type(goal.body).joints.size());
   return arrival;
 }
 
@@ -304,14 +232,14 @@ Halo::Arrival Halo::get_row(MessageReader& message) const {
 std::vector<Halo::Goal> Halo::goals_of(RowRange rows) const {
   std::vector<Goal> goals;
   for (const auto& [row, joint, goal] : links_.asked_goals(rows))
-    goals.push_back({world_.body(Row(row)), joint, goal});
+    goals.push_back({world_.view().body(Row(row)), joint, goal});
   return goals;
 }
 
 /// Sets the goals of joints again after rows have changed; leaves out those of bodies without a row here.
 void Halo::set_goals(std::span<const Goal> goals) {
   for (const auto& [body, joint, goal] : goals)
-    if (world_.location(body) == RowLocation::here) links_.ask(world_.row(body), joint, goal);
+    if (world_.view().location(body) == RowLocation::here) links_.ask(world_.view().row(body), joint, goal);
 }
 
 /// Makes the largest radius of a tree known to all ranks. The radius does not decrease when trees end, only
@@ -326,7 +254,7 @@ void Halo::agree_on_trees() {
 void Halo::distribute(double longest, std::span<const Guest> guests) {
   guests_.assign(guests.begin(), guests.end());
   std::ranges::sort(guests_, {}, &Guest::root);
-  extent_.reach = world_.longest_reach();
+  extent_.reach = world_.interventions().settings().longest_reach();
   agree_on_trees();
   if (cut_seed_) cut_again();
   choose_coverage(longest);
@@ -356,17 +284,17 @@ void Halo::send_rows(std::vector<BodyId>& leaving, std::vector<Arrival>& arrival
     const unsigned owner = owners_.owner(place(row));
     if (owner != post_.rank) {
       ++counts_.migrated;
-      leaving.push_back(world_.body(row));
+      leaving.push_back(world_.view().body(row));
       put_row(messages[owner], row);
     }
     for (const unsigned to : near) {
       if (to != post_.rank)
         put_row(messages[to], row);
       else
-        arrivals.push_back({{world_.body(row), world_.row_bytes(row)}, place(row), {}});
+        arrivals.push_back({{world_.view().body(row), access_.row_bytes(row)}, place(row), {}});
     }
   }
-  for (std::size_t r = own_; r < world_.rows(); ++r) leaving.push_back(world_.body(Row(r)));
+  for (std::size_t r = own_; r < world_.view().rows(); ++r) leaving.push_back(world_.view().body(Row(r)));
   for (unsigned to = 0; to < post_.ranks; ++to)
     if (to != post_.rank) post_.send(to, std::move(messages[to]));
 }
@@ -382,22 +310,22 @@ void Halo::receive_rows(std::vector<Arrival>& arrivals) {
 /// will own, then the ghosts, and each group by ids, so that the order of rows does not depend on which ranks
 /// sent them. Moves the states out of `arrivals`.
 void Halo::exchange_rows(std::span<const BodyId> leaving, std::vector<Arrival>& arrivals) {
-  own_ = world_.rows() - leaving.size();
+  own_ = world_.view().rows() - leaving.size();
   std::vector<std::uint64_t> keys;
   for (const Arrival& arrival : arrivals) {
     const bool is_ghost = owners_.owner(arrival.place) != post_.rank;
     own_ += is_ghost ? 0 : 1;
     keys.push_back(std::uint64_t{is_ghost} << 32 | arrival.state.body.value);
   }
-  std::vector<World::RowState> coming;
+  std::vector<RowState> coming;
   for (const std::size_t next : sorted_order(keys)) coming.push_back(std::move(arrivals[next].state));
-  world_.exchange_rows(leaving, coming, own_);
+  access_.exchange_rows(leaving, coming, own_);
 }
 
 void Halo::give(std::span<const Gift> gifts) {
   const unsigned self = post_.rank;
   const auto gift_of = [&](Row row) {
-    const BodyId root = world_.body(world_.root(row));
+    const BodyId root = world_.view().body(world_.view().root(row));
     const auto gift = std::ranges::lower_bound(gifts, root, {}, &Gift::root);
     return gift != gifts.end() && gift->root == root ? gift : gifts.end();
   };
@@ -405,10 +333,10 @@ void Halo::give(std::span<const Gift> gifts) {
     return;
   std::vector<std::optional<MessageWriter>> messages(post_.ranks);
   std::vector<BodyId> leaving;
-  for (std::size_t r = 0; r < world_.rows(); ++r) {
+  for (std::size_t r = 0; r < world_.view().rows(); ++r) {
     const auto gift = r < own_ ? gift_of(Row(r)) : gifts.end();
     if (r < own_ && gift == gifts.end()) continue;
-    leaving.push_back(world_.body(Row(r)));
+    leaving.push_back(world_.view().body(Row(r)));
     if (r >= own_) continue;  // a ghost: the rows that come must precede all ghosts
     std::optional<MessageWriter>& message = messages[gift->to];
     if (!message) message = post_.begin(Order::rows);
@@ -416,15 +344,15 @@ void Halo::give(std::span<const Gift> gifts) {
   }
   for (unsigned to = 0; to < post_.ranks; ++to)
     if (messages[to]) post_.send(to, *std::move(messages[to]));
-  std::vector<World::RowState> coming;
+  std::vector<RowState> coming;
   for (unsigned from = 0; from < post_.ranks; ++from) {
     const auto is_from = [&](const Gift& gift) { return gift.to == self && gift.from == from; };
     if (std::ranges::none_of(gifts, is_from)) continue;
     ReceivedOrder received = post_.receive(Order::rows, from);
     while (!received.rest.is_done()) coming.push_back(get_row(received.rest).state);
   }
-  own_ = world_.rows() - leaving.size() + coming.size();
-  world_.exchange_rows(leaving, coming, own_);
+  own_ = world_.view().rows() - leaving.size() + coming.size();
+  access_.exchange_rows(leaving, coming, own_);
   is_complete_ = false;
 }
 
@@ -434,8 +362,8 @@ void Halo::note_neighbours() {
   for (std::vector<std::vector<BodyId>>* lists : {&shown_, &seen_})
     for (std::vector<BodyId>& list : *lists) list.clear();
   std::vector<unsigned> near;
-  for (std::size_t r = 0; r < world_.rows(); ++r) {
-    const BodyId body = world_.body(Row(r));
+  for (std::size_t r = 0; r < world_.view().rows(); ++r) {
+    const BodyId body = world_.view().body(Row(r));
     if (r >= own_) {
       seen_[owners_.owner(place(Row(r)))].push_back(body);
       continue;
@@ -456,7 +384,7 @@ void Halo::find_rows() {
   for (std::size_t rank = 0; rank < post_.ranks; ++rank) {
     for (const auto& [bodies, rows] : {std::pair(&shown_, &shown_rows_), std::pair(&seen_, &seen_rows_)}) {
       (*rows)[rank].clear();
-      for (const BodyId body : (*bodies)[rank]) (*rows)[rank].push_back(world_.row(body).value);
+      for (const BodyId body : (*bodies)[rank]) (*rows)[rank].push_back(world_.view().row(body).value);
     }
   }
 }
@@ -466,10 +394,10 @@ void Halo::find_rows() {
 double Halo::longest_motion() const {
   double longest2 = 0;
   for (std::size_t r = 0; r < own_; ++r) {
-    const Velocity& v = world_.velocities()[r];
+    const Velocity& v = world_.view().velocities()[r];
     longest2 = std::max(longest2, v.x * v.x + v.y * v.y);
   }
-  return sqrt(longest2) * world_.tick_s();
+  return sqrt(longest2) * world_.view().tick_s();
 }
 
 /// Adds to moved_ the amount, if positive, by which the longest push of a body in the last tick exceeds
@@ -496,7 +424,7 @@ void Halo::prepare_motions(double longest, bool distributes, std::span<const Gue
   longest_ = longest;
   border_.begin_tick({own_, shown_rows_, seen_rows_}, 2 * extent_.zone(longest));
   counts_.own += own_;
-  counts_.ghosts += world_.rows() - own_;
+  counts_.ghosts += world_.view().rows() - own_;
   counts_.neighbours += neighbours_;
 }
 
@@ -505,7 +433,7 @@ void Halo::put_shown(unsigned to, MessageWriter& message) const {
     for (const std::size_t t : sent_) put_table_row(world_, tables_[t], Row(r), message);
   if (!links_.any()) return;
   for (const std::uint32_t r : shown_rows_[to])
-    for (std::size_t j = 0; j < world_.type(Row(r)).joints.size(); ++j) {
+    for (std::size_t j = 0; j < world_.view().type(Row(r)).joints.size(); ++j) {
       const std::optional<Pose> goal = links_.asked(Row(r), j);
       message.put(static_cast<std::uint8_t>(goal.has_value()));
       if (goal) message.put(*goal);
@@ -517,14 +445,15 @@ void Halo::get_seen(unsigned from, MessageReader& message) {
     for (const std::size_t t : sent_) get_table_row(world_, tables_[t], Row(r), message);
   if (!links_.any()) return;
   for (const std::uint32_t r : seen_rows_[from])
-    for (std::uint32_t j = 0; j < world_.type(Row(r)).joints.size(); ++j)
+    for (std::uint32_t j = 0; j < world_.view().type(Row(r)).joints.size(); ++j)
       if (message.get<std::uint8_t>() != 0) links_.ask(Row(r), j, message.get<Pose>());
 }
 
 bool Halo::has_cargo(BodyId body) const {
   if (!links_.any() || body.index() >= world_.spec().bodies.size()) return false;
-  if (world_.location(body) != RowLocation::here || world_.row(body).index() >= own_) return false;
-  return links_.first_cargo(world_.row(body)) != Links::k_none;
+  if (world_.view().location(body) != RowLocation::here || world_.view().row(body).index() >= own_)
+    return false;
+  return links_.first_cargo(world_.view().row(body)) != Links::k_none;
 }
 
 /// The ranks that have the row of an own body as a ghost, in ascending order.
@@ -536,11 +465,11 @@ std::vector<unsigned> Halo::shown_to(BodyId body) const {
 }
 
 bool Halo::suffices_for(Row row) const {
-  const Row root = world_.root(row);
+  const Row root = world_.view().root(row);
   const Vec2 at = place(root);
   if (owners_.owner(at) != post_.rank || links_.farthest(root) > extent_.radius) return false;
-  const std::vector<unsigned> shown = shown_to(world_.body(root));
-  if (row != root && shown_to(world_.body(row)) != shown) return false;
+  const std::vector<unsigned> shown = shown_to(world_.view().body(root));
+  if (row != root && shown_to(world_.view().body(row)) != shown) return false;
   // A body without a ghost on a rank was farther than the coverage from the ground of this rank when the rows
   // were distributed, and has moved by at most moved_ since then, if it was not pushed in this tick. The
   // places of bodies that have changed their trees since then were tested here, in the same way.
@@ -558,13 +487,13 @@ void Halo::link_again(std::span<const Row> ghosts) {
 Vec2 Halo::place(Row row) const { return place_of(world_, row); }
 
 std::vector<Row> Halo::tree(Row row) const {
-  std::vector<Row> rows{world_.root(row)};
-  if (world_.carried_count() > 0) links_.add_cargo(rows.front(), rows);
+  std::vector<Row> rows{world_.view().root(row)};
+  if (world_.view().counts().carried > 0) links_.add_cargo(rows.front(), rows);
   return rows;
 }
 
 unsigned Halo::owner(BodyId body) const {
-  if (world_.row(body).index() < own_) return post_.rank;
+  if (world_.view().row(body).index() < own_) return post_.rank;
   const auto found = std::ranges::find_if(seen_, [&](const std::vector<BodyId>& list) {
     return std::ranges::binary_search(list, body.value, {}, &BodyId::value);
   });
@@ -572,18 +501,19 @@ unsigned Halo::owner(BodyId body) const {
 }
 
 void Halo::put_state(MessageWriter& message, BodyId body) const {
-  for (const StateTable& table : tables_) put_table_row(world_, table, world_.row(body), message);
+  for (const StateTable& table : tables_) put_table_row(world_, table, world_.view().row(body), message);
 }
 
 void Halo::get_state(MessageReader& message, BodyId body) {
-  for (StateTable& table : tables_) get_table_row(world_, table, world_.row(body), message);
+  for (StateTable& table : tables_) get_table_row(world_, table, world_.view().row(body), message);
 }
 
 std::uint64_t Halo::hash(std::span<const std::uint32_t> rows, std::span<const std::uint8_t> is_known) const {
   std::uint64_t sum = 0;
   for (const std::uint32_t r : rows)
     for (std::size_t t = 0; t < tables_.size(); ++t)
-      if (const std::optional<std::size_t> at = world_.find_in(tables_[t], Row(r)); at && is_known[t] != 0)
+      if (const std::optional<std::size_t> at = world_.view().find_in(tables_[t], Row(r));
+          at && is_known[t] != 0)
         sum += tables_[t].hash_row(*at);
   return sum;
 }
@@ -596,11 +526,11 @@ void Halo::put_own(MessageWriter& message) const {
 
 void Halo::complete(std::span<ReceivedOrder> messages) {
   std::vector<BodyId> leaving;
-  for (std::size_t r = own_; r < world_.rows(); ++r) leaving.push_back(world_.body(Row(r)));
-  std::vector<World::RowState> coming;
+  for (std::size_t r = own_; r < world_.view().rows(); ++r) leaving.push_back(world_.view().body(Row(r)));
+  std::vector<RowState> coming;
   for (ReceivedOrder& message : messages)
     while (!message.rest.is_done()) coming.push_back(get_row(message.rest).state);
-  world_.exchange_rows(leaving, coming, own_ + coming.size());
+  access_.exchange_rows(leaving, coming, own_ + coming.size());
   is_complete_ = true;
 }
 
@@ -609,29 +539,29 @@ void Halo::forget_completion() {
   for (const std::vector<BodyId>& list : seen_) stays.insert(stays.end(), list.begin(), list.end());
   sort_ids(stays);
   std::vector<BodyId> leaving;
-  for (std::size_t r = own_; r < world_.rows(); ++r)
-    if (const BodyId body = world_.body(Row(r)); !std::ranges::binary_search(stays, body))
+  for (std::size_t r = own_; r < world_.view().rows(); ++r)
+    if (const BodyId body = world_.view().body(Row(r)); !std::ranges::binary_search(stays, body))
       leaving.push_back(body);
-  world_.exchange_rows(leaving, {}, own_);
+  access_.exchange_rows(leaving, {}, own_);
   is_complete_ = false;
   find_rows();  // shown_ and seen_ must not change, because they match the lists of the other ranks
 }
 
 void Halo::own_all() {
-  std::vector<World::RowState> coming;
+  std::vector<RowState> coming;
   for (std::size_t b = 0; b < world_.spec().bodies.size(); ++b)
-    if (world_.location(BodyId(b)) == RowLocation::elsewhere) coming.push_back({BodyId(b), {}});
-  own_ = world_.rows() + coming.size();
-  world_.exchange_rows({}, coming, own_);
+    if (world_.view().location(BodyId(b)) == RowLocation::elsewhere) coming.push_back({BodyId(b), {}});
+  own_ = world_.view().rows() + coming.size();
+  access_.exchange_rows({}, coming, own_);
   extent_.radius = extent_of(world_).radius;  // a new run may begin, whose trees may be smaller
   is_complete_ = true;
 }
 
 void Halo::own_none() {
   std::vector<BodyId> leaving;
-  for (std::size_t r = 0; r < world_.rows(); ++r) leaving.push_back(world_.body(Row(r)));
+  for (std::size_t r = 0; r < world_.view().rows(); ++r) leaving.push_back(world_.view().body(Row(r)));
   own_ = 0;
-  world_.exchange_rows(leaving, {}, 0);
+  access_.exchange_rows(leaving, {}, 0);
   extent_.radius = extent_of(world_).radius;  // as in own_all(): rank 0 has all trees
   is_complete_ = false;
 }

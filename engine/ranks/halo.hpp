@@ -5,6 +5,7 @@
 #include "engine/ranks/orders.hpp"
 #include "engine/ranks/rank_border.hpp"
 #include "engine/ranks/rank_work.hpp"
+#include "engine/world/rank_access.hpp"
 #include "engine/world/world.hpp"
 #include "partition/message.hpp"
 #include "partition/tile_owners.hpp"
@@ -86,6 +87,11 @@ HaloPlan plan_halo(const World& world, unsigned ranks, double longest_motion);
 /// No result of a run depends on which rank owns a row, on the skin, or on how often rows are distributed.
 class Halo {
  public:
+  /// Margin for the rounding of distances, radii and motions, m. Up to 10 km from the origin, it exceeds the
+  /// amount by which the spatial index enlarges the circles of bodies (partition::enclosing_circle()). The
+  /// rounding of positions is much smaller: at most 5e-10 m for coordinates of up to 2,000 km.
+  static constexpr double k_slack_m = 1e-3;
+
   /// A tree on which a device acts from any distance. Its rows must be own rows or ghosts of the rank that
   /// owns the ground at `host`, because that rank applies the action.
   struct Guest {
@@ -96,7 +102,7 @@ class Halo {
   /// return distances between the places of two bodies, m. The argument `longest` is the longest motion of a
   /// body in the tick, m.
   struct Extent {
-    double reach = 0;            ///< longest reach of a device (World::longest_reach())
+    double reach = 0;            ///< longest reach of a device (Settings::longest_reach())
     double shift = 0;            ///< longest distance by which the joints of a body can shift its devices
     double radius = 0;           ///< largest radius of a body or tree, for all poses of its joints
     bool has_trees = false;      ///< whether bodies can carry others
@@ -128,7 +134,7 @@ class Halo {
   /// are also distributed in random ticks
   /// skin_m: the skin (see `ghosts`), m. Not set: 16 times the longest motion in a tick or, if `cut_seed` is
   /// set, a random multiple of that motion
-  Halo(World& world, std::span<StateTable> tables, Links& links, std::vector<std::size_t> sent, RankPost post,
+  Halo(World& world, RankAccess& access, std::vector<std::size_t> sent, RankPost post,
        std::optional<std::uint64_t> cut_seed, std::optional<double> skin_m);
 
   /// Distributes the rows for the first time. Before the call, each rank must have all rows, with the same
@@ -258,7 +264,7 @@ class Halo {
     Pose goal;
   };
   struct Arrival {  // a row that another rank has sent, or that changes from own to ghost
-    World::RowState state;
+    RowState state;
     Vec2 place;
     std::vector<Goal> goals;
   };
@@ -280,6 +286,7 @@ class Halo {
   std::uint64_t hash(std::span<const std::uint32_t> rows, std::span<const std::uint8_t> is_known) const;
 
   World& world_;
+  RankAccess& access_;
   std::span<StateTable> tables_;
   Links& links_;
   std::vector<std::size_t> sent_;

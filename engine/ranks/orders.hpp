@@ -26,7 +26,7 @@ enum class Order : std::uint8_t {
   step,        ///< compute the next tick
   reset,       ///< call World::reset()
   restart,     ///< call World::restart()
-  set,         ///< call World::set_at()
+  set,         ///< call RankAccess::set_at()
   hash,        ///< send rank 0 the sums of the hashes of the rows that the receiver owns
   gather,      ///< send rank 0 the rows of the receiver that rank 0 lacks (RankRows::put_missing())
   counts,      ///< send rank 0 what the receiver has counted (Replica::all_counts())

@@ -125,7 +125,7 @@ void RankBorder::receive_outcomes(unsigned from, Conflicts& conflicts) {
 void RankBorder::put_pushes(MessageWriter& message, std::span<const Conflicts::Push> pushes) const {
   message.put(static_cast<std::uint64_t>(pushes.size()));
   for (const Conflicts::Push& push : pushes) {
-    message.put(world_.body(Row(push.row)));
+    message.put(world_.view().body(Row(push.row)));
     message.put_point(push.position);
   }
 }
@@ -136,7 +136,8 @@ void RankBorder::get_pushes(MessageReader& message) {
   for (std::size_t count = message.get_count(1); count > 0; --count) {
     const auto body = message.get_below<BodyId>(world_.spec().bodies.size());
     const Vec2 place = message.get_point();
-    if (world_.location(body) == RowLocation::here) pushes_.push_back({world_.row(body).value, place});
+    if (world_.view().location(body) == RowLocation::here)
+      pushes_.push_back({world_.view().row(body).value, place});
   }
 }
 
@@ -147,7 +148,7 @@ void RankBorder::get_pushes(MessageReader& message) {
 void RankBorder::exchange_places(Conflicts& conflicts) {
   if (!has_pushable_) return;
   const auto pushed = [&](const Conflicts::Push& push) {
-    return (push.position - world_.transform(Row(push.row)).position).norm();
+    return (push.position - world_.view().transform(Row(push.row)).position).norm();
   };
   pushed_ = 0;
   pushes_.clear();

@@ -4,6 +4,7 @@
 #include "engine/conflicts/conflicts.hpp"
 #include "engine/links/links.hpp"
 #include "engine/ranks/orders.hpp"
+#include "engine/rows/ranks.hpp"
 #include "partition/message.hpp"
 
 #include <cstddef>
@@ -22,7 +23,7 @@ class World;
 ///
 /// For the class Conflicts, the ranks exchange the outcomes of motions, the pushes, and the final positions
 /// of pushed bodies. For the class Links, they exchange which motions of joints are blocked.
-class RankBorder final : public Conflicts::Border, public Links::Border {
+class RankBorder final : public Ranks::Border {
  public:
   /// The rows about which this rank exchanges data with other ranks. `shown` and `seen` have one list of rows
   /// per rank. The lists must not change until the motions of the tick are resolved.
@@ -55,9 +56,7 @@ class RankBorder final : public Conflicts::Border, public Links::Border {
   /// ranks if a body was pushed farther than begin_tick() allows.
   void exchange_places(Conflicts& conflicts) override;
   void exchange_blocked(Links& links) override;
-  /// Sends what blocked own rows to the ranks with ghosts of them, and writes that of the ghosts of this
-  /// rank. Called in each tick of a world with devices that feel collisions.
-  void exchange_blocks(std::span<Conflicts::Block> blocks);
+  void exchange_blocks(std::span<Conflicts::Block> blocks) override;
 
  private:
   void send_outcomes(unsigned to, const Conflicts& conflicts);

@@ -2,10 +2,11 @@
 
 #include "base/geometry.hpp"
 #include "engine/fields/state_table.hpp"
-#include "engine/interventions/experiment.hpp"
 #include "engine/kinds/effects.hpp"
 #include "engine/ranks/orders.hpp"
 #include "engine/ranks/rank_work.hpp"
+#include "engine/rows/ranks.hpp"
+#include "engine/state/hashes.hpp"
 #include "engine/state/world_state.hpp"
 #include "partition/message.hpp"
 #include "partition/parallel.hpp"
@@ -23,20 +24,10 @@ class Halo;
 class Links;
 class World;
 
-/// The data of a world that a Replica (a rank's copy of a world) reads and writes.
-struct ReplicaParts {
-  std::span<StateTable> tables;  ///< the state tables
-  Effects& effects;              ///< the effects of the tick (actions of devices on other bodies)
-  Links& links;                  ///< the joints, and the poses to which devices move them
-  std::uint64_t& beams;          ///< rays cast by all sensors since tick 0
-};
-
 /// Returns the range of rows that some bodies have in `table`. `rows` is the range of rows of these bodies in
-/// the world (World::row()). The ranges differ if `table` has rows for only some of the bodies with rows.
+/// the world (SensingView::row()). The ranges differ if `table` has rows for only some of the bodies with
+/// rows.
 RowRange rows_in(const World& world, const StateTable& table, const RowRange& rows);
-/// Returns the sum of the hashes of rows of a table, modulo 2^64. Uses all threads of `parallel`.
-std::uint64_t hash_of(partition::Parallel& parallel, const StateTable& table, const RowRange& rows);
-
 /// Reads an effect from a message. Throws std::logic_error if it refers to a body, device or reserve that
 /// does not exist.
 Effect get_effect(partition::MessageReader& message, const World& world);
@@ -50,7 +41,7 @@ Effect get_effect(partition::MessageReader& message, const World& world);
 ///
 /// Functions with an argument `message` or `messages`, and written(), only write or read the contents of
 /// messages; the Replica sends and receives these messages. Other functions send and receive messages
-/// themselves. A tick is a time step, and its phases are listed in engine/world/phase.hpp. All ranks call the
+/// themselves. A tick is a time step, and its phases are listed in engine/state/phase.hpp. All ranks call the
 /// functions of a tick at the same points of the tick. An effect is an action of a device on another body.
 class RankRows {
  public:
@@ -97,7 +88,7 @@ class RankRows {
   virtual void redistribute(bool have_jumped) = 0;
   /// Adds the candidates of the other ranks to those of this rank. The candidates are the bodies that an
   /// intervention may choose. In a replicated world, does nothing, because every rank has all candidates.
-  virtual void add_candidates(std::vector<Experiment::Candidate>& candidates) = 0;
+  virtual void add_candidates(std::vector<Candidate>& candidates) = 0;
   /// Returns whether `own` is true on any rank. In a replicated world, `own` must be the same on all ranks.
   virtual bool on_any_rank(bool own) = 0;
   /// For controllers that decide on rank 0 for the robots of all ranks (Replica::on_rank_0()). put_rows_of()

@@ -4,6 +4,7 @@
 #include "engine/kinds/effects.hpp"
 #include "engine/ranks/distributed_rows.hpp"
 #include "engine/ranks/replicated_rows.hpp"
+#include "engine/world/rank_access.hpp"
 #include "engine/world/world.hpp"
 
 #include <fmt/format.h>
@@ -31,13 +32,18 @@ Replica::Replica(World& world, const Registry& registry, partition::Transport& t
       number_(number),
       options_(std::move(options)),
       sharing_(sharing_of(world)),
-      parts_(world.join(this)),
+      access_(attach_to(world)),
       joined_(&world),
       work_(transport.ranks()),
       times_(transport.ranks(), 0),
       requests_(transport.ranks()),
       failed_(transport.ranks()),
       rows_(make_rows()) {}
+
+RankAccess& Replica::attach_to(World& world) {
+  world.attach(this);
+  return *given_;
+}
 
 std::unique_ptr<RankRows> Replica::make_rows() {
   RankPost post{.rank = transport_.rank(),
@@ -54,12 +60,12 @@ std::unique_ptr<RankRows> Replica::make_rows() {
                       return received;
                     }};
   if (options_.is_distributed)
-    return std::make_unique<DistributedRows>(world_, parts_, sharing_, std::move(post), options_.cut_seed,
+    return std::make_unique<DistributedRows>(world_, access_, sharing_, std::move(post), options_.cut_seed,
                                              options_.skin_m);
-  return std::make_unique<ReplicatedRows>(world_, parts_, sharing_, std::move(post), options_.cut_seed);
+  return std::make_unique<ReplicatedRows>(world_, access_, sharing_, std::move(post), options_.cut_seed);
 }
 
-void Replica::Leave::operator()(World* world) const { world->join(nullptr); }
+void Replica::Leave::operator()(World* world) const { world->attach(nullptr); }
 
 UserRequests Replica::requests() const {
   UserRequests all;
@@ -116,7 +122,7 @@ void Replica::put_changes(MessageWriter& message) {
 }
 
 /// On other ranks: reads what put_changes() has appended, and adopts the state if there is one. is_in_tick:
-/// see World::adopt()
+/// see RankAccess::adopt()
 void Replica::get_changes(MessageReader& message, bool is_in_tick) {
   if (message.get<bool>()) rows_->adopt_all(message, is_in_tick);
 }
@@ -131,7 +137,7 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
     has_callback_ = has_callback;
     MessageWriter message = message_of(Order::step);
     message.put(static_cast<std::uint8_t>((has_callback ? k_has_callback : 0) |
-                                          (world_.watches_contacts() ? k_watches_contacts : 0)));
+                                          (world_.state().watches_contacts ? k_watches_contacts : 0)));
     message.put(rejections_);
     put_changes(message);
     transport_.send_to_all(std::move(message));
@@ -151,9 +157,7 @@ void Replica::tick(bool has_callback, const std::function<void()>& work) {
   if (may_write()) touch();
 }
 
-void Replica::add_candidates(std::vector<Experiment::Candidate>& candidates) {
-  rows_->add_candidates(candidates);
-}
+void Replica::add_candidates(std::vector<Candidate>& candidates) { rows_->add_candidates(candidates); }
 
 void Replica::follow_jumps() { rows_->redistribute(true); }
 
@@ -217,7 +221,7 @@ void Replica::agree(const std::function<void()>& callback) {
     }
     rows_->redistribute(false);
   }
-  beams_before_ = parts_.beams;  // not earlier: the callback may reset the world, and with it this count
+  beams_before_ = access_.beams();  // not earlier: the callback may reset the world, and with it this count
 }
 
 std::span<const std::uint32_t> Replica::own_of(std::span<const std::uint32_t> order) {
@@ -264,7 +268,7 @@ void Replica::exchange() {
   const UserRequests requests = options_.requests ? options_.requests() : UserRequests{};
   head.put(requests.saves);
   head.put(requests.stop);
-  head.put(parts_.beams - beams_before_);
+  head.put(access_.beams() - beams_before_);
   const RankRows::Messages messages = rows_->written(head);
   is_exchanged_ = true;
   for (unsigned to = 0; to < ranks(); ++to)
@@ -282,7 +286,7 @@ void Replica::exchange() {
       work_[from] = message.get<RankWork>();
       requests_[from].saves = message.get<std::uint32_t>();
       requests_[from].stop = message.get<bool>();
-      parts_.beams += message.get<std::uint64_t>();
+      access_.beams() += message.get<std::uint64_t>();
       rows_->get_written(from, message);
     }
   }

@@ -1,13 +1,13 @@
 #pragma once
 
-#include "engine/interventions/experiment.hpp"
 #include "engine/ranks/halo.hpp"
 #include "engine/ranks/orders.hpp"
 #include "engine/ranks/rank_rows.hpp"
 #include "engine/ranks/rank_work.hpp"
 #include "engine/ranks/sharing.hpp"
+#include "engine/rows/ranks.hpp"
+#include "engine/state/phase.hpp"
 #include "engine/state/world_state.hpp"
-#include "engine/world/phase.hpp"
 #include "partition/message.hpp"
 #include "partition/transport.hpp"
 
@@ -25,11 +25,7 @@
 
 namespace troupe::engine {
 
-struct BodySpec;
-struct Effect;
-struct Hashes;
 struct Registry;
-struct SettingSpec;
 class World;
 
 /// What users have requested from a process with signals.
@@ -79,7 +75,7 @@ struct ReplicaOptions {
 ///
 /// An intervention is a change of the world at a given time, a fault a random failure of a robot, and an
 /// effect an action of a device on another body. A StepError is the exception with which a step fails.
-class Replica {
+class Replica final : public Ranks {
  public:
   /// Makes `world` a replica. All ranks construct their replicas at the same point of the program, with equal
   /// worlds at tick 0. `world`, `transport` and `registry` must outlive this object.
@@ -88,9 +84,6 @@ class Replica {
   /// registry: the registry that `world` was made with
   Replica(World& world, const Registry& registry, partition::Transport& transport, std::uint32_t number,
           ReplicaOptions options);
-  ~Replica() = default;
-  Replica(const Replica&) = delete;
-  Replica& operator=(const Replica&) = delete;
 
   std::uint32_t number() const { return number_; }       ///< number of the world
   unsigned ranks() const { return transport_.ranks(); }  ///< number of ranks that compute the world
@@ -114,99 +107,44 @@ class Replica {
   /// message: the rest of the message, after its head (begin_message())
   void follow(Order order, partition::MessageReader message);
 
-  // ---- Called by World
-  /// Computes a tick by calling work(). work() must compute the phases of the tick, and call agree() and
-  /// exchange(). If work() throws on any rank, this function throws on all ranks. If the exception on a rank
-  /// is not a StepError, this rank throws it unchanged. In all other cases, the ranks throw a StepError.
-  ///
-  /// has_callback: whether agree() will get a callback; used on rank 0 only
-  void tick(bool has_callback, const std::function<void()>& work);
-  /// Called on all ranks after the interventions and faults of a tick were applied. On rank 0, calls
-  /// `callback`, the callback of World::before_tick(), unless it is empty. The other ranks then get the
-  /// changes that the callback has made to the state. If the callback throws, tick() throws on all ranks.
-  void agree(const std::function<void()>& callback);
-  /// Called on all ranks at the end of the phase decide: rank 0 receives the present rows of all ranks and
-  /// calls work(). The other ranks do not call work(). Afterwards, each rank receives the values that work()
-  /// has written to its own rows.
-  void on_rank_0(const std::function<void()>& work);
-  /// Called after the phase decide: sends each other rank those data of the own rows that it needs in the
-  /// phases move and index, and receives the corresponding data of the other ranks.
-  void exchange();
-  /// Called in the phase intervene. In a distributed world: adds the candidates of the other ranks to those
-  /// of this rank. The candidates are the bodies that an intervention may choose. Every rank must call this
-  /// for the same interventions. In a replicated world, does nothing.
-  void add_candidates(std::vector<Experiment::Candidate>& candidates);
-  /// Called in the phase intervene. In a distributed world, returns whether `own` is true on any rank, and
-  /// every rank must call this for the same interventions. In a replicated world, returns `own`.
-  bool on_any_rank(bool own) { return rows_->on_any_rank(own); }
-  /// In a distributed world: gives the rows to their owners after interventions have moved, added or removed
-  /// bodies. Every rank must call this in the same ticks, in the phase intervene. In a replicated world, does
-  /// nothing.
-  void follow_jumps();
-  /// Called in the phase move, after joints have moved: calls work(), which calls the hooks joints_moved of
-  /// devices. In a distributed world, if work() throws on any rank, this function throws on all ranks.
-  void report_joints(const std::function<void()>& work) { rows_->report_joints(work); }
-  /// Called in the phase move: applies `effects`, the effects of all ranks, one after another in the order of
-  /// the list. apply(effect) applies one effect. In a replicated world, every rank applies all effects. In a
-  /// distributed world, each effect is applied on one rank only (class SharedEffects).
-  void apply_effects(std::span<const Effect> effects, const std::function<void(const Effect&)>& apply);
-  /// Returns whether this rank tests if a newborn body can be placed at a point (m, world frame). All ranks
-  /// compute the same births in the same order. In a tick of a distributed world, only the rank that owns the
-  /// ground at the point tests it. In all other cases, the result is true.
-  bool tests_places_at(const Vec2& point) const;
-  /// Returns the lowest number of a free place that any rank has found. A birth tries several places,
-  /// numbered from 0, until one is free. In a tick, every rank must call this for the same birth. Between two
-  /// ticks, the result is `own`.
-  ///
-  /// own: lowest number of a place that this rank has found free; if there is none, `trials`
-  /// trials: number of places
-  std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials);
-  /// attempt() calls work(), a part of a birth that may throw on some ranks only. In the phase move of a
-  /// distributed world, attempt() stores an exception of work(), and end_attempts() throws it on all ranks.
-  /// In all other cases, the exception propagates from attempt(). In the phase move, every rank must call
-  /// attempt() for the same births, and then end_attempts().
-  ///@{
-  void attempt(const std::function<void()>& work);
-  void end_attempts();
-  ///@}
-  void begin(Phase phase);  ///< called when a phase begins: stores the phase and the time at which it began
-  /// Calls a callback that only observes the tick. After exchange(), the other ranks can no longer be told of
-  /// an error, and may wait for messages of this rank until the tick ends. If the callback then throws, it is
-  /// not called again in this tick, and tick() throws the exception when the tick is complete.
-  void observe(const std::function<void()>& callback);
+  // ---- Called by World: see Ranks
+  void join(RankAccess& access) override { given_ = &access; }
+  bool are_several() const override { return true; }
+  bool are_distributed() const override { return halo() != nullptr; }
+  void tick(bool has_callback, const std::function<void()>& work) override;
+  void begin(Phase phase) override;  ///< stores the phase and the time at which it began
+  void observe(const std::function<void()>& callback) override;
+  void add_candidates(std::vector<Candidate>& candidates) override;
+  bool on_any_rank(bool own) override { return rows_->on_any_rank(own); }
+  void follow_jumps() override;
+  void agree(const std::function<void()>& callback) override;
+  RowRange own(std::size_t) const override { return own(); }
+  RowRange own() const { return rows_->own(); }  ///< the rows that this rank owns
+  std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order) override;
+  void on_rank_0(const std::function<void()>& work) override;
+  void exchange() override;
+  RankBorder* border() override { return rows_->halo() == nullptr ? nullptr : &rows_->halo()->border(); }
+  void report_joints(const std::function<void()>& work) override { rows_->report_joints(work); }
+  void apply_effects(std::span<const Effect> effects,
+                     const std::function<void(const Effect&)>& apply) override;
+  bool tests_places_at(const Vec2& point) const override;
+  std::uint32_t lowest_trial(std::uint32_t own, std::uint32_t trials) override;
+  void attempt(const std::function<void()>& work) override;
+  void end_attempts() override;
+  void gather() override;
+  void gather_distributed() override;
+  void touch() override;
+  void replace() override;
+  void reset() override;
+  void restart(std::uint64_t seed, std::span<const BodySpec> bodies) override;
+  void note_rejection() override { ++rejections_; }
+  void set(const SettingSpec& setting) override;
+  /// In a replicated world with ReplicaOptions::verify, the ranks compute and compare hashes even if rank 0
+  /// has all rows. They do not do so from a change of the state by the program until the next tick.
+  std::optional<Hashes> hashes() override;
 
-  /// The rows that this rank owns.
-  RowRange own() const { return rows_->own(); }
-  /// The object that exchanges the outcomes of motions with the other ranks of a distributed world; null if
-  /// the world is replicated.
-  RankBorder* border() { return rows_->halo() == nullptr ? nullptr : &rows_->halo()->border(); }
   /// The rows that this rank has of a distributed world; null if the world is replicated.
   const Halo* halo() const { return rows_->halo(); }
-  /// Returns the rows of the list `order` that this rank owns, in the order of the list. Valid until the next
-  /// call.
-  std::span<const std::uint32_t> own_of(std::span<const std::uint32_t> order);
-
-  void gather();              ///< implements World::gather(): fetches missing rows to rank 0
-  void gather_distributed();  ///< implements World::gather_distributed()
-  /// Called before the program changes the state: on rank 0, notes that the other ranks must get the new
-  /// state.
-  void touch();
-  void replace();  ///< called before the program replaces the whole state, for example by restore()
-  void reset();    ///< called by World::reset(): on rank 0, orders the other ranks to reset their worlds
-  /// Called by World::restart(): on rank 0, orders the other ranks to restart their worlds with this seed and
-  /// with the poses and colours of `bodies`.
-  void restart(std::uint64_t seed, std::span<const BodySpec> bodies);
-  /// Called by World::restart() on all ranks: the new bodies were rejected, and the world returns to the old
-  /// ones. If this does not happen on all ranks, the ranks end in the next tick.
-  void note_rejection() { ++rejections_; }
-  /// Called by World::set() after the change: on rank 0, orders the other ranks to make the same change.
-  void set(const SettingSpec& setting);
-  /// Returns the hashes of the state: each rank computes the hashes of its own rows, and rank 0 adds them up.
-  /// Returns std::nullopt if the world of this rank computes the hashes alone: on ranks other than 0, and if
-  /// rank 0 has the present values of all rows. In a replicated world with ReplicaOptions::verify, the ranks
-  /// compute and compare hashes even if rank 0 has all rows. They do not do so from a change of the state by
-  /// the program until the next tick.
-  std::optional<Hashes> hashes();
 
  private:
   /// An error of a rank. If there are several errors, the one with the lowest (phase, robot) is reported.
@@ -239,6 +177,7 @@ class Replica {
   /// Bits of the first byte of Order::step.
   enum Flags : std::uint8_t { k_has_callback = 1, k_watches_contacts = 2 };
   void follow_step(std::uint8_t flags);
+  RankAccess& attach_to(World& world);
   std::unique_ptr<RankRows> make_rows();
   void put_changes(partition::MessageWriter& message);
   void get_changes(partition::MessageReader& message, bool is_in_tick);
@@ -262,7 +201,8 @@ class Replica {
   std::uint32_t number_;
   ReplicaOptions options_;
   std::vector<Sharing> sharing_;  // one per table; rows_ refers to it
-  ReplicaParts parts_;
+  RankAccess* given_ = nullptr;   // by join()
+  RankAccess& access_;
   std::unique_ptr<World, Leave> joined_;  // the world leaves also if the constructor throws
   std::vector<RankWork> work_;            // one per rank, of this tick
   std::vector<std::uint64_t> times_;      // one per rank: its time for its own rows, ns: see unequal_times()

@@ -3,6 +3,7 @@
 
 #include "engine/ranks/record_message.hpp"
 #include "engine/ranks/replica.hpp"
+#include "engine/world/rank_access.hpp"
 #include "engine/world/world.hpp"
 
 #include <fmt/format.h>
@@ -91,7 +92,7 @@ void Replica::follow_set(MessageReader& message) {
   setting.index = message.get<std::uint32_t>();
   message.require(has_params(world_.spec().types, setting));
   setting.params = get_record(message);
-  if (const Result<> done = world_.set_at(tick, setting, registry_); !done)
+  if (const Result<> done = access_.set_at(tick, setting, registry_); !done)
     throw std::logic_error(
         fmt::format("internal error: rank {}: {}; this is no error of your input: please report it",
                     transport_.rank(), done.error().text));
@@ -198,8 +199,8 @@ std::vector<RankCounts> Replica::all_counts() {
 
 Hashes Replica::own_hashes() {
   Hashes hashes;
-  for (const StateTable& table : parts_.tables) {
-    const std::uint64_t sum = hash_of(world_.parallel(), table, rows_in(world_, table, own()));
+  for (const StateTable& table : access_.tables()) {
+    const std::uint64_t sum = hash_rows(world_.parallel(), table, rows_in(world_, table, own()));
     hashes.groups[static_cast<std::size_t>(table.group())] += sum;
     hashes.state += sum;
   }

@@ -3,6 +3,7 @@
 #include "base/random.hpp"
 #include "engine/kinds/effects.hpp"
 #include "engine/links/links.hpp"
+#include "engine/world/rank_access.hpp"
 #include "engine/world/world.hpp"
 
 #include <fmt/format.h>
@@ -48,22 +49,22 @@ Cut balanced_cut(const Cut& cut, std::span<const std::uint64_t> times) {
   return balanced;
 }
 
-ReplicatedRows::ReplicatedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing,
+ReplicatedRows::ReplicatedRows(World& world, RankAccess& access, std::span<const Sharing> sharing,
                                RankPost post, std::optional<std::uint64_t> cut_seed)
     : world_(world),
-      parts_(parts),
+      access_(access),
       sharing_(sharing),
       post_(std::move(post)),
       cut_seed_(cut_seed),
-      cut_(equal_cut(world.rows(), post_.ranks)) {}
+      cut_(equal_cut(world.view().rows(), post_.ranks)) {}
 
 /// For each table with this sharing, calls visit(bytes) with the table rows of the bodies that have the rows
 /// `rows` in the world. These table rows are contiguous. If there are none, visit() is not called.
 template <class Visit>
 void ReplicatedRows::for_rows(Sharing sharing, const RowRange& rows, Visit&& visit) const {
-  for (std::size_t t = 0; t < parts_.tables.size(); ++t) {
+  for (std::size_t t = 0; t < access_.tables().size(); ++t) {
     if (sharing_[t] != sharing) continue;
-    StateTable& table = parts_.tables[t];
+    StateTable& table = access_.tables()[t];
     const RowRange in = rows_in(world_, table, rows);
     if (in.first < in.end) visit(std::span(table.row(in.first), table.row(in.end)));
   }
@@ -95,17 +96,18 @@ bool ReplicatedRows::take_all() {
 /// Appends the tick, the subscriptions (World::subscribe()) and all state tables.
 void ReplicatedRows::put_all(MessageWriter& message) {
   message.put(world_.tick());
-  message.put_all(std::span<const BodyId>(world_.subscribed()));
-  for (StateTable& table : parts_.tables) message.put_bytes(table.data());
+  message.put_all(std::span<const BodyId>(world_.view().subscribed()));
+  for (StateTable& table : access_.tables()) message.put_bytes(table.data());
 }
 
 void ReplicatedRows::adopt_all(MessageReader message, bool is_in_tick) {
   const auto tick = message.get<std::uint64_t>();
   for (const BodyId body : message.get_all<BodyId>()) {
-    message.require(body.index() < world_.spec().bodies.size() && world_.location(body) == RowLocation::here);
+    message.require(body.index() < world_.spec().bodies.size() &&
+                    world_.view().location(body) == RowLocation::here);
     world_.subscribe(body);
   }
-  world_.adopt(
+  access_.adopt(
       tick,
       [&](std::span<StateTable> tables) {
         for (StateTable& table : tables) message.get_bytes(table.data());
@@ -129,8 +131,8 @@ RankRows::Messages ReplicatedRows::written(const MessageWriter& head) {
   MessageWriter message = head;
   message.reserve(written_);
   put_rows(Sharing::sent, own(), message);
-  message.put_all(std::span<const Links::AskedGoal>(parts_.links.asked_goals(own())));
-  message.put_all(parts_.effects.emitted());
+  message.put_all(std::span<const Links::AskedGoal>(access_.links().asked_goals(own())));
+  message.put_all(access_.effects().emitted());
   written_ = message.size();
   return Messages(post_.ranks, std::make_shared<const partition::Message>(message.take()));
 }
@@ -139,11 +141,11 @@ void ReplicatedRows::get_written(unsigned from, MessageReader& message) {
   get_rows(Sharing::sent, rows_of(from), message);
   for (std::size_t left = message.get_count(sizeof(Links::AskedGoal)); left > 0; --left) {
     const auto [row, joint, goal] = message.get<Links::AskedGoal>();
-    message.require(row < world_.rows() && joint < world_.type(Row(row)).joints.size());
-    parts_.links.ask(Row(row), joint, goal);
+    message.require(row < world_.view().rows() && joint < world_.view().type(Row(row)).joints.size());
+    access_.links().ask(Row(row), joint, goal);
   }
   for (std::size_t left = message.get_count(sizeof(Effect)); left > 0; --left)
-    parts_.effects.emit(get_effect(message, world_));
+    access_.effects().emit(get_effect(message, world_));
   if (!message.is_done())
     throw std::logic_error(
         "internal error: a message between ranks is too long; this is no error of your input: please report "
@@ -166,7 +168,7 @@ bool ReplicatedRows::prepare_motions(std::span<const std::uint64_t> times) {
 
 Cut ReplicatedRows::random_cut() const {
   Random random(*cut_seed_, 0, 0, static_cast<std::uint32_t>(world_.tick()));
-  const auto rows = static_cast<std::uint32_t>(world_.rows());
+  const auto rows = static_cast<std::uint32_t>(world_.view().rows());
   Cut cut{0};
   for (unsigned r = 1; r < post_.ranks; ++r) cut.push_back(random.below(rows + 1));
   cut.push_back(rows);
@@ -209,8 +211,8 @@ void ReplicatedRows::apply_effects(std::span<const Effect> effects,
 std::vector<std::uint64_t> ReplicatedRows::sums() const {
   std::vector<std::uint64_t> sums;
   for (std::size_t t = 0; t < sharing_.size(); ++t)
-    if (const StateTable& table = parts_.tables[t]; sharing_[t] != Sharing::kept)
-      sums.push_back(hash_of(world_.parallel(), table, {0, table.rows()}));
+    if (const StateTable& table = access_.tables()[t]; sharing_[t] != Sharing::kept)
+      sums.push_back(hash_rows(world_.parallel(), table, {0, table.rows()}));
   return sums;
 }
 
@@ -223,7 +225,7 @@ void ReplicatedRows::verify(std::span<const std::vector<std::uint64_t>> sums) co
         throw std::logic_error(
             fmt::format("internal error: the tables \"{}\" of ranks 0 and {} differ after tick {}; unless a "
                         "plug-in caused this, it is no error of your input: please report it",
-                        parts_.tables[t].component(), from, world_.tick()));
+                        access_.tables()[t].component(), from, world_.tick()));
       ++sum;
     }
   }

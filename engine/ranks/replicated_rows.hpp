@@ -34,7 +34,7 @@ class ReplicatedRows final : public RankRows {
   ///
   /// sharing: one entry per state table, which says how the ranks share its rows (sharing_of())
   /// cut_seed: for tests; if set, a new random cut is made in each tick, before bodies move
-  ReplicatedRows(World& world, const ReplicaParts& parts, std::span<const Sharing> sharing, RankPost post,
+  ReplicatedRows(World& world, RankAccess& access, std::span<const Sharing> sharing, RankPost post,
                  std::optional<std::uint64_t> cut_seed);
 
   RowRange own() const override { return rows_of(post_.rank); }
@@ -48,8 +48,8 @@ class ReplicatedRows final : public RankRows {
   void put_all(partition::MessageWriter& message) override;
   void adopt_all(partition::MessageReader message, bool is_in_tick) override;
 
-  void redistribute(bool) override {}                                   // every rank has all rows
-  void add_candidates(std::vector<Experiment::Candidate>&) override {}  // every rank finds all candidates
+  void redistribute(bool) override {}                       // every rank has all rows
+  void add_candidates(std::vector<Candidate>&) override {}  // every rank finds all candidates
   bool on_any_rank(bool own) override { return own; }
   void put_rows_of(unsigned rank, partition::MessageWriter& message) const override;
   void get_rows_of(unsigned rank, partition::MessageReader& message) override;
@@ -78,7 +78,7 @@ class ReplicatedRows final : public RankRows {
   void adopt_cut(Cut cut);
 
   World& world_;
-  ReplicaParts parts_;
+  RankAccess& access_;
   std::span<const Sharing> sharing_;  // one per table
   RankPost post_;
   std::optional<std::uint64_t> cut_seed_;

@@ -22,11 +22,11 @@ using partition::MessageWriter;
 }  // namespace
 
 void SharedEffects::note_tree(BodyId body) {
-  const std::vector<Row> tree = halo_.tree(world_.row(body));
+  const std::vector<Row> tree = halo_.tree(world_.view().row(body));
   const unsigned owner = halo_.owner(body);
   for (const Row row : tree)
-    affected_.push_back(
-        {world_.body(row), world_.body(tree.front()), tree.size() == 1, owner, 0, halo_.place(row)});
+    affected_.push_back({world_.view().body(row), world_.view().body(tree.front()), tree.size() == 1, owner,
+                         0, halo_.place(row)});
 }
 
 void SharedEffects::note() {
@@ -36,14 +36,14 @@ void SharedEffects::note() {
   for (const Effect& effect : effects_.emitted()) {
     if (!effect.is_of_life()) note_tree(effect.source);
     if (effect.target.index() >= world_.spec().bodies.size()) continue;  // it has no target
-    const RowLocation location = world_.location(effect.target);
+    const RowLocation location = world_.view().location(effect.target);
     if (location == RowLocation::here && !effect.is_of_life()) note_tree(effect.target);
     if (location != RowLocation::elsewhere) continue;
     if (!acts_anywhere(effect))
       throw StepError(fmt::format(
           "tick {}: the device \"{}\" of \"{}\" acts on \"{}\", which is beyond the reach of the device "
           "(DeviceKind::Prepared::reach_m)",
-          world_.tick(), world_.type(world_.row(effect.source)).devices[effect.device].name,
+          world_.tick(), world_.view().type(world_.view().row(effect.source)).devices[effect.device].name,
           world_.spec().name(effect.source), world_.spec().name(effect.target)));
     if (!effect.is_of_life()) lacking_.push_back(effect.target);
   }
@@ -112,7 +112,7 @@ void SharedEffects::find_lacking() {
   MessageWriter own = post_.begin(Order::effects);
   const std::size_t known = affected_.size();
   for (const BodyId body : lacking_)
-    if (world_.location(body) == RowLocation::here && halo_.owner(body) == post_.rank) note_tree(body);
+    if (world_.view().location(body) == RowLocation::here && halo_.owner(body) == post_.rank) note_tree(body);
   put_affected(own, std::span(affected_).subspan(known));
   post_.send_to_all(std::move(own));
   post_.receive_from_all(Order::effects, [&](unsigned, MessageReader& message) { get_affected(message); });
@@ -127,7 +127,7 @@ void SharedEffects::unite() {
 }
 
 bool SharedEffects::acts_anywhere(const Effect& effect) const {
-  return world_.type(effect.source).devices[effect.device].kind->scope == ApplyScope::any_target;
+  return world_.view().type(effect.source).devices[effect.device].kind->scope == ApplyScope::any_target;
 }
 
 void SharedEffects::begin(bool is_new) {
@@ -147,7 +147,7 @@ SharedEffects::Affected* SharedEffects::find(BodyId body) {
 
 /// Whether an effect may attach bodies to others, or release them.
 bool SharedEffects::may_join_trees(const Effect& effect) const {
-  return !effect.is_of_life() && world_.type(effect.source).devices[effect.device].kind->carries;
+  return !effect.is_of_life() && world_.view().type(effect.source).devices[effect.device].kind->carries;
 }
 
 /// Finds the groups of the tick (groups_). Returns the trees whose rows must go to another rank, because the
@@ -233,7 +233,7 @@ void SharedEffects::apply_groups(std::span<const Effect> effects,
 /// trees that this rank has changed.
 bool SharedEffects::have_sufficed() const {
   return std::ranges::all_of(affected_, [&](const Affected& each) {
-    return group_applier(each.root) != post_.rank || halo_.suffices_for(world_.row(each.body));
+    return group_applier(each.root) != post_.rank || halo_.suffices_for(world_.view().row(each.body));
   });
 }
 
@@ -264,7 +264,7 @@ void SharedEffects::bring_tree(const Affected& body, unsigned to) {
 void SharedEffects::bring(Affected& body, unsigned to) {
   const unsigned from = std::exchange(body.last, to);
   if (from == to) return;
-  const bool is_here = world_.location(body.body) == RowLocation::here;
+  const bool is_here = world_.view().location(body.body) == RowLocation::here;
   if (from == post_.rank) {
     MessageWriter message = post_.begin(Order::effects);
     if (is_here) halo_.put_state(message, body.body);
@@ -297,7 +297,7 @@ void SharedEffects::show() {
       if (affected == nullptr) continue;
       if (!received) received = post_.receive(Order::effects, from);
       halo_.get_state(received->rest, body);
-      if (group_applier(affected->root)) in_groups.push_back(world_.row(body));
+      if (group_applier(affected->root)) in_groups.push_back(world_.view().row(body));
     }
   }
   if (!in_groups.empty()) halo_.link_again(in_groups);

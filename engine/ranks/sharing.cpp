@@ -20,7 +20,7 @@ bool moves(const DeviceKind& kind) {
 
 /// Whether a device of the world declares that it reads the data `name` of other bodies (DeviceKind::reads).
 bool is_read(const World& world, std::string_view name) {
-  return std::ranges::any_of(world.types(), [&](const BodyType& type) {
+  return std::ranges::any_of(world.view().types(), [&](const BodyType& type) {
     return std::ranges::any_of(type.devices, [&](const BodyType::Device& device) {
       return std::ranges::find(device.kind->reads, name) != device.kind->reads.end();
     });
@@ -54,7 +54,7 @@ std::vector<Sharing> sharing_of(const World& world) {
     of("contact") = Sharing::kept;
   of("command") = is_read(world, k_command_of_others) ? Sharing::sent : Sharing::kept;
   const bool is_running_read = is_read(world, k_runs_of_others);
-  for (const BodyType& type : world.types()) {
+  for (const BodyType& type : world.view().types()) {
     for (const BodyType::Device& device : type.devices) {
       if (device.table == 0) continue;  // the type has no rows, and so its devices have no tables
       const std::span<const StateField> fields = tables[device.table].fields();

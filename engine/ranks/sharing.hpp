@@ -11,7 +11,7 @@ class World;
 /// data of one body in the table. Each row has an *owner*: the rank that runs the sensors, devices, drive and
 /// controllers of the row's body. Other ranks may have copies of the row. A tick (time step) consists of
 /// phases. In the phase `intervene`, changes that the world file lists are made. In the phase `move`, bodies
-/// move (engine/world/phase.hpp).
+/// move (engine/state/phase.hpp).
 enum class Sharing : std::uint8_t {
   alike,  ///< every rank computes all rows that it has, in the phases intervene and move; nothing is sent
   sent,   ///< the owner computes a row and sends it to ranks that have it, in each tick before the phase move

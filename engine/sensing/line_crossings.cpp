@@ -69,7 +69,7 @@ Box SpatialLine::piece(double first, double last) const {
 }
 
 LineCrossings::LineCrossings() {
-  walls_.make_room(1024);
+  walls_.change_capacity(1024);
   near_walls_.reserve(1024);
   crossings_.reserve(64);
 }

@@ -1,107 +1,15 @@
 #pragma once
 
-#include "engine/fields/state_table.hpp"
-#include "engine/kinds/components.hpp"
-#include "engine/kinds/kinds.hpp"
-#include "engine/kinds/mount.hpp"
-#include "engine/sensing/fixed_targets.hpp"
-#include "engine/spec/body_type.hpp"
-#include "engine/spec/world_spec.hpp"
-#include "partition/body_index.hpp"
-#include "partition/ray_grid.hpp"
-#include "partition/static_scene.hpp"
+#include "engine/sensing/public_columns.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace troupe::engine {
-
-/// Where the row of a body is. The row is the entry of the body in the state tables.
-enum class RowLocation : std::uint8_t {
-  none,       ///< the body is static: it has no row, and its pose does not change during a run
-  here,       ///< in this World
-  elsewhere,  ///< in the World of another rank (a thread or process that computes the same world)
-};
-/// Value in PublicColumns::rows for a body whose row is in the World of another rank
-/// (RowLocation::elsewhere).
-inline constexpr Row k_elsewhere{std::size_t{0xfffffffe}};
-
-/// The tick number, and how many rows are in certain conditions. While such a count is 0, loops need not test
-/// each row for the condition.
-struct TickCounts {
-  /// Number of completed ticks (time steps). In the phase `sense` and the later phases of a step
-  /// (engine/world/phase.hpp), the tick that is being computed is already counted.
-  std::uint64_t tick = 0;
-  std::size_t absent = 0;    ///< rows whose bodies are unborn (not yet in the world) or dead
-  std::size_t impaired = 0;  ///< rows whose bodies are disabled or have a fault
-  std::size_t carried = 0;   ///< rows whose bodies are carried
-};
-
-/// The data of a world that devices may read: constants, such as the spec of the world, and *public columns*,
-/// which are data of all bodies, such as their poses. Other data of a body (readings, memories, odometry) are
-/// private: only the engine and the body's own devices and controllers read them. If a kind of device
-/// declares that it reads the states of another kind (DeviceKind::reads), these states are public too. For
-/// example, light sensors read the states of lights.
-///
-/// A *row* is the index of a body in the state tables. Static bodies, which do not move during a run, have no
-/// row. A *rank* is a thread or process that computes the world together with other ranks, each with a World
-/// of its own. A *device* is a sensor or other equipment of a body. A *kind* is the table of functions that
-/// implements devices. A *joint* is a movable mount for parts of a body; it is *at rest* in the pose that the
-/// body type defines.
-///
-/// The spans have one element per row unless stated otherwise. They stay valid until the number of rows
-/// changes (World::remove_rows(), World::add_rows()).
-struct PublicColumns {
-  // Constants.
-  const WorldSpec* spec = nullptr;                    ///< the spec of the world
-  const partition::StaticScene* scene = nullptr;      ///< geometry of the static bodies
-  const FixedTargets* fixed_targets = nullptr;        ///< parts of static bodies that fiducial finders detect
-  const partition::GridGeometry* geometry = nullptr;  ///< sizes of the cells and tiles of `index`
-  std::span<const BodyType> types;                    ///< compiled types, indexed by TypeId
-  std::span<const BodyId> bodies;                     ///< body of each row
-  /// Row of each body, indexed by BodyId. Not valid() if the body is static; k_elsewhere if the row is in the
-  /// World of another rank.
-  std::span<const Row> rows;
-  std::span<const std::uint32_t> row_types;     ///< TypeId of each row
-  std::span<const std::uint32_t> slots;         ///< index of each row among the rows of its type
-  std::span<const std::size_t> outline_begins;  ///< index of the row's first vertex in `outlines`
-  /// Index of the row's first joint in `joint_mounts`. Empty if no body of the world has joints or can carry
-  /// another.
-  std::span<const std::uint32_t> joint_begins;
-
-  // Where the bodies are: written in the phases `intervene`, `move` and `index`.
-  const partition::BodyIndex* index = nullptr;   ///< spatial index of the bodies with rows
-  const partition::RayGrid* ray_grid = nullptr;  ///< cells of the grid ray engine; null: exact engine
-  std::span<const Pose> poses;                   ///< pose of each row, world frame
-  std::span<const Transform> transforms;         ///< `poses` as transforms
-  std::span<const Vec2> outlines;                ///< vertices of the outlines of all rows, world frame, m
-  std::span<const double> radii;  ///< bounding radius about a body's origin, m; negative: unborn or dead
-  /// The displacements of joints from rest: one entry per joint of each row, from the index joint_begins[row]
-  /// on. Take a point that is fixed to the joint, and that is at p in the body frame while all joints are at
-  /// rest. The entry transforms p into the present position of the point in the body frame.
-  std::span<const Mount> joint_mounts;
-  /// The root of each row, as a row. A body that is not carried is its own root. The root of a carried body
-  /// is the body that carries it, directly or through others, and is itself not carried. Empty if no body of
-  /// the world has joints or can carry another.
-  std::span<const std::uint32_t> roots;
-  std::span<const Carried> carriers;  ///< state table `carrier`; empty: no body can carry another
-  std::span<const Life> lives;        ///< state table `life`; empty: no births and deaths
-
-  // What the bodies do and show: committed at the end of a tick, but written again in `actuate` or `decide`.
-  std::span<const Velocity> velocities;  ///< velocities of the drives, body frame, m/s and rad/s
-  std::span<const Command> commands;     ///< commands to the drives
-  /// State table `condition`: which bodies are disabled, and which faults they have. Empty if no body of the
-  /// world can be disabled or have faults (World::has_conditions() is false).
-  std::span<const Condition> conditions;
-  std::span<const StateTable> tables;  ///< all state tables, those of devices included
-  /// 1 if World::subscribe() was called for the row's body, so that all its sensors run; otherwise 0.
-  std::span<const std::uint8_t> subscribed;
-
-  const TickCounts* now = nullptr;  ///< the tick, and counts of rows
-};
 
 /// What a device reads of the world in two phases of a tick: in `sense`, in which sensors run, and in
 /// `actuate`, in which drives and other devices run. The view shows constants, such as the spec of the world,
@@ -144,6 +52,10 @@ class SensingView {
   }
   /// Type of the row's body.
   const BodyType& type(Row row) const { return columns_.types[columns_.row_types[row.index()]]; }
+  /// Type of any body, static or not.
+  const BodyType& type(BodyId body) const {
+    return columns_.types[columns_.spec->bodies[body.index()].type.index()];
+  }
   /// Slot of a row: its index among the rows of its type. The tables of the type are indexed by slots.
   std::size_t slot(Row row) const { return columns_.slots[row.index()]; }
 
@@ -220,6 +132,8 @@ class SensingView {
   bool same_tree(Row a, Row b) const {
     return a == b || (columns_.now->carried > 0 && columns_.roots[a.index()] == columns_.roots[b.index()]);
   }
+  /// The row of the root of the tree that contains the row's body; the row itself if its body is not carried.
+  Row root(Row row) const { return columns_.now->carried > 0 ? Row(columns_.roots[row.index()]) : row; }
 
  protected:
   friend struct DeviceBatch;  // gives a device the columns below, but only those of its own body
@@ -298,6 +212,64 @@ class CommittedView : public SensingView {
   /// empty on the row's body. Pass BodyType::Device::supply of a device to learn whether this device gets
   /// power. If `supply` is std::nullopt, the device has no power supply, and the result is true.
   using SensingView::is_supplied;
+  /// All state tables. Members of BodyType such as Device::table are indices into this list.
+  std::span<const StateTable> tables() const { return columns_.tables; }
+  /// Returns the index of the row's body in a state table: the row itself if the table has entries for bodies
+  /// of all types, otherwise the slot. The table must have an entry for the body. If it has none, the result
+  /// is meaningless, and may be out of range; find_in() checks this.
+  std::size_t row_in(const StateTable& table, Row row) const {
+    const std::size_t r = row.index();
+    return r < table.rows() && table.ids()[r] == columns_.bodies[r] ? r : columns_.slots[r];
+  }
+  /// Like row_in(), but returns std::nullopt if the table has no entry for the row's body.
+  std::optional<std::size_t> find_in(const StateTable& table, Row row) const {
+    const std::size_t at = row_in(table, row);
+    if (at < table.rows() && table.ids()[at] == columns_.bodies[row.index()]) return at;
+    return std::nullopt;
+  }
+  /// The counts of certain rows. If the rows are distributed among ranks, call World::gather() before, except
+  /// for the tick.
+  const TickCounts& counts() const { return *columns_.now; }
+  /// Velocity of each row: see velocity().
+  std::span<const Velocity> velocities() const { return columns_.velocities; }
+  /// Command to the drive of each row: see command().
+  std::span<const Command> commands() const { return columns_.commands; }
+  /// Number of rows whose bodies are unborn or dead.
+  std::size_t absent_count() const { return columns_.now->absent; }
+  /// Whether the state has the component `life`, because bodies can be born or die.
+  bool has_lives() const { return !columns_.lives.empty(); }
+  /// Estimated poses of all bodies of a type, each in the frame that the Localization of its drive defines.
+  /// By default, the estimate is the true pose in the world frame. With odometry, its frame is by default the
+  /// robot's pose at tick 0 or at its birth. For a type without a drive: the true poses, world frame. The
+  /// result is valid as long as the view.
+  Estimates estimates(const BodyType& type) const;
+  /// Estimated pose of the row's body, m and rad, in the frame of estimates().
+  Pose estimate(Row row) const { return estimates(type(row)).of(row, slot(row)); }
+  /// The outcome of the last motion of the row's body. Stall::free before the first tick, and after
+  /// World::set_poses() has placed the body.
+  Stall stall(Row row) const { return static_cast<Stall>(columns_.stalls[row.index()]); }
+  /// Whether the row's last motion was blocked or out of bounds.
+  bool stalled(Row row) const { return stall(row) != Stall::free; }
+  bool is_out_of_bounds(Row row) const { return stall(row) == Stall::out_of_bounds; }  ///< see stall()
+  /// What blocked the row's body in the last tick. Known only if the state has the component `contact`
+  /// (WorldSpec::contacts), or in ticks that begin after a call of World::watch_contacts(); otherwise all
+  /// members are zero, as for a body that nothing blocked.
+  Contact contact(Row row) const {
+    return columns_.contacts.empty() ? Contact() : columns_.contacts[row.index()];
+  }
+  /// Whether the row's body is disabled by an intervention or a program, or dropped out by a fault. The
+  /// devices, controllers and drive of such a body do not run. The body does not move on its own, but it
+  /// still blocks motions and is visible to sensors.
+  bool is_disabled(Row row) const {
+    return columns_.now->impaired > 0 && columns_.conditions[row.index()].out != 0;
+  }
+  /// Whether the state has the component `condition`, because bodies can be disabled or have faults.
+  bool has_conditions() const { return !columns_.conditions.empty(); }
+  /// Bodies for which World::subscribe() was called and which have a row here, in ascending order of ids.
+  std::vector<BodyId> subscribed() const;
+  /// Position of the row's body at its birth, or at tick 0 if it was present then; m, world frame. For an
+  /// unborn body it is (0, 0).
+  Vec2 origin(Row row) const;
   /// runs(row, device): whether the row's device runs in the ticks in which it is due. A device is due once
   /// per BodyType::Device::period. It then runs if senses(), is_on(), works() and is_supplied() are all true
   /// for it.

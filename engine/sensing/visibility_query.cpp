@@ -39,7 +39,7 @@ void VisibilityQuery::stand(const SensingView& view, const Vec2& origin, double 
   own_ = own;
   z_ = z;
   fixed_reach_ = -1;
-  near_.make_room(std::min(view.rows(), k_room));
+  near_.change_capacity(std::min(view.rows(), k_room));
   near_.begin(origin, reach);
   near_.add_bodies(view.index(),
                    [&](std::uint32_t row) { return own.valid() && view.same_tree(Row(row), own); });
@@ -93,7 +93,7 @@ void VisibilityQuery::sort_into_sectors() {
     for (std::size_t k = 0; k < reach.count; ++k) ++begins_[(reach.first + k) % k_sectors + 1];
   }
   for (std::size_t k = 0; k < k_sectors; ++k) begins_[k + 1] += begins_[k];
-  sorted_.make_room(begins_.back());
+  sorted_.change_capacity(begins_.back());
   std::array<std::uint32_t, k_sectors> next;
   std::copy_n(begins_.begin(), k_sectors, next.begin());
   for (std::size_t i = 0; i < size; ++i)

@@ -1,6 +1,6 @@
 #include "engine/spec/add_device.hpp"
 
-#include "engine/world/kind_errors.hpp"
+#include "engine/kinds/thrown_text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,12 +1,11 @@
 #include "engine/spec/body_type.hpp"
 
 #include "base/split.hpp"
-#include "engine/conflicts/conflicts.hpp"
+#include "engine/kinds/thrown_text.hpp"
 #include "engine/spec/names.hpp"
 #include "engine/spec/placement.hpp"
 #include "engine/spec/prepared_check.hpp"
 #include "engine/spec/ticks.hpp"
-#include "engine/world/kind_errors.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
 #include "engine/kinds/mount.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "partition/overlap.hpp"
 
@@ -37,8 +37,8 @@ struct RayOutline {
 /// A *part* is a rigid piece of a body, and consists of *solids*, which are extruded polygons. A *joint* is a
 /// movable mount for parts and devices. "At rest" means that every joint is in its rest pose. A *device* is a
 /// sensor or an actuator on a part. A *kind* is the implementation of a device, a drive or a controller: a
-/// table of functions, called hooks (engine/kinds/kinds.hpp). The registry is the list of all kinds. Time
-/// advances in *ticks*, steps of equal length.
+/// table of functions, called hooks (engine/kinds/device_kind.hpp). The registry is the list of all kinds.
+/// Time advances in *ticks*, steps of equal length.
 ///
 /// The state of a world is stored in state tables. Some members are indices of such tables. make_body_type()
 /// leaves these members unset; World sets them if the world has bodies of the type that have rows in the
@@ -46,7 +46,7 @@ struct RayOutline {
 struct BodyType {
   std::string name;  ///< name of the type (TypeSpec::name)
   /// Obstacle shape at rest, body frame. Empty if no part is an obstacle, and for types whose bodies are
-  /// static (runs() is false). The obstacles of static bodies are in World::scene(), the static scene.
+  /// static (runs() is false). The obstacles of static bodies are in WorldState::scene, the static scene.
   partition::ObstacleShape obstacle;
   /// For each convex piece of `obstacle`, the index in `joints` of the joint that it is mounted on, or
   /// k_rigid. Empty if the type has no joints.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "engine/fields/fields.hpp"
-#include "engine/kinds/kinds.hpp"
 
 #include <string>
 

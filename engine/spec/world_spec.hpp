@@ -25,18 +25,9 @@ namespace troupe::engine {
 // The structs below describe a world, as a world file does. They are plain data, which a loader makes from a
 // file of any format, or a program fills by hand. engine::World is built from them. Lengths are in metres,
 // angles in radians and times in seconds.
-//
-// A body is a robot or an object. Its id is its index in WorldSpec::bodies. All bodies of a type have the
-// same rigid parts, joints, drive, devices (sensors and actuators) and controllers. The shape of a part
-// consists of solids: polygons that are extruded over an interval of heights (struct Solid). A kind is the
-// implementation of a sort of device, drive, controller or measure; the registry (struct Registry) is the
-// list of all kinds. Time advances in ticks, steps of equal length; tick 0 is the initial state. A
-// population is the set of bodies NAME0, NAME1, ... . Stage is another simulator, whose world files Troupe
-// reads and writes.
 
 /// Largest total number of corners of the shapes of bodies. The readers of world files apply this limit to
-/// all types of a world together. World applies it to all bodies of the static scene together: the bodies
-/// that have no drive, device or controller and cannot be gripped or pushed.
+/// all types of a world together, and World to all static bodies together.
 inline constexpr std::size_t k_most_vertices = 50000000;
 
 /// How a part of a body interacts with other bodies and with their sensors.
@@ -269,10 +260,8 @@ struct WorldSpec {
   std::vector<BodySpec> bodies;
   std::vector<ReserveSpec> reserves;  ///< reserves in ascending order of ids; they do not overlap
   std::vector<EmptyPopulation> empty_populations;  ///< populations without bodies, in the order of the file
-  /// True: programs may remove and disable bodies during a run. False: each of the two is allowed only in
-  /// certain worlds. Programs may remove bodies if the world can have births or deaths anyway, for example
-  /// because of a reserve (World::has_lives()). They may disable bodies if the world has faults, or
-  /// interventions that disable or enable bodies (World::has_conditions()).
+  /// Whether programs may remove and disable bodies during a run, also if nothing in the world does
+  /// (CommittedView::has_lives(), has_conditions()).
   bool mortal = false;
   /// True: the state has the component `contact` (Contact), which says what blocked each body in the last
   /// tick. It also has it if a controller reads it (ControllerKind::reads_contacts).
@@ -282,10 +271,8 @@ struct WorldSpec {
   std::vector<NamedBody> aliases;
   /// Parts that programs can find without the name of the body; the key is the name to search for. Programs
   /// find other parts by the names of body and part: "r0.ranger:1" is the part "ranger:1" of the body "r0".
-  /// For example, a child model that a Stage file names "/x" has the key "x" here.
   std::unordered_map<std::string, PartName> part_aliases;
-  /// Measures (numbers computed from the state) that a run computes, unless the user chooses others for the
-  /// run.
+  /// Measures that a run computes, unless the user chooses others for the run.
   std::vector<MeasureSpec> measures;
   double measure_every_s = 1;  ///< simulated time from one measurement to the next, s; 0: every tick
   WatchSpec watch;             ///< speed of a run, and how often the simulated time is printed

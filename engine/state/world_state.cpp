@@ -1,8 +1,8 @@
 #include "engine/state/world_state.hpp"
 
+#include "base/capacity.hpp"
 #include "base/limits.hpp"
 #include "base/number_text.hpp"
-#include "base/room.hpp"
 #include "partition/ranging.hpp"
 
 #include <fmt/format.h>
@@ -38,7 +38,7 @@ void WorldState::place_pools() {
     joints += pools[t].slots * types[t].joints.size();
   }
   constexpr std::size_t k_padding = partition::EdgeBlock::k_piece;  // rangers copy k_piece vertices at a time
-  resize_with_room<Vec2>(outlines, vertices + k_padding, Vec2::Zero());
+  resize_with_capacity<Vec2>(outlines, vertices + k_padding, Vec2::Zero());
 }
 
 void WorldState::bind_view() {
@@ -67,10 +67,12 @@ void WorldState::bind_view() {
     columns.poses = as<Pose>(k_pose);
     columns.velocities = as<Velocity>(k_velocity);
     columns.commands = as<Command>(k_command);
+    columns.stalls = stalls();
   }
   if (carrier_table) columns.carriers = as<Carried>(*carrier_table);
   if (life_table) columns.lives = as<Life>(*life_table);
   if (condition_table) columns.conditions = as<Condition>(*condition_table);
+  if (has_contacts()) columns.contacts = contact_table ? as<Contact>(*contact_table) : contacts;
   view = CommittedView(columns);
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
+#include "base/assert.hpp"
 #include "engine/fields/state_table.hpp"
 #include "engine/kinds/components.hpp"
-#include "engine/kinds/kinds.hpp"
 #include "engine/kinds/mount.hpp"
 #include "engine/sensing/fixed_targets.hpp"
 #include "engine/sensing/sensing_view.hpp"
+#include "engine/spec/body_names.hpp"
 #include "engine/spec/body_type.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "engine/state/free_circle.hpp"
@@ -63,12 +64,6 @@ struct WorldState {
     k_command,   ///< Command to the drive
     k_stall,     ///< outcome of the last motion: a value of Stall
   };
-  /// Values of the component `stall`: the outcome of the last motion.
-  enum Stall : std::uint8_t {
-    k_free,           ///< the motion was carried out, or there was none
-    k_blocked,        ///< another body, mobile or static, was in the way
-    k_out_of_bounds,  ///< the motion would have ended outside the bounds of the world
-  };
 
   /// The place of the bodies of one type in the lists `outlines` and `joint_mounts`. In each list, the
   /// entries of slot 0 come first, then those of slot 1, and so on.
@@ -84,6 +79,7 @@ struct WorldState {
   // Constants: made from the spec when the world is built.
   WorldSpec spec;  ///< the spec that the world was made from; constant except for what World::set() and
                    ///< World::restart() change
+  BodyNames names{spec};  ///< finds bodies by their names
   /// The body types, compiled from WorldSpec::types and indexed by TypeId. Only their parameters can change
   /// during a run, by interventions (changes at given times).
   std::vector<BodyType> types;
@@ -171,14 +167,17 @@ struct WorldState {
   /// Type of the row's body.
   const BodyType& type(Row row) const { return types[row_types[row.index()]]; }
   /// All rows of a table, each as a struct T. The members of T must be the fields of the table, and the
-  /// layout of the table must be StateTable::Layout::rows. `table` is an index into `tables`.
+  /// layout of the table must be StateTable::Layout::rows, with rows of the size of T. `table` is an index
+  /// into `tables`.
   ///@{
   template <class T>
   std::span<T> as(std::size_t table) {
+    TROUPE_ASSERT(tables[table].has_rows_of<T>());
     return {reinterpret_cast<T*>(tables[table].row(0)), tables[table].rows()};
   }
   template <class T>
   std::span<const T> as(std::size_t table) const {
+    TROUPE_ASSERT(tables[table].has_rows_of<T>());
     return {reinterpret_cast<const T*>(tables[table].row(0)), tables[table].rows()};
   }
   ///@}

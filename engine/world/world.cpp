@@ -1,407 +1,73 @@
 #include "engine/world/world.hpp"
 
-#include "base/exact_sum.hpp"
 #include "base/fp_environment.hpp"
-#include "engine/interventions/groups.hpp"
 #include "engine/kinds/finite.hpp"
-#include "engine/ranks/replica.hpp"
-#include "engine/world/kind_errors.hpp"
-#include "partition/placed_shape.hpp"
-#include "partition/ranging.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace troupe::engine {
-namespace {
 
-const Localization k_true_pose;  // the localization of bodies without a drive
-
-}  // namespace
+// ---- Running
 
 void World::start() {
-  const Completion completion(*this);
+  const Activities::Change change(activities_);
   state_.now.tick = 0;
-  beams_ = conflict_rounds_ = 0;
-  derive_experiment();  // first, because bodies start with the parameters of tick 0
+  tick_.restore_counts(0, 0);
+  interventions_.derive();  // first, because bodies start with the parameters of tick 0
   for (StateTable& table : state_.tables) table.clear();
-  for (std::size_t r = 0; r < rows(); ++r) {
-    const BodyId body = state_.bodies[r];
-    if (state_.spec.starts(body))
-      start(Row(r), state_.spec.bodies[body.index()].pose_world_body);
-    else
-      state_.life(Row(r)).presence = static_cast<std::uint8_t>(Presence::unborn);
-  }
-  derive();
+  lives_.start();
+  derivation_.derive();
 }
 
-/// Returns `p` with its heading wrapped and -0 replaced by 0, so that equal poses have equal bits.
-Pose World::at_start(const Pose& p) { return {p.x + 0.0, p.y + 0.0, p.z + 0.0, wrap_angle(p.heading) + 0.0}; }
-
-void World::start(Row row, const Pose& p) {
-  const BodyType& type = this->type(row);
-  for (const BodyType::Device& device : type.devices)
-    if (device.kind->start)
-      call_kind(*this, {&row, 1}, device,
-                [&] { device.kind->start(device.prepared.data, state_.tables[device.table], slot(row)); });
-  for (const std::size_t d : type.joint_devices) {
-    const BodyType::Device& device = type.devices[d];
-    const std::vector<Pose>& joints = device.prepared.joints;
-    for (std::size_t n = 0; n < joints.size(); ++n)
-      state_.tables[type.joints[static_cast<std::size_t>(device.moves) + n].table].as<Pose>(slot(row)) =
-          joints[n];
-  }
-  for (const BodyType::Controller& controller : type.controllers)
-    if (controller.table)
-      call_kind(*this, {&row, 1}, controller,
-                [&] { controller.kind->start(state_.tables[*controller.table].row(slot(row))); });
-  state_.poses()[row.index()] = at_start(p);
-  if (type.drive) start(row, *type.drive);
-}
-
-void World::start(Row row, const BodyType::Drive& drive) {
-  if (drive.kind->start) {
-    const Velocity v = call_kind(*this, {&row, 1}, drive, [&] { return drive.kind->start(drive.data); });
-    if (!is_finite(v))
-      throw StepError(
-          fmt::format("tick {}: drive \"{}\" of \"{}\" starts with the velocity x {}, y {} (m/s), turn "
-                      "{} (rad/s) (DriveKind::start): the numbers must be finite",
-                      tick(), drive.kind->name, state_.spec.name(body(row)), v.x, v.y, v.turn),
-          body(row));
-    state_.as<Velocity>(WorldState::k_velocity)[row.index()] = v;
-  }
-  if (!drive.odometry_table) return;
-  const Pose& pose = poses()[row.index()];
-  const Pose estimate = relative_to(drive.localization.origin.value_or(pose), pose);
-  state_.as<Odometry>(*drive.odometry_table)[slot(row)] = {estimate.x, estimate.y, estimate.heading};
-}
-
-void World::derive() {
-  movement_.draw_odometry_errors();
-  derive_experiment();
-  derive_state();
-}
-
-void World::derive_state() {
-  std::ranges::fill(state_.contacts, Contact());
-  derive_lives();
-  count_impaired();
-  movement_.count_stalls();
-  links_.derive();
-  for (std::size_t r = 0; r < rows(); ++r) derive(Row(r));
-  effects_.clear();
-  begin_placing();
-  placed_before_.clear();
-  index_bodies();
-}
-
-double World::farthest_in_trees() const {
-  double farthest = 0;
-  if (state_.now.carried == 0) return farthest;
-  for (std::uint32_t r = 0; r < rows(); ++r)
-    if (state_.roots[r] == r && links_.first_cargo(Row(r)) != Links::k_none)
-      farthest = std::max(farthest, links_.farthest(Row(r)));
-  return farthest;
-}
-
-void World::derive(Row row) {
-  movement_.rest(row);
-  state_.update_presence(row);
-  if (links_.any()) {
-    links_.rest_joints(row);
-    links_.reshape(row.value);
-  }
-  state_.update_outlines(row, type(row), Transform(poses()[row.index()]));
-}
-
-void World::forget() {
-  constexpr std::uint32_t k_junk = 0x5a5a5a5a;
-  std::ranges::fill(state_.transforms, Transform{{k_nan, k_nan}, Rotation(SinCos{k_nan, k_nan})});
-  std::fill_n(state_.outlines.begin(), state_.outlines.size() - partition::EdgeBlock::k_piece,
-              Vec2(k_nan, k_nan));
-  std::ranges::fill(state_.radii, k_nan);
-  std::ranges::fill(state_.shapes, nullptr);
-  std::ranges::fill(state_.not_drawn, std::uint8_t{0x5a});
-  std::ranges::fill(next_born_, k_junk);
-  for (std::size_t* count : {&robots_, &state_.now.absent, &state_.now.impaired}) *count = k_junk;
-  links_.forget();
-  std::ranges::fill(grid_lifts_, k_nan);
-  experiment_.fault_events.clear();
-  experiment_.due = 0;
-  state_.index = partition::BodyIndex(state_.geometry);
-  movement_.forget();
-  placed_before_.set(Row(0), k_nowhere);
-  derive();
-  movement_.forget_motions();
-}
-
-/// Makes the grid of the grid ray engine, with the static scene. redraw_ray_grid() must follow.
-void World::build_ray_grid(Diagnostics& diagnostics) {
-  std::vector<partition::MovingOutline> outlines;
-  for (std::uint32_t r = 0; r < rows(); ++r)
-    for (const RayOutline& outline : type(Row(r)).outlines)
-      outlines.push_back({r, static_cast<std::uint32_t>(state_.outline_begins[r]) + outline.first,
-                          outline.count, outline.z, outline.ranger_return});
-  if (links_.any()) grid_lifts_.resize(outlines.size());
-  if (const double edge_m = state_.spec.resolution_m;
-      !(k_min_resolution_m <= edge_m && edge_m <= k_max_resolution_m)) {
-    diagnostics.error(state_.spec.resolution_where,
-                      fmt::format("\"resolution\" must be from {} to {} m for the grid ray engine, found {}",
-                                  k_min_resolution_m, k_max_resolution_m, edge_m));
-    diagnostics.throw_if_errors();
-  }
-  try {
-    state_.ray_grid = std::make_unique<partition::RayGrid>(state_.scene.solids(), std::move(outlines),
-                                                           state_.outlines, state_.spec.resolution_m);
-  } catch (const std::length_error& error) {
-    diagnostics.error(state_.spec.resolution_where, fmt::format("the grid ray engine: {}", error.what()));
-    diagnostics.throw_if_errors();
-  }
-  state_.bind_view();
-}
-
-void World::redraw_ray_grid() {
-  std::size_t o = 0;
-  for (std::uint32_t r = 0; !grid_lifts_.empty() && r < rows(); ++r)
-    for (const RayOutline& outline : type(Row(r)).outlines)
-      if (outline.count > 0) grid_lifts_[o++] = lift(Row(r), outline.joint);
-  partition::RayGrid::Linked linked{.lifts = grid_lifts_, .groups = {}, .absent = {}};
-  if (state_.now.carried > 0) linked.groups = state_.roots;
-  if (state_.now.absent > 0) linked.absent = state_.not_drawn;
-  state_.ray_grid->redraw(state_.outlines, poses(), parallel_, linked);
-}
-
-BodyId World::find(std::string_view name) const {
-  const std::optional<Name> wanted = state_.spec.names.find(name);
-  if (!wanted) return {};
-  std::call_once(names_made_, [this] {
-    names_.reserve(state_.spec.bodies.size() + state_.spec.aliases.size());
-    for (const NamedBody& alias : state_.spec.aliases) names_.set(alias.name, alias.body);
-    for (std::size_t b = 0; b < state_.spec.bodies.size(); ++b)
-      names_.set(state_.spec.bodies[b].name, BodyId(b));
-  });
-  return names_.find(*wanted);
-}
-
-Estimates World::estimates(const BodyType& type) const {
-  if (!type.drive) return {&k_true_pose, poses(), {}};
-  Estimates estimates{&type.drive->localization, poses(), {}};
-  if (type.drive->odometry_table) estimates.odometries = state_.as<Odometry>(*type.drive->odometry_table);
-  return estimates;
-}
-
-void World::set_estimate(Row row, const Pose& pose) {
-  require_whole();
-  require_between_steps("set_estimate()");
-  require_row(row, "set_estimate()");
-  const auto& drive = type(row).drive;
-  if (!drive || !drive->odometry_table)
-    throw std::logic_error(
-        fmt::format("\"{}\" has no odometry: its estimated pose is its true pose and cannot be set",
-                    state_.spec.name(body(row))));
-  if (!is_there(row))
-    throw std::logic_error(fmt::format(
-        "the estimated pose of \"{}\" cannot be set: the robot was removed from the world, or has not been "
-        "added to it yet",
-        state_.spec.name(body(row))));
-  if (!is_finite(pose))
-    throw std::invalid_argument(fmt::format(
-        "the estimated pose of \"{}\" cannot be x {}, y {}, z {} (m), heading {} (rad): the numbers must "
-        "be finite",
-        state_.spec.name(body(row)), pose.x, pose.y, pose.z, pose.heading));
-  touch();
-  state_.as<Odometry>(*drive->odometry_table)[slot(row)] = {pose.x + 0.0, pose.y + 0.0,
-                                                            wrap_angle(pose.heading) + 0.0};
-}
-
-void World::require_pose(BodyId body, const Pose& pose) const {
-  const Box inside = state_.bounds();
-  if (!is_finite(pose) || !inside.contains(pose.position()))
-    throw std::invalid_argument(
-        fmt::format("\"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): {}",
-                    state_.spec.name(body), pose.x, pose.y, pose.z, pose.heading,
-                    is_finite(pose) ? outside_text(inside) : "the numbers must be finite"));
-}
-
-void World::set_poses(std::span<const Placed> placed) {
-  require_whole();
-  require_between_steps("set_poses()");
-  restore_fp_environment();  // a library may have changed it: see step()
-  for (const Placed& place : placed) {
-    require_row(place.row, "set_poses()");
-    if (!is_there(place.row))
-      throw std::invalid_argument(fmt::format(
-          "\"{}\" cannot be placed: it was removed from the world, or has not been added to it yet",
-          state_.spec.name(body(place.row))));
-    require_pose(body(place.row), place.pose);
-    if (const std::optional<BodyId> by = carrier(place.row))
-      throw std::invalid_argument(
-          fmt::format("\"{}\" cannot be placed while \"{}\" carries it: release it first",
-                      state_.spec.name(body(place.row)), state_.spec.name(*by)));
-  }
-  touch();
-  for (const auto& [row, pose] : placed) place(row, pose);
-  carry_placed();
-  movement_.count_stalls();
-  index_bodies();
-}
-
-/// Places a body that is not carried at a pose. carry_placed(), Movement::count_stalls() and index_bodies()
-/// must follow; one call of each is enough for several bodies.
-void World::place(Row row, const Pose& pose) {
-  const Pose placed = at_start(pose);
-  state_.poses()[row.index()] = placed;
-  state_.stalls()[row.index()] = WorldState::k_free;
-  if (state_.has_contacts()) state_.contact(row) = {};
-  movement_.rest(row);
-  state_.update_outlines(row, type(row), Transform(placed));
-  remember_placed(row);
-}
-
-/// Called after place(): moves all carried bodies with their carriers.
-void World::carry_placed() {
-  if (state_.now.carried == 0) return;
-  links_.carry();
-  for (std::size_t r = 0; r < rows(); ++r)
-    if (carrier(Row(r))) remember_placed(Row(r));
-}
-
-void World::remember_placed(Row row) { placed_.set(row, poses()[row.index()]); }
-
-/// Called when a step begins: moves the list of the poses that were set since the last step from placed_ to
-/// placed_before_.
-void World::begin_placing() {
-  placed_before_.swap(placed_);
-  placed_.clear();
-}
-
-bool World::is_free(Row row, const Pose& pose) const {
-  require_whole();
-  require_row(row, "is_free()");
-  if (!is_finite(pose)) return false;
-  return is_free(body(row), is_there(row) ? *state_.shapes[row.index()] : type(row).obstacle, pose);
-}
-
-/// Whether the origin of the body `id` would be within the bounds at a pose, and the body, with this shape,
-/// would overlap neither the static scene nor another body that is an obstacle. With an empty shape, only the
-/// bounds count. The pose must be finite.
-bool World::is_free(BodyId id, const partition::ObstacleShape& shape, const Pose& pose) const {
-  if (!state_.bounds().contains(pose.position())) return false;
-  if (shape.empty()) return true;
-  if (state_.scene.has_obstacles() && state_.scene.blocked(shape, pose)) return false;
-  bool free = true;
-  const auto look_at = [&](BodyId other, const partition::ObstacleShape& its_shape, const Pose& its_pose) {
-    if (!free || other == id || its_shape.empty()) return;
-    // The body with the lower id is the first argument, as in conflict resolution: the order of the arguments
-    // could change the result by rounding, and both tests must agree.
-    free =
-        id < other ? !overlap(shape, pose, its_shape, its_pose) : !overlap(its_shape, its_pose, shape, pose);
-  };
-  const auto look_at_row = [&](std::uint32_t r) { look_at(state_.bodies[r], *state_.shapes[r], poses()[r]); };
-  state_.index.for_each_near(Box::around(pose.position(), shape.radius),
-                             [&](const partition::BodyCircle& other) { look_at_row(other.row); });
-  for (const Newborn& other : newborn_) {
-    if (location(other.body) == RowLocation::here)
-      look_at_row(row(other.body).value);
-    else  // its row is on another rank until the ranks distribute the rows
-      look_at(other.body, state_.type(other.body).obstacle, other.pose);
-  }
-  return free;
-}
-
-bool World::stalled(Row row) const { return state_.stalls()[row.index()] != WorldState::k_free; }
-bool World::is_out_of_bounds(Row row) const {
-  return state_.stalls()[row.index()] == WorldState::k_out_of_bounds;
-}
-
-void World::watch_contacts() {
-  require_between_steps("watch_contacts()");
-  if (state_.watches_contacts) return;
-  state_.watches_contacts = true;
-  movement_.find_blocks();
-  if (!state_.contact_table) state_.contacts.resize(rows());
-}
-
-Contact World::contact(Row row) const { return state_.has_contacts() ? state_.contact(row) : Contact(); }
-
-void World::throw_half_made() const {
-  throw std::logic_error(fmt::format(
-      "tick {}: a step, a birth or a reset failed and left an incomplete state: call reset() before anything "
-      "else",
-      state_.now.tick));
-}
-
-void World::throw_in_tick(std::string_view call) {
-  throw std::logic_error(fmt::format(
-      "{} is not allowed during a step, for example in a callback of on_phase() or in a controller: call it "
-      "between two steps",
-      call));
-}
-
-void World::throw_in_before_tick(std::string_view call) {
-  throw std::logic_error(
-      fmt::format("{} is not allowed in a callback of before_tick(): call it outside the callback", call));
-}
-
-void World::throw_no_row(Row row, std::string_view call) const {
-  throw std::out_of_range(
-      row.valid()
-          ? fmt::format("{}: found row {}, but the world has {} rows, counted from 0", call, row.value,
-                        rows())
-          : fmt::format("{}: found no row: static bodies, and bodies that do not exist, have none", call));
-}
-
-void World::throw_no_commands(const BodyType::Device& device) {
-  throw std::logic_error(
-      fmt::format("asked_of(): device \"{}\" ({}) takes no commands", device.name, device.kind->name));
-}
-
-void World::throw_frozen() {
-  throw std::logic_error(
-      "a measure must not change the world, for example with step(), reset() or set_poses(): measures only "
-      "read");
+void World::step() {
+  activities_.require(Access::step, "step()");
+  const Activities::Change change(activities_);
+  // A library that was loaded since the last step may have made this thread flush denormals to zero.
+  restore_fp_environment();
+  ranks_->tick(tick_.has_before_tick(), [this] { tick_.run(); });
 }
 
 void World::reset() {
-  require_unfrozen();
-  require_between_steps("reset()");
+  activities_.require(Access::replace, "reset()");
   restore_fp_environment();  // a library may have changed it: see step()
-  if (replica_) replica_->reset();
-  forget_settings();
+  ranks_->reset();
+  interventions_.forget_settings();
   start();
 }
 
 void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const Registry& registry) {
-  require_unfrozen();
-  require_between_steps("restart()");
+  activities_.require(Access::replace, "restart()");
   if (bodies.size() != state_.spec.bodies.size())
     throw std::invalid_argument(fmt::format("restart(): found {} bodies, but the world has {}", bodies.size(),
                                             state_.spec.bodies.size()));
   restore_fp_environment();  // a library may have changed it: see step()
-  if (replica_) replica_->restart(seed, bodies);
+  ranks_->restart(seed, bodies);
   bool has_scene_changed = false;
   bool has_any_changed = false;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodySpec& old = state_.spec.bodies[b];
     const bool has_moved = bodies[b].pose_world_body != old.pose_world_body;
-    has_scene_changed = has_scene_changed || (has_moved && location(BodyId(b)) == RowLocation::none);
+    has_scene_changed =
+        has_scene_changed || (has_moved && state_.view.location(BodyId(b)) == RowLocation::none);
     has_any_changed = has_any_changed || has_moved || bodies[b].color != old.color;
   }
-  Diagnostics diagnostics(state_.spec.files);  // build_faults() finds no error: the constructor has checked
-  Groups groups(*this);
+  Diagnostics diagnostics(
+      state_.spec.files);  // Interventions::rebuild() finds no error: the constructor has checked
   const auto begin_with = [&](std::uint64_t next_seed, std::span<const BodySpec> next) {
     state_.spec.seed = next_seed;
     std::ranges::copy(next, state_.spec.bodies.begin());
     if (has_scene_changed) {
       build_scene();
-      if (state_.ray_grid) build_ray_grid(diagnostics);  // start() redraws it
+      if (state_.ray_grid) places_.build_ray_grid(diagnostics);  // start() redraws it
     }
-    forget_settings();
-    if (has_any_changed) bind_kinds_again(registry);
-    build_faults(registry, groups, diagnostics);  // kinds of faults may read the devices of a type
+    interventions_.rebuild(has_any_changed, registry, diagnostics);
     start();
   };
   if (!has_any_changed) return begin_with(seed, bodies);
@@ -412,7 +78,7 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
   } catch (const StepError&) {
     throw;
   } catch (...) {  // a kind, or the ray grid, has refused the new bodies: the world returns to the old ones
-    if (replica_) replica_->note_rejection();
+    ranks_->note_rejection();
     Diagnostics none(state_.spec.files);
     std::swap(diagnostics, none);
     begin_with(old_seed, old);
@@ -421,17 +87,15 @@ void World::restart(std::uint64_t seed, std::span<const BodySpec> bodies, const 
 }
 
 World::Counters World::counters() const {
-  const Experiment::Present& present = experiment_.present;
-  return {beams_, conflict_rounds_, present.tick == state_.now.tick ? present.settings : 0};
+  return {tick_.beams(), tick_.conflict_rounds(), interventions_.settings_now()};
 }
 
 bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t state_hash,
                     const Fill& fill) {
-  require_unfrozen();
-  require_between_steps("restore()");
+  activities_.require(Access::replace, "restore()");
   restore_fp_environment();  // a library may have changed it: see step()
-  is_half_made_ = false;
-  if (replica_) replica_->replace();
+  activities_.complete();
+  ranks_->replace();
   for (StateTable& table : state_.tables) table.clear();
   try {
     fill(state_.tables);
@@ -447,42 +111,234 @@ bool World::restore(std::uint64_t tick, const Counters& counters, std::uint64_t 
   const auto has_mode = [](const Command& command) {
     return static_cast<std::size_t>(command.mode) < k_control_modes;
   };
-  if (hashes().state != state_hash || !std::ranges::all_of(poses(), stands_somewhere) ||
-      !std::ranges::all_of(commands(), has_mode) ||
-      !std::ranges::all_of(state_.tables, &StateTable::bools_hold) || !lives_hold(tick) ||
-      !conditions_hold() || !links_.hold()) {
+  if (hashes().state != state_hash || !std::ranges::all_of(state_.poses(), stands_somewhere) ||
+      !std::ranges::all_of(state_.view.commands(), has_mode) ||
+      !std::ranges::all_of(state_.tables, &StateTable::bools_hold) || !lives_.hold(tick) ||
+      !interventions_.hold() || !links_.hold()) {
     start();
     return false;
   }
   state_.now.tick = tick;
-  beams_ = counters.beams;
-  conflict_rounds_ = counters.conflict_rounds;
-  experiment_.present = {tick, counters.settings};
-  derive();
+  tick_.restore_counts(counters.beams, counters.conflict_rounds);
+  interventions_.restore_settings(counters.settings);
+  derivation_.derive();
   return true;
 }
 
-std::vector<BodyId> World::subscribed() const {
-  std::vector<BodyId> bodies;
-  for (std::size_t b = 0; b < state_.rows.size(); ++b)
-    if (const BodyId body(b);
-        location(body) == RowLocation::here && state_.subscribed[row(body).index()] != 0)
-      bodies.push_back(body);
-  return bodies;
+void World::forget() { derivation_.forget(); }
+
+void World::hide_beyond_reach(bool on) { tick_.hide_beyond_reach(on); }
+
+void World::on_phase(Tick::OnPhase callback) {
+  activities_.require(Access::listen, "on_phase()");  // in its own callback, it would destroy the callback
+  tick_.on_phase(std::move(callback));
 }
 
-std::uint64_t World::hash(const StateTable& table) {
+void World::before_tick(Tick::BeforeTick callback) {
+  activities_.require(Access::prepare, "before_tick()");  // as in on_phase()
+  tick_.before_tick(std::move(callback));
+}
+
+// ---- Rows
+
+void World::begin_row_change(std::string_view what) const {
+  activities_.require(Access::read, {});
+  if (ranks_->are_several())
+    throw std::logic_error(fmt::format("the rows of a world that several ranks compute cannot be {}", what));
+  restore_fp_environment();  // a library may have changed it: see step()
+}
+
+void World::shuffle_rows(std::uint64_t seed) {
+  begin_row_change("shuffled");
+  const Activities::Change change(activities_);
+  rows_.shuffle(seed);
+  derivation_.derive_rows();
+}
+
+std::vector<RowState> World::remove_rows(std::span<const BodyId> bodies) {
+  begin_row_change("removed");
+  std::vector<RowState> removed = rows_.take(bodies);
+  const Activities::Change change(activities_);
+  derivation_.derive_rows();
+  return removed;
+}
+
+void World::add_rows(std::span<const RowState> added) {
+  begin_row_change("added");
+  rows_.add(added);
+  const Activities::Change change(activities_);
+  derivation_.derive_rows();
+}
+
+// ---- Settings
+
+Result<> World::set(const SettingSpec& setting, const Registry& registry) {
+  activities_.require(Access::change, "set()");
+  if (!has_params(state_.spec.types, setting))
+    return Error{"refers to a type, or to a drive, device or controller of a type, that does not exist"};
+  Result<> done = interventions_.set(setting, registry);
+  if (done) ranks_->set(setting);
+  return done;
+}
+
+// ---- Changes of a program
+
+void World::set_estimate(Row row, const Pose& pose) {
+  activities_.require(Access::change, "set_estimate()");
+  require_row(row, "set_estimate()");
+  const auto& drive = state_.type(row).drive;
+  if (!drive || !drive->odometry_table)
+    throw std::logic_error(
+        fmt::format("\"{}\" has no odometry: its estimated pose is its true pose and cannot be set",
+                    state_.spec.name(state_.view.body(row))));
+  if (!state_.view.is_there(row))
+    throw std::logic_error(fmt::format(
+        "the estimated pose of \"{}\" cannot be set: the robot was removed from the world, or has not been "
+        "added to it yet",
+        state_.spec.name(state_.view.body(row))));
+  if (!is_finite(pose))
+    throw std::invalid_argument(fmt::format(
+        "the estimated pose of \"{}\" cannot be x {}, y {}, z {} (m), heading {} (rad): the numbers must "
+        "be finite",
+        state_.spec.name(state_.view.body(row)), pose.x, pose.y, pose.z, pose.heading));
+  touch();
+  state_.as<Odometry>(*drive->odometry_table)[state_.slots[row.index()]] = {pose.x + 0.0, pose.y + 0.0,
+                                                                            wrap_angle(pose.heading) + 0.0};
+}
+
+void World::set_poses(std::span<const Placed> placed) {
+  activities_.require(Access::change, "set_poses()");
+  restore_fp_environment();  // a library may have changed it: see step()
+  for (const Placed& place : placed) {
+    require_row(place.row, "set_poses()");
+    if (!state_.view.is_there(place.row))
+      throw std::invalid_argument(fmt::format(
+          "\"{}\" cannot be placed: it was removed from the world, or has not been added to it yet",
+          state_.spec.name(state_.view.body(place.row))));
+    require_place(state_, state_.view.body(place.row), place.pose);
+    if (const std::optional<BodyId> by = state_.view.carrier(place.row))
+      throw std::invalid_argument(
+          fmt::format("\"{}\" cannot be placed while \"{}\" carries it: release it first",
+                      state_.spec.name(state_.view.body(place.row)), state_.spec.name(*by)));
+  }
+  touch();
+  for (const auto& [row, pose] : placed) places_.place(row, pose);
+  places_.carry_placed();
+  movement_.count_stalls();
+  places_.index();
+}
+
+bool World::is_free(Row row, const Pose& pose) const {
   require_whole();
-  require_between_steps("hash()");
+  require_row(row, "is_free()");
+  if (!is_finite(pose)) return false;
+  return places_.is_free(state_.view.body(row),
+                         state_.view.is_there(row) ? *state_.shapes[row.index()] : state_.type(row).obstacle,
+                         pose);
+}
+
+Birth World::spawn(std::size_t reserve, const Pose& pose) {
+  activities_.require(Access::change, "spawn()");
+  if (reserve >= state_.spec.reserves.size())
+    throw std::out_of_range(
+        fmt::format("spawn(): found reserve {}, but the world has {} reserves, counted from 0", reserve,
+                    state_.spec.reserves.size()));
+  restore_fp_environment();  // a library may have changed it: see step()
+  if (!is_finite(pose))
+    throw std::invalid_argument(
+        fmt::format("a body of population \"{}\" cannot be placed at x {}, y {}, z {} (m), heading {} (rad): "
+                    "the numbers must be finite",
+                    state_.spec.reserves[reserve].population, pose.x, pose.y, pose.z, pose.heading));
+  touch();
+  const Activities::Change change(activities_);
+  const Birth birth = lives_.give_birth(reserve, 1, [&pose](std::uint32_t) { return pose; });
+  if (birth.status == BirthStatus::born) places_.index();
+  return birth;
+}
+
+void World::remove(Row row) {
+  activities_.require(Access::change, "remove()");
+  require_row(row, "remove()");
+  restore_fp_environment();  // a library may have changed it: see step()
+  if (!state_.life_table)
+    throw std::logic_error(
+        "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set this "
+        "key when you load the world (in C++: SimulationOptions::mortal; in Python: "
+        "set={\"/mortal\": True}); worlds with a \"reserve\", a device that removes bodies, or an "
+        "intervention \"remove\" need neither");
+  if (!state_.view.is_there(row)) return;
+  touch();
+  lives_.die(row);
+  movement_.count_stalls();
+  places_.index();
+}
+
+bool World::set_disabled(Row row, bool disabled) {
+  activities_.require(Access::change, disabled ? "disable()" : "enable()");
+  require_row(row, disabled ? "disable()" : "enable()");
+  if (!state_.condition_table)
+    throw std::logic_error(fmt::format(
+        "programs cannot disable \"{}\": add \"mortal\": true to the world file, or set this key when you "
+        "load the world (in C++: SimulationOptions::mortal; in Python: set={{\"/mortal\": True}}); worlds "
+        "with faults, or with an intervention \"disable\" or \"enable\", need neither",
+        state_.spec.name(state_.view.body(row))));
+  if (!state_.view.is_there(row) || ((state_.condition(row).out & Condition::k_disabled) != 0) == disabled)
+    return false;
+  touch();
+  interventions_.toggle_disabled(row);
+  return true;
+}
+
+void World::set_command(Row row, const Command& command) {
+  activities_.require(Access::change, "set_command()");
+  require_row(row, "set_command()");
+  touch();
+  state_.tables[WorldState::k_command].as<Command>(row.index()) = command;
+}
+
+std::byte* World::device_command(Row row, const BodyType::Device& device) {
+  require_between_steps("device_command()");
+  require_row(row, "device_command()");
+  if (!device.command_table)
+    throw std::logic_error(fmt::format("device_command(): device \"{}\" ({}) takes no commands", device.name,
+                                       device.kind->name));
+  touch();
+  return state_.tables[*device.command_table].row(state_.slots[row.index()]);
+}
+
+void World::subscribe(BodyId body) {
+  gather_distributed();  // the row may be on another rank
+  const Row row = body.index() < state_.rows.size() ? state_.view.row(body) : Row();
+  require_row(row, "subscribe()");
+  touch();
+  state_.subscribed[row.index()] = 1;
+}
+
+void World::watch_contacts() {
+  activities_.require(Access::listen, "watch_contacts()");
+  if (state_.watches_contacts) return;
+  state_.watches_contacts = true;
+  movement_.find_blocks();
+  if (!state_.contact_table) state_.contacts.resize(state_.row_count());
+  state_.bind_view();
+}
+
+// ---- Reading
+
+std::span<const StateTable> World::tables() const {
+  require_whole();
   gather();
-  return hash_of(parallel_, table, {0, table.rows()});
+  return state_.tables;
+}
+
+std::size_t World::robots() const {
+  gather_distributed();
+  return lives_.robots();
 }
 
 Hashes World::hashes() {
-  require_whole();
-  require_between_steps("hashes()");
-  if (replica_)
-    if (const std::optional<Hashes> sum = replica_->hashes()) return *sum;
+  activities_.require(Access::examine, "hashes()");
+  if (const std::optional<Hashes> sum = ranks_->hashes()) return *sum;
   constexpr std::size_t k_block = 512;  // rows per task, in all tables: a loop per table would cost more
   std::size_t rows = 0;
   for (const StateTable& table : state_.tables) rows = std::max(rows, table.rows());
@@ -498,12 +354,26 @@ Hashes World::hashes() {
   return hashes;
 }
 
-double World::mean_displacement() const {
-  require_whole();
-  ExactSum sum;
-  for (std::size_t r = 0; r < rows(); ++r)
-    if (type(Row(r)).drive && is_there(Row(r))) sum.add((transform(Row(r)).position - origin(Row(r))).norm());
-  return robots_ > 0 ? sum.value() / static_cast<double>(robots_) : 0;
+void World::attach(Ranks* ranks) {
+  ranks_.attach(ranks);
+  ranks_->join(access_);
+}
+
+void World::require_row(Row row, std::string_view call) const {
+  if (row.index() >= state_.row_count()) throw_no_row(row, call);
+}
+
+void World::touch() {
+  activities_.require(Access::touch, {});
+  ranks_->touch();
+}
+
+void World::throw_no_row(Row row, std::string_view call) const {
+  throw std::out_of_range(
+      row.valid()
+          ? fmt::format("{}: found row {}, but the world has {} rows, counted from 0", call, row.value,
+                        state_.row_count())
+          : fmt::format("{}: found no row: static bodies, and bodies that do not exist, have none", call));
 }
 
 }  // namespace troupe::engine

@@ -2,7 +2,6 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
-#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/random_turn.hpp"
@@ -113,6 +112,8 @@ struct Beeclust {
     const double square = brightness * brightness;
     return whole_decisions(params.max_wait * square / (square + params.half), percept.period_s);
   }
+
+  void lint(const engine::LintView& view) const { warns_of_turning(view, scanner, params.min_front); }
 };
 
 }  // namespace
@@ -123,7 +124,5 @@ engine::ControllerKind beeclust_controller() {
       "aggregate where the ground is bright: wait when another robot is met, and wait longer on brighter "
       "ground");
 }
-
-std::string beeclust_always_turns(const std::any& prepared) { return always_turns<Beeclust>(prepared); }
 
 }  // namespace troupe::models

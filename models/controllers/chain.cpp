@@ -4,7 +4,6 @@
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/spec/world_spec.hpp"
-#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -294,6 +293,8 @@ struct Chain {
     }
     return false;
   }
+
+  void lint(const engine::LintView& view) const { warns_of_turning(view, scanner, params.min_front); }
 };
 
 }  // namespace
@@ -302,7 +303,5 @@ engine::ControllerKind chain_controller() {
   return engine::make_controller_kind<Chain>(
       "chain", "find the path from a nest to a prey by forming chains of standing robots");
 }
-
-std::string chain_always_turns(const std::any& prepared) { return always_turns<Chain>(prepared); }
 
 }  // namespace troupe::models

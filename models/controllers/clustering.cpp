@@ -2,7 +2,6 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
-#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/drive_period.hpp"
@@ -102,6 +101,8 @@ struct Clustering {
     memory.turn = static_cast<float>(side * k_turn);
     memory.turn_updates = 1 + whole_decisions(random.uniform(0, k_pi / k_turn), percept.period_s);
   }
+
+  void lint(const engine::LintView& view) const { warns_of_turning(view, scanner, params.min_front); }
 };
 
 }  // namespace
@@ -111,7 +112,5 @@ engine::ControllerKind clustering_controller() {
       "clustering",
       "push pucks together: drive until the pucks ahead are too many to push, then back off and turn");
 }
-
-std::string clustering_always_turns(const std::any& prepared) { return always_turns<Clustering>(prepared); }
 
 }  // namespace troupe::models

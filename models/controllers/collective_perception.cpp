@@ -2,7 +2,6 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
-#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -182,6 +181,8 @@ struct CollectivePerception {
     --memory.turn_updates;
     command = {0, 0, memory.turn};
   }
+
+  void lint(const engine::LintView& view) const { warns_of_turning(view, scanner, params.min_front); }
 };
 
 }  // namespace
@@ -189,10 +190,6 @@ struct CollectivePerception {
 engine::ControllerKind collective_perception_controller() {
   return engine::make_controller_kind<CollectivePerception>(
       "collective_perception", "decide collectively whether more of the floor is black or white");
-}
-
-std::string collective_perception_always_turns(const std::any& prepared) {
-  return always_turns<CollectivePerception>(prepared);
 }
 
 }  // namespace troupe::models

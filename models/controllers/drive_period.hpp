@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/percept.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "models/controllers/decisions.hpp"
 

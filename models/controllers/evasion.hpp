@@ -1,7 +1,8 @@
 #pragma once
 
 #include "base/random.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/commands.hpp"
+#include "engine/kinds/percept.hpp"
 #include "models/controllers/drive_period.hpp"
 #include "models/controllers/scan_ahead.hpp"
 

@@ -2,9 +2,10 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
-#include "models/controllers/always_turns.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "models/controllers/beams.hpp"
 #include "models/controllers/device_choice.hpp"
+#include "models/controllers/scan_ahead.hpp"
 
 #include <fmt/format.h>
 
@@ -160,6 +161,16 @@ struct Expand {
       }
     }
   }
+
+  void lint(const engine::LintView& view) const {
+    if (too_short && !distances_are_set(view))
+      view.warn(engine::LintTopic::decision,
+                fmt::format(
+                    "{} never drives: it drives only while the reading of each beam exceeds the clearance of "
+                    "the beam, but a beam with a clearance of {:.9g} m reads at most {:.9g} m",
+                    engine::device_text("the controller", view.controller_spec().kind, view.type_spec().name),
+                    too_short->clearance, too_short->range_max));
+  }
 };
 
 }  // namespace
@@ -167,15 +178,6 @@ struct Expand {
 engine::ControllerKind expand_controller() {
   return engine::make_controller_kind<Expand>(
       "expand", "disperse: turn towards the vector sum of the ranges, and drive while the way is clear");
-}
-
-std::string expand_always_turns(const std::any& prepared) {
-  const auto* expand = std::any_cast<Expand>(&prepared);
-  if (expand == nullptr || !expand->too_short) return {};
-  return fmt::format(
-      "never drives: it drives only while the reading of each beam exceeds the clearance of the beam, but a "
-      "beam with a clearance of {:.9g} m reads at most {:.9g} m",
-      expand->too_short->clearance, expand->too_short->range_max);
 }
 
 engine::Registry::Preset expand_pioneer_preset() {

@@ -2,7 +2,7 @@
 
 #include "base/math.hpp"
 #include "base/pose.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/controller_kind.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "sensors/fiducial.hpp"
 

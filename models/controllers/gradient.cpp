@@ -1,7 +1,6 @@
 #include "models/controllers/gradient.hpp"
 
 #include "engine/kinds/controller.hpp"
-#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
@@ -172,6 +171,8 @@ struct Gradient {
     command = {forward, 0, command.turn};
     --memory.avoid_updates;
   }
+
+  void lint(const engine::LintView& view) const { warns_of_turning(view, scanner, params.min_front); }
 };
 
 }  // namespace
@@ -181,7 +182,5 @@ engine::ControllerKind gradient_controller() {
       "gradient",
       "settle (stand still) within radio range of settled robots, and count the radio hops to a beacon");
 }
-
-std::string gradient_always_turns(const std::any& prepared) { return always_turns<Gradient>(prepared); }
 
 }  // namespace troupe::models

@@ -2,7 +2,6 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
-#include "models/controllers/always_turns.hpp"
 #include "models/controllers/decisions.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/evasion.hpp"
@@ -160,6 +159,8 @@ struct InformedAggregation {
     const bool turns = memory.turn_updates > 0;
     command = {turns ? 0 : params.speed, 0, turns ? memory.turn : 0.0};
   }
+
+  void lint(const engine::LintView& view) const { warns_of_turning(view, scanner, params.min_front); }
 };
 
 }  // namespace
@@ -167,10 +168,6 @@ struct InformedAggregation {
 engine::ControllerKind informed_aggregation_controller() {
   return engine::make_controller_kind<InformedAggregation>(
       "informed_aggregation", "gather on black or white sites, staying longer the more robots stand there");
-}
-
-std::string informed_aggregation_always_turns(const std::any& prepared) {
-  return always_turns<InformedAggregation>(prepared);
 }
 
 }  // namespace troupe::models

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/controller_kind.hpp"
 
 namespace troupe::models {
 

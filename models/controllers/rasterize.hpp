@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/kinds/controller.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/controller_kind.hpp"
 
 #include <array>
 #include <cstdint>

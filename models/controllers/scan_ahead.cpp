@@ -1,6 +1,6 @@
 #include "models/controllers/scan_ahead.hpp"
 
-#include "models/controllers/always_turns.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "models/controllers/beams.hpp"
 
 #include <fmt/format.h>
@@ -72,12 +72,23 @@ float Scanner::straight_ahead(std::span<const float> ranges) const {
   return least;
 }
 
-std::string always_turns_text(const Scanner& scanner, double distance, std::string_view parameter) {
-  if (distance <= scanner.reach_ahead()) return {};
-  return fmt::format(
-      "always sees an obstacle ahead: it turns away while a reading ahead is below its \"{}\" of {:.9g} m, "
-      "but its ranger reads at most {:.9g} m there",
-      parameter, distance, scanner.reach_ahead());
+bool distances_are_set(const engine::LintView& view) {
+  return view.is_set({"min_front", "stop", "clearance", "clearances"}) ||
+         std::ranges::any_of(view.controller().devices, [&](std::size_t d) {
+           return view.world.is_set(view.type_spec().devices[d].params, {"transducers"});
+         });
+}
+
+bool warns_of_turning(const engine::LintView& view, const Scanner& scanner, double distance,
+                      std::string_view parameter) {
+  if (distance <= scanner.reach_ahead() || distances_are_set(view)) return false;
+  view.warn(
+      engine::LintTopic::decision,
+      fmt::format("{} always sees an obstacle ahead: it turns away while a reading ahead is below its \"{}\" "
+                  "of {:.9g} m, but its ranger reads at most {:.9g} m there",
+                  engine::device_text("the controller", view.controller_spec().kind, view.type_spec().name),
+                  parameter, distance, scanner.reach_ahead()));
+  return true;
 }
 
 }  // namespace troupe::models

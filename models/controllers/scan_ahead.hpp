@@ -1,12 +1,13 @@
 #pragma once
 
 #include "engine/fields/description.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/controller_kind.hpp"
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace troupe::models {
@@ -87,5 +88,16 @@ constexpr void describe_min_front(engine::Description<Params>& d) {
   d.template member<&Params::min_front>("min_front", engine::Unit::meters, at_least(0),
                                         "the robot turns away when a range measured ahead is below this");
 }
+
+/// Whether an intervention changes the distances at which the controller of the view reacts to obstacles, or
+/// the ranges that it reads.
+bool distances_are_set(const engine::LintView& view);
+/// Warns of a controller whose robots turn away all the time, because its ranger reads at most a distance at
+/// which they already turn away, unless distances_are_set(). Returns whether it warned.
+///
+/// distance: the controller turns away while a reading ahead is below this, m
+/// parameter: name of the parameter that gives `distance`
+bool warns_of_turning(const engine::LintView& view, const Scanner& scanner, double distance,
+                      std::string_view parameter = "min_front");
 
 }  // namespace troupe::models

@@ -1,7 +1,6 @@
 #include "models/controllers/wander.hpp"
 
 #include "engine/kinds/controller.hpp"
-#include "models/controllers/always_turns.hpp"
 #include "models/controllers/device_choice.hpp"
 #include "models/controllers/scan_ahead.hpp"
 
@@ -65,6 +64,11 @@ struct Wander {
     }
     --memory.avoid_updates;
   }
+
+  void lint(const engine::LintView& view) const {
+    if (!warns_of_turning(view, scanner, params.min_front))
+      warns_of_turning(view, scanner, params.stop, "stop");
+  }
 };
 
 }  // namespace
@@ -72,13 +76,6 @@ struct Wander {
 engine::ControllerKind wander_controller() {
   return engine::make_controller_kind<Wander>(
       "wander", "drive about, and turn away from obstacles that the ranger sees ahead");
-}
-
-std::string wander_always_turns(const std::any& prepared) {
-  const auto* wander = std::any_cast<Wander>(&prepared);
-  if (wander == nullptr) return {};
-  const std::string text = always_turns_text(wander->scanner, wander->params.min_front, "min_front");
-  return text.empty() ? always_turns_text(wander->scanner, wander->params.stop, "stop") : text;
 }
 
 }  // namespace troupe::models

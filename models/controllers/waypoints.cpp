@@ -2,6 +2,7 @@
 
 #include "base/math.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "engine/spec/ticks.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "models/controllers/drive_period.hpp"
@@ -11,8 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <any>
-#include <string>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -145,6 +145,8 @@ struct Waypoints {
     else
       actions.go_to(goal.pose.x, goal.pose.y, goal.pose.heading);
   }
+
+  void lint(const engine::LintView& view) const;
 
  private:
   /// Ticks from one decision to the next. The controller uses no devices, so it decides when the drive of the
@@ -295,23 +297,29 @@ struct Waypoints {
   }
 };
 
-}  // namespace
-
-std::string goal_outside(const std::any& prepared, const Pose& origin, const Box& bounds) {
-  const auto* controller = std::any_cast<Waypoints>(&prepared);
-  if (controller == nullptr) return {};
-  const std::vector<Goal>& goals = controller->params.goals;
-  const Box reached = bounds.expanded(controller->params.near);
-  for (std::size_t i = 0; i < goals.size(); ++i) {
-    const Vec2 at = compose(origin, goals[i].pose).position();
-    if (!reached.contains(at))
-      return fmt::format(
-          "never reaches its goal {} (counted from 1): the goal is at ({:.4g}, {:.4g}) m, outside of the "
-          "bounds of the world, ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m",
-          i + 1, at.x(), at.y(), bounds.min.x(), bounds.min.y(), bounds.max.x(), bounds.max.y());
+/// Warns of the first goal that is outside of the bounds of the world by more than `near`. Odometry may place
+/// a goal anywhere, a part with `wheels` may leave the bounds, and an intervention may give other goals
+/// before the robot is to reach these.
+void Waypoints::lint(const engine::LintView& view) const {
+  const std::optional<engine::BodyType::Drive>& drive = view.body_type().drive;
+  if (!view.world.spec.bounds || !drive || drive->localization.kind != engine::Localization::Kind::gps ||
+      view.controller().drive || view.is_set({"goals", "near"}))
+    return;
+  const Box& bounds = *view.world.spec.bounds;
+  const Box reached = bounds.expanded(params.near);
+  for (std::size_t i = 0; i < params.goals.size(); ++i) {
+    const Vec2 at = compose(drive->localization.origin.value_or(Pose()), params.goals[i].pose).position();
+    if (reached.contains(at)) continue;
+    return view.warn(
+        engine::LintTopic::goal,
+        fmt::format("{} never reaches its goal {} (counted from 1): the goal is at ({:.4g}, {:.4g}) m, "
+                    "outside of the bounds of the world, ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m",
+                    engine::device_text("the controller", view.controller_spec().kind, view.type_spec().name),
+                    i + 1, at.x(), at.y(), bounds.min.x(), bounds.min.y(), bounds.max.x(), bounds.max.y()));
   }
-  return {};
 }
+
+}  // namespace
 
 engine::ControllerKind waypoints_controller() {
   engine::ControllerKind kind =

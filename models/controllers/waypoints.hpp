@@ -1,11 +1,6 @@
 #pragma once
 
-#include "base/geometry.hpp"
-#include "base/pose.hpp"
-#include "engine/kinds/kinds.hpp"
-
-#include <any>
-#include <string>
+#include "engine/kinds/controller_kind.hpp"
 
 namespace troupe::models {
 
@@ -30,13 +25,5 @@ namespace troupe::models {
 /// late   Other bodies and walls block the robot as usual. If this makes the robot late for an exact goal, it
 ///        moves as fast as its drive can until it is on time. It skips no goal.
 engine::ControllerKind waypoints_controller();
-
-/// Returns why a robot never reaches one of its goals, as a text that continues the words `controller
-/// "NAME"`: the goal is farther than the parameter `near` outside of `bounds`, a box in the world frame. The
-/// result is empty if there is no such goal, or if the controller is no `waypoints`.
-///
-/// prepared: data of a controller (ControllerKind::Prepared::data)
-/// origin: pose of the frame of the goals in the world frame
-std::string goal_outside(const std::any& prepared, const Pose& origin, const Box& bounds);
 
 }  // namespace troupe::models

@@ -1,6 +1,6 @@
 #include "models/devices/actuator.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/kinds/step_error.hpp"
 #include "engine/sensing/sensing_view.hpp"
 

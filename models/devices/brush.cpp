@@ -1,8 +1,8 @@
 #include "models/devices/brush.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/links/effect_views.hpp"
 #include "engine/sensing/shown_color.hpp"
-#include "engine/world/world.hpp"
 #include "sensors/ground.hpp"
 
 #include <algorithm>
@@ -13,7 +13,6 @@ namespace {
 using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
-using engine::World;
 
 struct Brush {
   using Params = sensors::GroundParams;
@@ -51,10 +50,9 @@ struct Brush {
 
   /// Paints a zone: a part of the body effect.target. effect.verb is the index of this part, and
   /// effect.payload holds the colour (red, green, blue).
-  void apply(World& world, const engine::Effect& effect) const {
-    const Row target = world.row(effect.target);
-    const BodyType::Device* device = engine::color_device(world.type(target), effect.verb);
-    const auto shown = world.state(*device).cell<float>(world.slot(target), 0);
+  void apply(engine::DeviceExchange bodies, const engine::Effect& effect) const {
+    const BodyType::Device* device = engine::color_device(bodies.target_type(), effect.verb);
+    const auto shown = bodies.table_of(*device).cell<float>(bodies.target_slot(), 0);
     bool is_new = false;
     for (std::size_t k = 0; k < 3; ++k) {
       const double given = effect.payload[k];
@@ -62,9 +60,7 @@ struct Brush {
       is_new = is_new || shown[k] != part;
       shown[k] = part;
     }
-    const Row source = world.row(effect.source);
-    const BodyType::Device& brush = world.type(source).devices[effect.device];
-    world.state(brush).as<BrushState>(world.slot(source)).painted += is_new;
+    bodies.state<BrushState>().painted += is_new;
   }
 };
 

@@ -1,7 +1,7 @@
 #include "models/devices/flags.hpp"
 
-#include "engine/kinds/device_kind.hpp"
-#include "engine/world/world.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/links/effect_views.hpp"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,6 @@ using engine::DeviceKind;
 using engine::Effect;
 using engine::Element;
 using engine::StateTable;
-using engine::World;
 
 constexpr double k_most_flags = 1000;
 
@@ -60,14 +59,12 @@ class FlagList {
   std::span<float> sizes_;
 };
 
-/// The list of flags of a body: its first device of the kind `kind`. Returns nothing if the body is not in
-/// the world or has no such device.
-std::optional<FlagList> flags_of(World& world, BodyId body, const DeviceKind* kind) {
-  if (body.index() >= world.spec().bodies.size() || !world.row(body).valid()) return {};
-  const Row row = world.row(body);
-  if (!world.is_there(row)) return {};
-  for (const engine::BodyType::Device& device : world.type(row).devices)
-    if (device.kind == kind) return FlagList(world.state(device), world.slot(row));
+/// The list of flags of the target of an effect: its first device of the same kind. Returns nothing if the
+/// target is not in the world or has no such device.
+std::optional<FlagList> flags_of_target(const engine::DeviceExchange& bodies) {
+  if (!bodies.has_target()) return {};
+  for (const engine::BodyType::Device& device : bodies.target_type().devices)
+    if (device.kind == bodies.device().kind) return FlagList(bodies.table_of(device), bodies.target_slot());
   return {};
 }
 
@@ -136,11 +133,9 @@ struct Flags {
     }
   }
 
-  void apply(World& world, const Effect& effect) const {
-    const Row row = world.row(effect.source);
-    const engine::BodyType::Device& device = world.type(row).devices[effect.device];
-    FlagList own(world.state(device), world.slot(row));
-    std::optional<FlagList> other = flags_of(world, effect.target, device.kind);
+  void apply(engine::DeviceExchange bodies, const Effect& effect) const {
+    FlagList own(bodies.table(), bodies.slot());
+    std::optional<FlagList> other = flags_of_target(bodies);
     if (!other || effect.target == effect.source) return;
     const bool takes = effect.verb == FlagCommand::take;
     FlagList& from = takes ? *other : own;

@@ -2,7 +2,7 @@
 
 #include "engine/fields/description.hpp"
 #include "engine/kinds/controller.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_kind.hpp"
 
 #include <cstdint>
 

@@ -1,9 +1,10 @@
 #include "models/devices/gripper.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/links/effect_views.hpp"
 #include "engine/links/shape_buffer.hpp"
 #include "engine/observing/frame.hpp"
-#include "engine/world/world.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "partition/placed_shape.hpp"
 
 #include <fmt/format.h>
@@ -20,7 +21,6 @@ using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Mount;
 using engine::SensingView;
-using engine::World;
 
 constexpr double k_rate = 0.5;  // 1/s: 2 s from end to end
 // Distances of the inner and the outer beam behind the tips of the paddles, as fractions of size.x.
@@ -87,8 +87,9 @@ struct Gripper {
   void start(State& row) const;
   void act(const DeviceBatch& batch) const;
   void joints_moved(const DeviceBatch& batch) const;
-  void apply(World& world, const engine::Effect& effect) const;
+  void apply(engine::Gripping gripping, const engine::Effect& effect) const;
   void draw(const engine::DeviceView& view, engine::Frame& frame) const;
+  void lint(const engine::LintView& view) const;
 };
 
 Solid block(double x0, double x1, double y0, double y1, double height) {
@@ -336,25 +337,25 @@ void Gripper::joints_moved(const DeviceBatch& batch) const {
 
 /// Grips or releases the body effect.target. Before it grips the body, it tests the contact again, because
 /// the gripper and the body may have moved since act().
-void Gripper::apply(World& world, const engine::Effect& effect) const {
-  const Row row = world.row(effect.source);
-  const bool is_body = effect.target.index() < world.spec().bodies.size();  // a restored state may be wrong
-  const Row target = is_body ? world.row(effect.target) : Row();
-  const engine::BodyType::Device& device = world.type(row).devices[effect.device];
-  auto& state = world.state(device).as<GripperState>(world.slot(row));
+void Gripper::apply(engine::Gripping gripping, const engine::Effect& effect) const {
+  const engine::CommittedView& view = gripping.view();
+  const Row target = gripping.target();
+  const engine::BodyType::Device& device = gripping.device();
+  auto& state = gripping.state<GripperState>();
   if (effect.verb == k_release) {
-    if (target.valid() && world.carrier(target) == effect.source) world.release(target);
+    // A restored state may be wrong.
+    if (target.valid() && view.carrier(target) == effect.source) gripping.release();
     state.held = 0;
     finish(state);
     return;
   }
-  const Mount frame = compose(world.mount(row, device.joint), place);
-  const Hand hand(world.view(), *this, state, row, frame);
-  const partition::PlacedShape shape = placed_grip(world.view(), target);
+  const Mount frame = compose(view.mount(gripping.row(), device.joint), place);
+  const Hand hand(view, *this, state, gripping.row(), frame);
+  const partition::PlacedShape shape = placed_grip(view, target);
   const double closer =
-      towards(state.paddle_position, 1, k_rate * world.tick_s() * static_cast<double>(device.period));
+      towards(state.paddle_position, 1, k_rate * view.tick_s() * static_cast<double>(device.period));
   if (!hand.touches(shape, 1, closer) && !hand.touches(shape, -1, closer)) return;
-  const bool has_it = world.attach(target, row, device.moves);
+  const bool has_it = gripping.attach(device.moves);
   state.taken = !has_it;
   if (!has_it) return;
   state.held = effect.target.value + 1;
@@ -376,7 +377,7 @@ void Gripper::draw(const engine::DeviceView& view, engine::Frame& frame) const {
   }
   // If the gripper has not run since the held body died, its state still names this body.
   const BodyId own(std::size_t{frame.mobile[view.body].id});
-  if (state.held == 0 || has_lost(view.world.view(), own, state)) return;
+  if (state.held == 0 || has_lost(view.world, own, state)) return;
   const Pose held = view.world.pose(BodyId(std::size_t{state.held} - 1));
   frame.grips.push_back({FrameTie::Kind::holds, view.at(0, 0, lifted), {held.x, held.y, held.z}});
 }
@@ -405,6 +406,28 @@ void Gripper::start(State& row) const {
   row.lift = starts_up() ? State::is_up : State::is_down;
   row.paddle_position = row.asked_paddle = starts_closed();
   row.lift_position = row.asked_lift = starts_up();
+}
+
+// ---- lint
+
+/// The number of bodies that grippers can hold.
+struct GrippableBodies {
+  std::size_t count = 0;
+
+  explicit GrippableBodies(const engine::LintWorld& world) {
+    for (std::size_t t = 0; t < world.types.size(); ++t)
+      if (engine::can_be_gripped(world.spec.types[t])) count += world.bodies[t];
+  }
+};
+
+/// Warns if the gripper can hold no other body.
+void Gripper::lint(const engine::LintView& view) const {
+  const std::size_t own = engine::can_be_gripped(view.type_spec()) ? 1 : 0;
+  if (view.world.shared<GrippableBodies>().count == own)
+    view.warn(engine::LintTopic::grip,
+              fmt::format(
+                  "{} can hold nothing: no other body has \"gripper_return\"",
+                  engine::device_text(view.device().kind->name, view.device().name, view.body_type().name)));
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include "engine/fields/description.hpp"
 #include "engine/kinds/controller.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_kind.hpp"
 
 namespace troupe::models {
 
@@ -47,7 +47,7 @@ struct GripperState {
   std::uint8_t paddles = is_open;  ///< state of the paddles, one of Paddles
   std::uint8_t lift = is_down;     ///< state of the lift, one of Lift
   std::uint8_t stalled = 0;        ///< 1: the motion of the gripper in this tick was blocked
-  std::uint8_t taken = 0;          ///< 1: a body could not be gripped: World::attach() returned false
+  std::uint8_t taken = 0;          ///< 1: a body could not be gripped: Gripping::attach() returned false
   std::uint8_t beam_inner = 0;     ///< 1: a body with gripper_return breaks the beam near the base
   std::uint8_t beam_outer = 0;     ///< 1: a body with gripper_return breaks the beam near the tips
   std::uint8_t contact_left = 0;   ///< 1: a body with gripper_return touches the left paddle's inner face

@@ -1,6 +1,6 @@
 #include "models/devices/led.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 
 #include <algorithm>
 

@@ -2,11 +2,9 @@
 
 #include "engine/fields/description.hpp"
 #include "engine/kinds/controller.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/device_kind.hpp"
 
-#include <any>
 #include <cstdint>
-#include <optional>
 
 namespace troupe::models {
 
@@ -104,16 +102,6 @@ struct PowerContactState {
 /// none      Contacts of the same body exchange no energy. Contacts of bodies that move together (one carries
 ///           the other, or a third body carries both) do not exchange energy either.
 engine::DeviceKind power_contact_kind();
-
-/// What a power contact can do.
-struct Contact {
-  double give = 0;           ///< its parameter `give`, W
-  double take = 0;           ///< its parameter `take`, W
-  bool has_outline = false;  ///< false: its part has no solids, so that it touches no other contact
-};
-/// Returns what a power contact can do; nothing if the device is not a power contact. prepared: the data of a
-/// device of a world (DeviceKind::Prepared::data).
-std::optional<Contact> power_contact(const std::any& prepared);
 
 /// Two power contacts touch if their outlines are at most this far apart, m. The value is the width of the
 /// grid cells with which Stage detects that bodies touch.

@@ -1,14 +1,19 @@
-#include "engine/kinds/device_kind.hpp"
 #include "engine/kinds/energy.hpp"
-#include "engine/world/world.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/links/effect_views.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "models/devices/lowest.hpp"
 #include "models/devices/power.hpp"
 #include "partition/closeness.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <any>
-#include <optional>
+#include <set>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 namespace troupe::models {
 namespace {
@@ -18,7 +23,6 @@ using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Effect;
 using engine::SensingView;
-using engine::World;
 using partition::PlacedShape;
 
 struct PowerContact {
@@ -51,7 +55,8 @@ struct PowerContact {
   Result<> bind_part(const engine::TypeSpec& type, std::uint32_t part);
   double reach_m() const { return shape.radius + k_contact_m; }
   void act(const DeviceBatch& batch) const;
-  void apply(World& world, const Effect& effect) const;
+  void apply(engine::DeviceExchange bodies, const Effect& effect) const;
+  void lint(const engine::LintView& view) const;
 };
 
 const PowerContact* as_contact(const BodyType::Device& device) {
@@ -116,17 +121,12 @@ void PowerContact::act(const DeviceBatch& batch) const {
   }
 }
 
-/// State of the power pack that supplies `contact`, a device of the body in `row`.
-PowerPackState& pack_of(World& world, Row row, const BodyType::Device& contact) {
-  return world.state(world.type(row).devices[*contact.supply]).as<PowerPackState>(world.slot(row));
-}
-
-void PowerContact::apply(World& world, const Effect& effect) const {
-  const Row giver_row = world.row(effect.source);
-  const Row taker_row = world.row(effect.target);
-  const BodyType::Device& taking = world.type(taker_row).devices[static_cast<std::size_t>(effect.payload[0])];
-  PowerPackState& giver = pack_of(world, giver_row, world.type(giver_row).devices[effect.device]);
-  PowerPackState& taker = pack_of(world, taker_row, taking);
+void PowerContact::apply(engine::DeviceExchange bodies, const Effect& effect) const {
+  const std::vector<BodyType::Device>& devices = bodies.target_type().devices;
+  const BodyType::Device& taking = devices[static_cast<std::size_t>(effect.payload[0])];
+  const BodyType::Device& own_pack = bodies.own_type().devices[*bodies.device().supply];
+  auto& giver = bodies.table_of(own_pack).as<PowerPackState>(bodies.slot());
+  auto& taker = bodies.table_of(devices[*taking.supply]).as<PowerPackState>(bodies.target_slot());
   if (taker.infinite != 0) return;
   const double watts = std::min(params.give, as_contact(taking)->params.take);
   double joules = std::min(watts * effect.payload[1], taker.capacity - taker.stored);
@@ -139,13 +139,49 @@ void PowerContact::apply(World& world, const Effect& effect) const {
   taker.charging = 1;
 }
 
-}  // namespace
+/// The types with contacts that give, and with contacts that take or may take after an intervention.
+struct Exchange {
+  std::vector<std::uint32_t> givers;
+  std::vector<std::uint32_t> takers;
+  std::set<std::uint32_t> changed;  // types with parameters that interventions change, such as `take`
 
-std::optional<Contact> power_contact(const std::any& prepared) {
-  const auto* contact = std::any_cast<PowerContact>(&prepared);
-  if (contact == nullptr) return {};
-  return Contact{contact->params.give, contact->params.take, !contact->shape.empty()};
+  explicit Exchange(const engine::LintWorld& world) {
+    for (const engine::InterventionSpec& at : world.spec.experiment.at)
+      if (at.setting) changed.insert(at.setting->type.value);
+    world.for_devices<PowerContact>([&](std::uint32_t type, std::size_t, const PowerContact& contact) {
+      if (contact.params.give > 0) givers.push_back(type);
+      if (takes(contact, type)) takers.push_back(type);
+    });
+  }
+  bool takes(const PowerContact& contact, std::uint32_t type) const {
+    return contact.params.take > 0 || changed.contains(type);
+  }
+};
+
+/// Warns if the contact can exchange no energy.
+void PowerContact::lint(const engine::LintView& view) const {
+  const Exchange& exchange = view.world.shared<Exchange>();
+  const bool gives = params.give > 0;
+  const bool takes = exchange.takes(*this, view.type);
+  std::string_view why;
+  if (!gives && !takes)
+    why = "it has neither \"give_W\" nor \"take_W\"";
+  else if (shape.empty())
+    why =
+        "the part that carries it has no shape, so that nothing touches it: give the part a size, or mount "
+        "the contact on another part";
+  else if (!(gives && view.has_other_of(exchange.takers)) && !(takes && view.has_other_of(exchange.givers)))
+    why = gives && takes ? "no other body has a power contact"
+          : gives        ? "no other body has a power contact with \"take_W\""
+                         : "no other body has a power contact with \"give_W\"";
+  if (!why.empty())
+    view.warn(engine::LintTopic::charging,
+              fmt::format(
+                  "{} exchanges no energy: {}",
+                  engine::device_text("power contact", view.device_spec().name, view.type_spec().name), why));
 }
+
+}  // namespace
 
 DeviceKind power_contact_kind() {
   return engine::make_device_kind<PowerContact>(

@@ -1,7 +1,10 @@
-#include "engine/kinds/device_kind.hpp"
 #include "engine/kinds/energy.hpp"
-#include "engine/world/world.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/links/effect_views.hpp"
+#include "engine/observing/lint_view.hpp"
 #include "models/devices/power.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -107,9 +110,8 @@ struct PowerPack {
     }
   }
 
-  void apply(engine::World& world, const engine::Effect& effect) const {
-    const Row row = world.row(effect.source);
-    auto& state = world.state(world.type(row).devices[effect.device]).as<State>(world.slot(row));
+  void apply(engine::OwnDevice own, const engine::Effect& effect) const {
+    auto& state = own.state<State>();
     state.charging = state.received > effect.payload[0];
   }
 
@@ -119,6 +121,18 @@ struct PowerPack {
   static engine::Energy energy(const State& state) {
     return {state.stored, state.capacity,      state.dissipated,   state.received,
             state.given,  state.infinite != 0, state.charging != 0};
+  }
+
+  /// Warns if the pack can hold no energy and therefore stops everything that it supplies.
+  void lint(const engine::LintView& view) const {
+    if (params.infinite || params.capacity > 0 || params.when_empty == WhenEmpty::nothing) return;
+    const std::string& name = view.device().name;
+    const std::string& type = view.body_type().name;
+    view.warn(engine::LintTopic::energy,
+              fmt::format("{} can hold no energy: its capacity is 0 J, so everything that it supplies is "
+                          "stopped for the whole run",
+                          name.empty() ? engine::device_text(view.device().kind->name, name, type)
+                                       : fmt::format("\"{}\" of \"{}\"", name, type)));
   }
 };
 

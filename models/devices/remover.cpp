@@ -1,6 +1,6 @@
 #include "models/devices/remover.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/sensing/sensing_view.hpp"
 #include "models/devices/lowest.hpp"
 

@@ -1,9 +1,9 @@
 #include "models/devices/spawner.hpp"
 
 #include "base/math.hpp"
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
+#include "engine/links/effect_views.hpp"
 #include "engine/spec/ticks.hpp"
-#include "engine/world/world.hpp"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,6 @@ using engine::BodyType;
 using engine::DeviceBatch;
 using engine::DeviceKind;
 using engine::Mount;
-using engine::World;
 
 /// Number of periods of `every_s` seconds that have ended since the spawner last ran. The first period begins
 /// with the birth of the spawner's body, in `row`. own_period: number of ticks since the spawner last ran.
@@ -147,10 +146,8 @@ struct Spawner {
     }
   }
 
-  void born(World& world, const engine::Effect& effect, const engine::Birth& birth) const {
-    const Row row = world.row(effect.source);
-    const BodyType::Device& device = world.type(row).devices[effect.device];
-    auto& state = world.state(device).as<SpawnerState>(world.slot(row));
+  void born(engine::OwnDevice own, const engine::Effect&, const engine::Birth& birth) const {
+    auto& state = own.state<SpawnerState>();
     state.status = static_cast<std::uint8_t>(birth.status);
     switch (birth.status) {
       case BirthStatus::born:

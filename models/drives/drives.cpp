@@ -1,12 +1,14 @@
 #include "models/drives/drives.hpp"
 
 #include "base/pose.hpp"
-#include "engine/kinds/drive_kind.hpp"
+#include "engine/kinds/make_drive_kind.hpp"
+#include "engine/observing/lint_view.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <string_view>
 
 namespace troupe::models {
@@ -153,6 +155,32 @@ struct Car {
   }
 };
 
+/// Warns of a drive whose limits exclude 0, so that the robot moves although its command is 0, and of a drive
+/// that drives backwards but never forwards. rest, forwards, backwards: the velocities for the command 0 and
+/// for great speeds
+void lint_limits(const engine::LintView& view, const Velocity& rest, const Velocity& forwards,
+                 const Velocity& backwards) {
+  if (view.is_set(
+          {"velocity_min_x", "velocity_max_x", "velocity_min_y", "velocity_max_y", "turn_min", "turn_max"}))
+    return;
+  std::string moves;
+  const auto add = [&](std::string_view what, double speed, std::string_view unit) {
+    if (speed != 0)
+      moves += fmt::format("{}a {} of {:.10g} {}", moves.empty() ? "" : " and ", what, speed, unit);
+  };
+  add("forward speed", rest.x, "m/s");
+  add("speed to the left", rest.y, "m/s");
+  add("turn rate", rest.turn, "rad/s");
+  const std::string drive =
+      engine::device_text("the drive", view.body_type().drive->kind->name, view.body_type().name);
+  if (!moves.empty())
+    view.warn(engine::LintTopic::drive,
+              fmt::format("{} cannot stand still: if the command is 0, its limits give {}", drive, moves));
+  else if (forwards.x == 0 && backwards.x < 0)
+    view.warn(engine::LintTopic::drive,
+              drive + " can only drive backwards: its limits exclude forward speeds");
+}
+
 const DriveParams& common(const DriveParams& params) { return params; }
 const DriveParams& common(const CarParams& params) { return params.drive; }
 
@@ -188,6 +216,11 @@ struct Driving {
         case ControlMode::position: v = Law::go_to(its, command, batch.estimates[i], batch.elapsed_s); break;
       }
     }
+  }
+
+  void lint(const engine::LintView& view) const {
+    constexpr double k_fast = 1e9;  // m/s
+    lint_limits(view, Law::speed(its, {}), Law::speed(its, {k_fast}), Law::speed(its, {-k_fast}));
   }
 };
 

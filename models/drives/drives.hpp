@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/conflicts/conflicts.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/components.hpp"
+#include "engine/kinds/drive_kind.hpp"
 #include "engine/kinds/localization.hpp"
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "models/drives/wheels.hpp"
 
-#include "engine/kinds/device_kind.hpp"
 #include "engine/kinds/finite.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/kinds/step_error.hpp"
 #include "engine/sensing/sensing_view.hpp"
 

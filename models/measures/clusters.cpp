@@ -1,6 +1,6 @@
 #include "models/measures/clusters.hpp"
 
-#include "engine/world/world.hpp"
+#include "engine/rows/measured_world.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,8 +14,8 @@ namespace troupe::models {
 namespace {
 
 using engine::Measure;
+using engine::MeasuredWorld;
 using engine::Unit;
-using engine::World;
 
 /// The bodies whose clusters are counted.
 enum class Bodies : std::uint8_t { pushable, robots };
@@ -40,7 +40,7 @@ class Clusters : public Measure {
     }
   };
 
-  Clusters(const World& world, const Params& params, const std::vector<BodyId>& robots)
+  Clusters(const MeasuredWorld& world, const Params& params, const std::vector<BodyId>& robots)
       : distance_(params.distance),
         parents_(world.rows()),
         sizes_(world.rows()),
@@ -63,7 +63,7 @@ class Clusters : public Measure {
     std::size_t clusters = 0;
     std::size_t largest = 0;
   };
-  Count count(const World& world) {
+  Count count(const MeasuredWorld& world) {
     std::iota(parents_.begin(), parents_.end(), 0u);
     std::ranges::fill(sizes_, 0u);
     for (std::size_t row = 0; row < world.rows(); ++row)
@@ -105,13 +105,13 @@ class Clusters : public Measure {
 class ClusterCount : public Clusters {
  public:
   using Clusters::Clusters;
-  double value(World& world) override { return static_cast<double>(count(world).clusters); }
+  double value(const MeasuredWorld& world) override { return static_cast<double>(count(world).clusters); }
 };
 
 class LargestCluster : public Clusters {
  public:
   using Clusters::Clusters;
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     const Count found = count(world);
     if (found.bodies == 0) return std::numeric_limits<double>::quiet_NaN();
     return static_cast<double>(found.largest) / static_cast<double>(found.bodies);

@@ -2,7 +2,7 @@
 
 #include "base/limits.hpp"
 #include "base/number_text.hpp"
-#include "engine/observing/measures.hpp"
+#include "engine/observing/robot_sums.hpp"
 
 #include <fmt/format.h>
 
@@ -21,14 +21,14 @@ namespace troupe::models {
 namespace {
 
 using engine::Measure;
+using engine::MeasuredWorld;
 using engine::Unit;
-using engine::World;
 
 constexpr double k_most_cells = 25e6;  // each takes two bytes of memory
 
 /// The box whose cells are counted, m, world frame. It is the bounds of the world or, if the world has none,
 /// the box around the static scene and the start positions of the robots.
-Box ground_of(const World& world, std::span<const BodyId> robots) {
+Box ground_of(const MeasuredWorld& world, std::span<const BodyId> robots) {
   if (world.spec().bounds) return *world.spec().bounds;
   Box box = world.scene().bounds();
   for (const BodyId body : robots)
@@ -47,7 +47,7 @@ class Coverage : public Measure {
     }
   };
 
-  Coverage(const World& world, const Params& params, std::vector<BodyId> robots)
+  Coverage(const MeasuredWorld& world, const Params& params, std::vector<BodyId> robots)
       : robots_(std::move(robots)), grid_{params.cell, 0} {
     const Box ground = ground_of(world, robots_);
     if (ground.empty()) return;
@@ -73,7 +73,7 @@ class Coverage : public Measure {
     free_cells_ = static_cast<std::size_t>(std::ranges::count(free_, 1));
   }
 
-  void see(World& world) override {
+  void see(const MeasuredWorld& world) override {
     constexpr std::size_t k_block = 4096;
     world.parallel().for_batches(robots_.size(), k_block, [&](std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i)
@@ -81,7 +81,7 @@ class Coverage : public Measure {
     });
   }
 
-  double value(World&) override {
+  double value(const MeasuredWorld&) override {
     if (free_cells_ == 0) return std::numeric_limits<double>::quiet_NaN();
     std::size_t both = 0;
     for (std::size_t i = 0; i < free_.size(); ++i) both += free_[i] & visited_[i];

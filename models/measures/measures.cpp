@@ -1,6 +1,6 @@
 #include "models/measures/measures.hpp"
 
-#include "engine/observing/measures.hpp"
+#include "engine/observing/robot_sums.hpp"
 #include "engine/observing/sensed_rows.hpp"
 
 #include <fmt/format.h>
@@ -20,29 +20,29 @@ namespace troupe::models {
 namespace {
 
 using engine::Measure;
+using engine::MeasuredWorld;
 using engine::StateTable;
 using engine::Unit;
-using engine::World;
 
 /// Base of the measures that are counts or means over a list of robots.
 class OfRobots : public Measure {
  public:
-  OfRobots(const World&, std::vector<BodyId> robots) : robots_(std::move(robots)) {}
+  OfRobots(const MeasuredWorld&, std::vector<BodyId> robots) : robots_(std::move(robots)) {}
 
  protected:
   std::span<const BodyId> robots() const { return robots_; }
   /// The present row of robots()[i].
-  Row row(const World& world, std::size_t i) const { return world.row(robots_[i]); }
+  Row row(const MeasuredWorld& world, std::size_t i) const { return world.row(robots_[i]); }
   /// Mean of term(i) over those robots()[i] that are in the world; NaN if there are none.
   template <class Term>
-  double mean(World& world, Term&& term) const {
+  double mean(const MeasuredWorld& world, Term&& term) const {
     const auto is_there = [&](std::size_t i) { return world.is_there(row(world, i)); };
     return mean_of_some(world, engine::count_there(world, robots_), is_there, term);
   }
   /// Mean of term(i) over the robots()[i] for which counts(i) is true. `count` is the number of these robots.
   /// NaN if `count` is 0.
   template <class Counts, class Term>
-  double mean_of_some(World& world, std::size_t count, Counts&& counts, Term&& term) const {
+  double mean_of_some(const MeasuredWorld& world, std::size_t count, Counts&& counts, Term&& term) const {
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
     const double sum = engine::exact_sum(
         world, robots_.size(), [&](std::size_t i) { return counts(i) ? static_cast<double>(term(i)) : 0.0; });
@@ -50,7 +50,7 @@ class OfRobots : public Measure {
   }
   /// Number of robots for whose rows holds(row) is true.
   template <class Holds>
-  double count(const World& world, Holds&& holds) const {
+  double count(const MeasuredWorld& world, Holds&& holds) const {
     return static_cast<double>(
         std::ranges::count_if(robots_, [&](BodyId id) { return holds(world.row(id)); }));
   }
@@ -62,7 +62,7 @@ class OfRobots : public Measure {
 class Stalls : public OfRobots {
  public:
   using OfRobots::OfRobots;
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     return count(world, [&](Row row) { return world.stalled(row); });
   }
 };
@@ -70,15 +70,15 @@ class Stalls : public OfRobots {
 class Held : public OfRobots {
  public:
   using OfRobots::OfRobots;
-  double value(World& world) override {
-    return count(world, [&](Row row) { return world.is_out_of_bounds(row); });
+  double value(const MeasuredWorld& world) override {
+    return count(world, [&](Row row) { return world.stall(row) == engine::Stall::out_of_bounds; });
   }
 };
 
 class Displacement : public OfRobots {
  public:
   using OfRobots::OfRobots;
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     return mean(world, [&](std::size_t i) {
       const Row row = this->row(world, i);
       return (world.transform(row).position - world.origin(row)).norm();
@@ -88,7 +88,7 @@ class Displacement : public OfRobots {
 
 class PathLength : public OfRobots {
  public:
-  PathLength(const World& world, std::vector<BodyId> robots)
+  PathLength(const MeasuredWorld& world, std::vector<BodyId> robots)
       : OfRobots(world, std::move(robots)), lengths_(this->robots().size(), 0), tick_(world.tick()) {
     for (std::size_t i = 0; i < lengths_.size(); ++i) {
       places_.push_back(world.transform(row(world, i)).position);
@@ -96,7 +96,7 @@ class PathLength : public OfRobots {
     }
   }
 
-  void see(World& world) override {
+  void see(const MeasuredWorld& world) override {
     // The order matters: a program may move a robot after its birth and before its first tick.
     if (world.has_lives()) for_robots(world, [&](std::size_t i) { begin_life(world, i); });
     if (world.tick() != tick_) set_out_from(world, world.placed_before_step());
@@ -107,7 +107,7 @@ class PathLength : public OfRobots {
       places_[i] = place;
     });
   }
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     return mean(world, [&](std::size_t i) { return lengths_[i]; });
   }
   // Checkpoints contain neither places_ nor was_there_: the constructor reads them from the restored state.
@@ -116,7 +116,7 @@ class PathLength : public OfRobots {
  private:
   /// Calls work(i) for the index i of each robot, on several threads.
   template <class Work>
-  void for_robots(World& world, Work&& work) {
+  void for_robots(const MeasuredWorld& world, Work&& work) {
     constexpr std::size_t k_block = 4096;
     world.parallel().for_batches(lengths_.size(), k_block, [&](std::size_t first, std::size_t end) {
       for (std::size_t i = first; i < end; ++i) work(i);
@@ -125,7 +125,7 @@ class PathLength : public OfRobots {
   /// Corrects places_[i], the point from which see() measures the motion of robot i in this tick. If the
   /// robot was born since see() last ran, this point becomes its birthplace. If the robot is not in the
   /// world, this point becomes its present position, so that its path does not grow.
-  void begin_life(const World& world, std::size_t i) {
+  void begin_life(const MeasuredWorld& world, std::size_t i) {
     const Row row = this->row(world, i);
     const bool is_there = world.is_there(row);
     if (!is_there)
@@ -137,8 +137,8 @@ class PathLength : public OfRobots {
 
   /// Sets the places_ of robots that a program moved between two ticks to their new positions, so that these
   /// moves are not counted. placed: the moved bodies and their new poses.
-  void set_out_from(const World& world, std::span<const World::Placed> placed) {
-    for (const World::Placed& place : placed) {
+  void set_out_from(const MeasuredWorld& world, std::span<const engine::Placed> placed) {
+    for (const engine::Placed& place : placed) {
       const BodyId id = world.body(place.row);
       const auto found = std::ranges::lower_bound(robots(), id);  // robots() is in order of ids
       if (found != robots().end() && *found == id)
@@ -155,10 +155,10 @@ class PathLength : public OfRobots {
 class MeanSpeed : public OfRobots {
  public:
   using OfRobots::OfRobots;
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     return mean(world, [&](std::size_t i) {
       const Row row = this->row(world, i);
-      const engine::Velocity& v = world.velocities()[row.index()];
+      const engine::Velocity& v = world.velocity(row);
       // A carried robot keeps the velocity that its drive computes, but the drive does not move it.
       return world.stalled(row) || world.carrier(row) ? 0 : Vec2(v.x, v.y).norm();
     });
@@ -168,7 +168,7 @@ class MeanSpeed : public OfRobots {
 class Order : public OfRobots {
  public:
   using OfRobots::OfRobots;
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     const double x = mean(world, [&](std::size_t i) { return world.transform(row(world, i)).rotation.cos; });
     const double y = mean(world, [&](std::size_t i) { return world.transform(row(world, i)).rotation.sin; });
     return Vec2(x, y).norm();
@@ -178,7 +178,7 @@ class Order : public OfRobots {
 class Spread : public OfRobots {
  public:
   using OfRobots::OfRobots;
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     const double x = mean(world, [&](std::size_t i) { return world.transform(row(world, i)).position.x(); });
     const double y = mean(world, [&](std::size_t i) { return world.transform(row(world, i)).position.y(); });
     return mean(world,
@@ -199,10 +199,10 @@ class ShareWithin : public OfRobots {
     }
   };
 
-  ShareWithin(const World& world, const Params& params, std::vector<BodyId> robots)
+  ShareWithin(const MeasuredWorld& world, const Params& params, std::vector<BodyId> robots)
       : OfRobots(world, std::move(robots)), circle_(params) {}
 
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     return mean(world, [&](std::size_t i) {
       return (world.transform(row(world, i)).position - circle_.center).squaredNorm() <=
              circle_.radius * circle_.radius;
@@ -241,7 +241,7 @@ class OfState : public OfRobots {
     }
   };
 
-  OfState(const World& world, const Params& params, const std::vector<BodyId>& robots)
+  OfState(const MeasuredWorld& world, const Params& params, const std::vector<BodyId>& robots)
       : OfState(world, params, robots, cells_of(world, params, robots)) {}
 
  protected:
@@ -249,13 +249,14 @@ class OfState : public OfRobots {
   /// (engine::SensedRows::exist()); NaN if there are none. The mean of equal terms is exactly this term.
   /// value: the present value of the variable.
   template <class Term>
-  double mean_of(World& world, Term&& term) const {
+  double mean_of(const MeasuredWorld& world, Term&& term) const {
     const std::span<const StateTable> tables = world.tables();
     const auto table_row = [&](std::size_t i) {
       return world.row_in(tables[cells_[i].table], row(world, i));
     };
     const auto exists = [&](std::size_t i) {
-      return world.is_there(row(world, i)) && sensed_rows_[cells_[i].of_sensed_rows].exist(table_row(i));
+      return world.is_there(row(world, i)) &&
+             sensed_rows_[cells_[i].of_sensed_rows].exist(world, table_row(i));
     };
     const auto term_of = [&](std::size_t i) {
       return term(tables[cells_[i].table].number(table_row(i), cells_[i].field, column_));
@@ -275,7 +276,7 @@ class OfState : public OfRobots {
 
  private:
   /// cells: the result of cells_of().
-  OfState(const World& world, const Params& params, std::vector<BodyId> robots,
+  OfState(const MeasuredWorld& world, const Params& params, std::vector<BodyId> robots,
           const std::vector<Cell>& cells)
       : OfRobots(world, with(cells, std::move(robots))), column_(static_cast<std::size_t>(params.column)) {
     std::vector<std::size_t> indices(world.tables().size(), k_none);  // by table: its entry in sensed_rows_
@@ -295,7 +296,7 @@ class OfState : public OfRobots {
   /// std::invalid_argument if no table has the component, if none of the component's tables has the field, or
   /// if one of them has the field without the column. If there are no `robots`, only the last of the three is
   /// an error, because a world without bodies of their type has no table of their devices and controllers.
-  static std::vector<Cell> cells_of(const World& world, const Params& params,
+  static std::vector<Cell> cells_of(const MeasuredWorld& world, const Params& params,
                                     const std::vector<BodyId>& robots) {
     const std::string& component = params.component;
     std::vector<Cell> cells(world.spec().bodies.size());
@@ -346,7 +347,7 @@ class OfState : public OfRobots {
 class StateMean : public OfState {
  public:
   using OfState::OfState;
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     return mean_of(world, [](double number) { return number; });
   }
 };
@@ -354,7 +355,7 @@ class StateMean : public OfState {
 class StateVariance : public OfState {
  public:
   using OfState::OfState;
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     const double middle = mean_of(world, [](double number) { return number; });
     return mean_of(world, [middle](double number) { return (number - middle) * (number - middle); });
   }
@@ -363,7 +364,9 @@ class StateVariance : public OfState {
 class Alive : public OfRobots {
  public:
   using OfRobots::OfRobots;
-  double value(World& world) override { return static_cast<double>(engine::count_there(world, robots())); }
+  double value(const MeasuredWorld& world) override {
+    return static_cast<double>(engine::count_there(world, robots()));
+  }
 };
 
 class Deaths : public Measure {
@@ -377,7 +380,7 @@ class Deaths : public Measure {
     }
   };
 
-  Deaths(const World& world, const Params& params, const std::vector<BodyId>&) {
+  Deaths(const MeasuredWorld& world, const Params& params, const std::vector<BodyId>&) {
     const std::string& type = params.type;
     for (std::size_t r = 0; r < world.rows(); ++r)
       if (world.type(Row(r)).name == type) bodies_.push_back(world.body(Row(r)));
@@ -389,7 +392,7 @@ class Deaths : public Measure {
     known.erase(std::unique(known.begin(), known.end()), known.end());
     throw std::invalid_argument(unknown_name("type of bodies that may die", type, known));
   }
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     return static_cast<double>(std::ranges::count_if(
         bodies_, [&](BodyId id) { return world.presence(world.row(id)) == engine::Presence::dead; }));
   }

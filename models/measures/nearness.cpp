@@ -1,6 +1,6 @@
 #include "models/measures/nearness.hpp"
 
-#include "engine/observing/measures.hpp"
+#include "engine/observing/robot_sums.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,15 +11,15 @@ namespace troupe::models {
 namespace {
 
 using engine::Measure;
+using engine::MeasuredWorld;
 using engine::Unit;
-using engine::World;
 
 constexpr std::size_t k_batch = 256;  // robots per task
 
 /// Base of the measures that find the neighbours of robots through the spatial index.
 class AmongRobots : public Measure {
  public:
-  AmongRobots(const World& world, std::vector<BodyId> robots)
+  AmongRobots(const MeasuredWorld& world, std::vector<BodyId> robots)
       : robots_(std::move(robots)), measured_(world.rows(), 0) {}
 
  protected:
@@ -29,7 +29,7 @@ class AmongRobots : public Measure {
   /// robots are visited in the order of the spatial index, in which robots that are near each other follow
   /// one another. So the data of neighbours are in the cache.
   template <class Work>
-  void for_each_robot(World& world, Work&& work) {
+  void for_each_robot(const MeasuredWorld& world, Work&& work) {
     std::ranges::fill(measured_, std::uint8_t{0});
     for (const BodyId id : robots_) measured_[world.row(id).index()] = 1;
     const std::span<const std::uint32_t> order = world.index().order();
@@ -45,7 +45,7 @@ class AmongRobots : public Measure {
   /// that are farther away. `reach` is a reference because visit() may reduce it during the search. Only the
   /// function `work` of for_each_robot() may call it.
   template <class Visit>
-  void for_each_other(const World& world, std::uint32_t row, double radius, const double& reach,
+  void for_each_other(const MeasuredWorld& world, std::uint32_t row, double radius, const double& reach,
                       Visit&& visit) const {
     constexpr double k_round = 1 + 1e-9;  // covers the rounding of the products compared below
     const Vec2 place = world.transform(Row(row)).position;
@@ -68,10 +68,10 @@ class AmongRobots : public Measure {
 
 class MeanNearestDistance : public AmongRobots {
  public:
-  MeanNearestDistance(const World& world, std::vector<BodyId> robots)
+  MeanNearestDistance(const MeasuredWorld& world, std::vector<BodyId> robots)
       : AmongRobots(world, std::move(robots)), distances_(world.spec().bodies.size(), 0) {}
 
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     const std::size_t there = engine::count_there(world, robots());
     if (there < 2) return std::numeric_limits<double>::quiet_NaN();
     for_each_robot(world, [&](std::uint32_t row) {
@@ -90,7 +90,7 @@ class MeanNearestDistance : public AmongRobots {
   /// box is nearer. The search ends because the caller ensures that there is another robot. The first
   /// half-width is slightly more than the distance `last` at the last call. It affects only the computing
   /// time.
-  double nearest(const World& world, std::uint32_t row, double last) const {
+  double nearest(const MeasuredWorld& world, std::uint32_t row, double last) const {
     double radius = std::max(1.25 * last, 0.1 * world.geometry().cell_m);
     for (;;) {
       double best = std::numeric_limits<double>::infinity();
@@ -116,10 +116,10 @@ class Neighbours : public AmongRobots {
     }
   };
 
-  Neighbours(const World& world, const Params& params, std::vector<BodyId> robots)
+  Neighbours(const MeasuredWorld& world, const Params& params, std::vector<BodyId> robots)
       : AmongRobots(world, std::move(robots)), radius_(params.radius), counts_(world.rows(), 0) {}
 
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     const std::size_t there = engine::count_there(world, robots());
     if (there == 0) return std::numeric_limits<double>::quiet_NaN();
     for_each_robot(world, [&](std::uint32_t row) {

@@ -1,6 +1,6 @@
 #include "models/measures/rank_errors.hpp"
 
-#include "engine/observing/measures.hpp"
+#include "engine/observing/robot_sums.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -11,8 +11,8 @@ namespace troupe::models {
 namespace {
 
 using engine::Measure;
+using engine::MeasuredWorld;
 using engine::Unit;
-using engine::World;
 
 class RankErrors : public Measure {
  public:
@@ -26,12 +26,12 @@ class RankErrors : public Measure {
     }
   };
 
-  RankErrors(const World& world, const Params& params, std::vector<BodyId> robots)
+  RankErrors(const MeasuredWorld& world, const Params& params, std::vector<BodyId> robots)
       : robots_(std::move(robots)), center_(params.center), met_(world.spec().types.size(), 0) {
     ranked_.reserve(robots_.size());
   }
 
-  double value(World& world) override {
+  double value(const MeasuredWorld& world) override {
     ranked_.clear();
     for (const BodyId id : robots_) {
       const Row row = world.row(id);

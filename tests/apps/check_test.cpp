@@ -1,7 +1,8 @@
 #include "apps/check/check.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/kinds/step_error.hpp"
+#include "engine/links/effect_views.hpp"
 #include "engine/sensing/sensing_view.hpp"
 #include "engine/world/world.hpp"
 #include "tests/apps/program.hpp"
@@ -225,13 +226,18 @@ struct Meddler {
     for (std::size_t i = 0; i < batch.rows.size(); ++i) {
       const BodyId next(batch.body(i).index() + 1);
       if (next.index() < batch.view.spec().bodies.size())
-        batch.emit(i, 0, 0, k_has_target ? next : BodyId(), {static_cast<double>(next.value)});
+        batch.emit(i, 0, 0, k_has_target ? next : BodyId(), {static_cast<double>(slot_of(batch, next))});
     }
   }
-  void apply(engine::World& world, const engine::Effect& effect) const {
-    const Row row = world.row(BodyId(static_cast<std::size_t>(effect.payload[0])));
-    if (row.valid())
-      ++world.state(world.type(row).devices[effect.device]).template as<State>(world.slot(row)).count;
+  void apply(engine::OwnDevice own, const engine::Effect& effect) const {
+    const auto slot = static_cast<std::size_t>(effect.payload[0]);
+    if (slot < own.table().rows()) ++own.table().template as<State>(slot).count;
+  }
+  /// The slot of another body of the same type; of another type: no slot.
+  static std::size_t slot_of(const engine::DeviceBatch& batch, BodyId body) {
+    const Row row = batch.view.row(body);
+    const bool is_same = row.valid() && &batch.view.type(row) == &batch.view.type(batch.rows.front());
+    return is_same ? batch.view.slot(row) : 1e6;
   }
 };
 
@@ -283,8 +289,8 @@ struct Thrower {
 
 /// A measure whose value depends on how often measures of all runs were computed before.
 struct FickleMeasure : engine::Measure {
-  explicit FickleMeasure(const engine::World&, std::vector<BodyId>) {}
-  double value(engine::World&) override {
+  explicit FickleMeasure(const engine::MeasuredWorld&, std::vector<BodyId>) {}
+  double value(const engine::MeasuredWorld&) override {
     static int count = 0;
     return ++count;
   }

@@ -989,6 +989,24 @@ TEST_F(LintTest, ReportsDevicesThatNeverRun) {
           "never.json: 2 findings"));
 }
 
+TEST_F(LintTest, ListsFindingsAboutOneLineBySubject) {
+  const std::string world =
+      R"({"troupe": 1, "bounds_m": [[-5, -5], [5, 5]], "types": {"bot": {"size_m": [0.4, 0.4, 0.3], "drive": )"
+      R"({"kind": "diff", "velocity_min_x_mps": 0.1}, "devices": [{"name": "hand", "kind": "gripper"}, )"
+      R"({"name": "plug", "kind": "power_contact"}, {"name": "pack", "kind": "power_pack"}], "sensors": [)"
+      R"({"name": "ear", "kind": "radio"}, {"name": "eye", "kind": "blobfinder", "colors": ["pink"]}, )"
+      R"({"name": "floor", "kind": "ground", "height_m": 0.01}, {"name": "sun", "kind": "light_sensor"}, )"
+      R"({"name": "mark", "kind": "fiducial"}, {"name": "ray", "kind": "ranger", "transducers": []}], )"
+      R"("controllers": [{"kind": "waypoints", "goals": [{"x_m": 7}], "period_s": 3}]}}, )"
+      R"("models": [{"name": "r0", "type": "bot"}]})";
+  EXPECT_THAT(
+      findings("w.json", world),
+      ElementsAre(HasSubstr("the drive \"diff\""), HasSubstr("\"pack\""), HasSubstr("\"plug\""),
+                  HasSubstr("the period of 3 s"), HasSubstr("its goal 1"), HasSubstr("\"mark\""),
+                  HasSubstr("\"ray\""), HasSubstr("\"sun\""), HasSubstr("\"floor\""), HasSubstr("\"eye\""),
+                  HasSubstr("\"ear\""), HasSubstr("\"hand\""), "w.json: 12 findings"));
+}
+
 TEST_F(LintTest, ReportsGoalsOutOfBounds) {
   const auto world = [](const std::string& goal, const std::string& drive = "") {
     return R"({ "troupe": 1, "bounds_m": [[-5, -5], [5, 5]], "types": {"bot": {"size_m": [0.4, 0.4, 0.3],

@@ -1,6 +1,6 @@
 #include "tests/apps/program.hpp"
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/controller_kind.hpp"
 #include "partition/simd_target.hpp"
 #include "troupe/registry.hpp"
 

@@ -72,9 +72,9 @@ struct ChoirScene {
     return scene.spec;
   }
   const Choir::Memory& memory(std::size_t robot) {
-    const Row row = world.row(BodyId(robot + 1));
-    const BodyType& type = world.type(row);
-    return world.tables()[*type.controllers[0].table].as<Choir::Memory>(world.slot(row));
+    const Row row = world.view().row(BodyId(robot + 1));
+    const BodyType& type = world.view().type(row);
+    return world.tables()[*type.controllers[0].table].as<Choir::Memory>(world.view().slot(row));
   }
 };
 
@@ -98,21 +98,26 @@ TEST(Controller, ReadsWhatBlockedItsRobot) {
   test::SceneBuilder scene;
   const TypeId bot = scene.robot("bot", {test::box(0.2, 0.2)});
   scene[bot].controllers.push_back({.kind = "feels", .params = {}});
-  const BodyId first = scene.body("first", bot);
-  const BodyId wall = scene.wall(0.35, -1, 0.5, 1);
+  const std::vector<BodyId> bots{scene.body("first", bot), scene.body("second", bot, {0, 3, 0, 0}),
+                                 scene.body("third", bot, {0, 6, 0, 0})};
+  const std::vector<BodyId> walls{scene.wall(0.35, -1, 0.5, 1), scene.wall(0.35, 2, 0.5, 4),
+                                  scene.wall(0.35, 5, 0.5, 7)};
   Diagnostics diagnostics;
   World world(scene.spec, registry, {.threads = 1}, diagnostics);
-  std::vector<std::pair<bool, std::uint32_t>> seen;
+  std::vector<std::vector<std::pair<bool, std::uint32_t>>> seen(bots.size());
   for (int tick = 0; tick < 5; ++tick) {
     world.step();
-    const StateTable& memories = world.tables()[*world.type(Row(0)).controllers[0].table];
-    const auto& memory = memories.as<Feels::Memory>(world.slot(world.row(first)));
-    seen.emplace_back(memory.stalled, memory.by);
+    for (std::size_t i = 0; i < bots.size(); ++i) {
+      const Row row = world.view().row(bots[i]);
+      const StateTable& memories = world.tables()[*world.view().type(row).controllers[0].table];
+      const auto& memory = memories.as<Feels::Memory>(world.view().slot(row));
+      seen[i].emplace_back(memory.stalled, memory.by);
+    }
   }
-  // It moves in tick 2 and 3, by 0.1 m each, and is blocked from tick 4 on.
-  const std::pair<bool, std::uint32_t> blocked(true, wall.value + 1);
-  EXPECT_THAT(seen, ::testing::ElementsAre(::testing::Pair(false, 0u), ::testing::Pair(false, 0u),
-                                           ::testing::Pair(false, 0u), ::testing::Pair(false, 0u), blocked));
+  // Each moves in tick 2 and 3, by 0.1 m each, and is blocked from tick 4 on.
+  const std::pair<bool, std::uint32_t> free(false, 0);
+  for (std::size_t i = 0; i < bots.size(); ++i)
+    EXPECT_THAT(seen[i], ::testing::ElementsAre(free, free, free, free, std::pair(true, walls[i].value + 1)));
 }
 
 /// As Choir, but first makes a step of another world.
@@ -138,9 +143,9 @@ TEST(Collective, MayMakeAStepOfAnotherWorld) {
   World world(scene.spec, registry, {.threads = 1}, diagnostics);
   for (int tick = 0; tick < 3; ++tick) {
     world.step();
-    const StateTable& memories = world.tables()[*world.type(Row(0)).controllers[0].table];
+    const StateTable& memories = world.tables()[*world.view().type(Row(0)).controllers[0].table];
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto& memory = memories.as<Choir::Memory>(world.slot(world.row(BodyId(i + 1))));
+      const auto& memory = memories.as<Choir::Memory>(world.view().slot(world.view().row(BodyId(i + 1))));
       EXPECT_EQ(memory.singers, 3u);
       EXPECT_EQ(memory.place, i);
     }
@@ -161,7 +166,7 @@ TEST(Collective, DecidesForAllRobotsOfATypeInTheOrderOfTheirIds) {
 
 TEST(Collective, LeavesOutRobotsThatAreDisabled) {
   ChoirScene scene("choir", 2);
-  EXPECT_TRUE(scene.world.set_disabled(scene.world.row(BodyId(3)), true));
+  EXPECT_TRUE(scene.world.set_disabled(scene.world.view().row(BodyId(3)), true));
   scene.world.step();
   EXPECT_EQ(scene.memory(0).singers, k_singers - 1);
   EXPECT_EQ(scene.memory(2).singers, 0u);
@@ -183,7 +188,7 @@ TEST(Collective, LooksAtEachBodyOnceHoweverManyTypesThereAre) {
   World world(scene.spec, choir_registry(), {.threads = 1}, diagnostics);
   for (int tick = 0; tick < (test::k_slow_build ? 5 : 200); ++tick) world.step();
   for (std::size_t i = 0; i < k_types; ++i)
-    ASSERT_EQ(world.commands()[world.row(BodyId(i + 1)).index()].x, 0.1);
+    ASSERT_EQ(world.view().commands()[world.view().row(BodyId(i + 1)).index()].x, 0.1);
 }
 
 TEST(Collective, HasTheSameBitsWithAnyThreadsAndTiles) {

@@ -1,5 +1,6 @@
 #include "engine/observing/controller_check.hpp"
 
+#include "engine/observing/displacement.hpp"
 #include "models/drives/wheels.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/rogue_controllers.hpp"
@@ -121,7 +122,7 @@ TEST(ControllerCheck, RepeatsTheDecisionsOfRobotsThatDieInTheTick) {
     const std::vector<ControllerFinding> findings = on_another_thread(check);
     ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
     if (tick == 1) {
-      ASSERT_EQ(world.absent_count(), 6u);
+      ASSERT_EQ(world.view().absent_count(), 6u);
       ASSERT_EQ(check.decisions(), 20u) << "those that died decided before";
     }
   }
@@ -152,7 +153,7 @@ TEST(ControllerCheck, MakesControllersAfreshOfTheParametersInForce) {
       const std::vector<ControllerFinding> findings = on_another_thread(check);
       ASSERT_THAT(findings, IsEmpty()) << "tick " << tick << ": " << finding_text(world, findings.front());
       const double asked = tick > 5 ? 0.1 : tick > 2 ? 0.7 : 0.4;
-      ASSERT_EQ(world.commands()[0].x, asked) << tick;
+      ASSERT_EQ(world.view().commands()[0].x, asked) << tick;
     }
   };
   run(8);
@@ -185,7 +186,7 @@ TEST(ControllerCheck, MakesControllersAfreshOfTheDriveInForce) {
   scene.spec.experiment.at.push_back(intervention);
   World world = scene.world();
   ASSERT_NO_FATAL_FAILURE(expect_no_finding_in_eight_ticks(world));
-  EXPECT_EQ(world.commands()[0].x, 0.2);
+  EXPECT_EQ(world.view().commands()[0].x, 0.2);
 }
 
 TEST(ControllerCheck, MakesControllersAfreshOfTheWheelsInForce) {
@@ -340,7 +341,7 @@ TEST(ControllerCheck, OurOwnControllersAreFunctions) {
     ASSERT_THAT(on_another_thread(check), IsEmpty()) << tick;
   }
   EXPECT_EQ(check.decisions(), 20u * 120);
-  EXPECT_GT(world.mean_displacement(), 0.1);
+  EXPECT_GT(engine::mean_displacement(world), 0.1);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include "engine/fields/description.hpp"
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/spec/world_spec.hpp"
 
 #include <gmock/gmock.h>
@@ -525,6 +525,7 @@ struct Lamp {
     height = 9;
     return {};
   }
+  void lint(const LintView&) const {}
 };
 
 TEST(DeviceKinds, AreMadeOfTheHooksThatAClassHas) {
@@ -538,6 +539,7 @@ TEST(DeviceKinds, AreMadeOfTheHooksThatAClassHas) {
   EXPECT_EQ(kind.act, nullptr);
   EXPECT_EQ(kind.apply, nullptr);
   EXPECT_EQ(kind.bind_world, nullptr);
+  EXPECT_NE(kind.lint, nullptr);
 
   DeviceKind::Prepared prepared = kind.prepare({5.0}, {0, 0, 0.5, 0});
   EXPECT_EQ(prepared.percepts.size(), 3u);
@@ -560,6 +562,7 @@ struct Stranger {
 TEST(DeviceKinds, RefuseDataOfAnotherType) {
   const DeviceKind kind = make_device_kind<Stranger>("stranger", "");
   EXPECT_TRUE(kind.params.fields.empty());
+  EXPECT_EQ(kind.lint, nullptr);
   EXPECT_THROW(kind.prepare({}, {}), std::logic_error);
 }
 

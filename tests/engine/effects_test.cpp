@@ -2,6 +2,7 @@
 
 #include "engine/kinds/controller.hpp"
 #include "engine/kinds/step_error.hpp"
+#include "engine/links/effect_views.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 
@@ -58,15 +59,17 @@ struct Holder {
       }
       if (throws) throw std::runtime_error("dropped");
     };
-    kind.apply = [](World& world, const std::any&, const Effect& effect) {
-      State& target = state(world, effect.target);
+    kind.apply = [](const EffectContext& context, const std::any&, const Effect& effect) {
+      const DeviceExchange bodies(context);
+      StateTable& states = bodies.table_of(bodies.target_type().devices.front());
+      State& target = states.as<State>(bodies.target_slot());
       if (target.holder == 0) target.holder = effect.source.value;
     };
     return kind;
   }
-  static State& state(World& world, BodyId body) {
-    const Row row = world.row(body);
-    return world.state(world.type(row).devices.front()).as<State>(world.slot(row));
+  static const State& state(const World& world, BodyId body) {
+    const Row row = world.view().row(body);
+    return world.tables()[world.view().type(row).devices.front().table].as<State>(world.view().slot(row));
   }
   static inline bool throws = false;
 };
@@ -118,7 +121,7 @@ struct Emitter {
       return DeviceKind::Prepared{.data = 0, .most_effects = 2};
     };
     kind.act = emit_all;
-    kind.apply = [](World&, const std::any&, const Effect&) {};
+    kind.apply = [](const EffectContext&, const std::any&, const Effect&) {};
     return kind;
   }
   static void emit_all(const DeviceBatch& batch) {
@@ -181,7 +184,7 @@ TEST(DeviceReach, MayBeInfinite) {
   Diagnostics diagnostics;
   World world(scene.spec, registry, {.threads = 1}, diagnostics);
   std::size_t near = 0;
-  world.index().for_each_near(Box::around({0, 0}, 5), [&](const partition::BodyCircle&) { ++near; });
+  world.view().index().for_each_near(Box::around({0, 0}, 5), [&](const partition::BodyCircle&) { ++near; });
   EXPECT_EQ(near, 3u);
 }
 
@@ -219,26 +222,6 @@ TEST(DeviceBatch, RefusesRowsAndDevicesThatItDoesNotHave) {
   EXPECT_EQ(
       error_of({Emitter::kind()}),
       threw + "uses the device with the index 1 (counted from 0) of its body, which has only 1 devices");
-}
-
-// Such a change in the middle of a tick would bypass conflict resolution and the rules for ranks.
-TEST(Effects, MayNotChangeTheWorldAsAProgramDoes) {
-  Emitter::emits = [](const DeviceBatch& batch, std::size_t i) { batch.emit(i, 0, 0, BodyId(1)); };
-  DeviceKind mover = Emitter::kind();
-  mover.apply = [](World& world, const std::any&, const Effect& effect) {
-    const World::Placed away{world.row(effect.target), {9, 9, 0, 0}};
-    world.set_poses({&away, 1});
-  };
-  EXPECT_EQ(
-      error_of({mover}),
-      "tick 1: device \"emitter\" (emitter) of \"0\" threw: set_poses() is not allowed during a step, for "
-      "example in a callback of on_phase() or in a controller: call it between two steps");
-  mover.apply = [](World& world, const std::any&, const Effect&) { world.step(); };
-  EXPECT_THAT(error_of({mover}), HasSubstr("threw: step() is not allowed during a step"));
-  mover.apply = [](World& world, const std::any&, const Effect&) {
-    world.restore(0, {}, 0, [](std::span<StateTable>) {});
-  };
-  EXPECT_THAT(error_of({mover}), HasSubstr("threw: restore() is not allowed during a step"));
 }
 
 TEST(Effects, ThatADeviceMustNotEmitEndTheStep) {

@@ -40,8 +40,8 @@ TEST(Events, StallsBeginAndEndAndRobotsAreHeldAtTheBounds) {
   World world = scene.world();
   EventWatch watch(world);
   EXPECT_THAT(watch.see(world), IsEmpty());
-  const Row up = world.row(world.find("up"));
-  const Row right = world.row(world.find("right"));
+  const Row up = world.view().row(world.state().names.find("up"));
+  const Row right = world.view().row(world.state().names.find("right"));
   world.set_command(up, {0, 1, 0});
   world.set_command(right, {1, 0, 0});
   const auto next = [&] {
@@ -118,7 +118,7 @@ class Enclosure {
   void step() {
     for (std::size_t b = 1; b < world_->spec().bodies.size(); ++b)
       if (draw_.chance(0.5))
-        world_->set_command(world_->row(BodyId(b)),
+        world_->set_command(world_->view().row(BodyId(b)),
                             {draw_.real(-1, 1), draw_.real(-1, 1), draw_.real(-1, 1)});
     world_->step();
   }

@@ -77,8 +77,8 @@ struct Squad {
     return world;
   }
   static void drive(World& world) {
-    for (std::size_t r = 0; r < world.rows(); ++r)
-      if (world.is_there(Row(r))) world.set_command(Row(r), {1, 0, 0});
+    for (std::size_t r = 0; r < world.view().rows(); ++r)
+      if (world.view().is_there(Row(r))) world.set_command(Row(r), {1, 0, 0});
   }
   std::string errors() const {
     Diagnostics diagnostics(scene.spec.files);
@@ -98,12 +98,14 @@ void step(World& world, int ticks) {
 std::vector<std::string> there(const World& world) {
   std::vector<std::string> names;
   for (std::size_t b = 1; b < world.spec().bodies.size(); ++b)
-    if (const Row row = world.row(BodyId(b)); row.valid() && world.is_there(row))
+    if (const Row row = world.view().row(BodyId(b)); row.valid() && world.view().is_there(row))
       names.push_back(world.spec().name(BodyId(b)));
   return names;
 }
 
-double x_of(const World& world, std::string_view name) { return world.pose(world.find(name)).x; }
+double x_of(const World& world, std::string_view name) {
+  return world.view().pose(world.state().names.find(name)).x;
+}
 
 TEST(Experiment, WhatIsDoneAtATimeIsDoneAsAProgramWouldBetweenItsTicks) {
   Squad row(4);
@@ -111,9 +113,9 @@ TEST(Experiment, WhatIsDoneAtATimeIsDoneAsAProgramWouldBetweenItsTicks) {
   const auto plain = row.world();
   row.scene.spec.experiment.at = {at(1, Action::remove, model("r2")), at(0, Action::remove, model("r0"))};
   const auto world = row.world();
-  plain->remove(plain->row(plain->find("r0")));
+  plain->remove(plain->view().row(plain->state().names.find("r0")));
   for (int tick = 0; tick < 20; ++tick) {
-    if (tick == 10) plain->remove(plain->row(plain->find("r2")));
+    if (tick == 10) plain->remove(plain->view().row(plain->state().names.find("r2")));
     plain->step();
     world->step();
     ASSERT_EQ(world->hashes().state, plain->hashes().state) << "tick " << world->tick();
@@ -161,7 +163,8 @@ TEST(Experiment, EveryoneIsChosenAsOftenAsTheOthers) {
     const auto world = row.world({.threads = 1});
     world->step();
     for (std::size_t i = 0; i < removed.size(); ++i)
-      removed[i] += !world->is_there(world->row(world->find(fmt::format("r{}", i))));
+      removed[i] +=
+          !world->view().is_there(world->view().row(world->state().names.find(fmt::format("r{}", i))));
   }
   // Binomial, p = 0.3: within four standard deviations.
   const double sigma = std::sqrt(k_seeds * 0.3 * 0.7);
@@ -173,28 +176,28 @@ TEST(Experiment, WhoIsDisabledStandsStillAndSeesNothingUntilItIsEnabled) {
   row.scene.wall(5, -1, 6, 5);
   row.scene.spec.experiment.at = {at(1, Action::disable, model("r0")), at(2, Action::enable, model("r0"))};
   const auto world = row.world();
-  const Row r0 = world->row(world->find("r0"));
+  const Row r0 = world->view().row(world->state().names.find("r0"));
   const auto range = [&](std::string_view name) {
-    const Row r = world->row(world->find(name));
-    return world->percepts(world->type(r).devices[0]).cell<float>(world->slot(r), 0)[0];
+    const Row r = world->view().row(world->state().names.find(name));
+    return world->tables()[world->view().type(r).devices[0].table].cell<float>(world->view().slot(r), 0)[0];
   };
   step(*world, 10);
   EXPECT_NEAR(x_of(*world, "r0"), 1, 1e-12);
-  EXPECT_FALSE(world->is_disabled(r0));
+  EXPECT_FALSE(world->view().is_disabled(r0));
   const float seen = range("r0");
   EXPECT_FLOAT_EQ(seen, 5 - 0.9f) << "of tick 9, which tick 10 has looked at";
   step(*world, 10);
-  EXPECT_TRUE(world->is_disabled(r0));
+  EXPECT_TRUE(world->view().is_disabled(r0));
   EXPECT_EQ(test::count_impaired(*world), 1u);
   EXPECT_NEAR(x_of(*world, "r0"), 1, 1e-12);
   EXPECT_NEAR(x_of(*world, "r1"), 2, 1e-12);
   EXPECT_EQ(range("r0"), seen);
   EXPECT_FLOAT_EQ(range("r1"), 5 - 1.9f);
-  EXPECT_EQ(world->velocities()[r0.index()].x, 0);
-  EXPECT_FALSE(world->stalled(r0));
-  EXPECT_EQ(world->beams_cast(), 10u * 2 + 10);
+  EXPECT_EQ(world->view().velocities()[r0.index()].x, 0);
+  EXPECT_FALSE(world->view().stalled(r0));
+  EXPECT_EQ(world->counters().beams, 10u * 2 + 10);
   step(*world, 10);
-  EXPECT_FALSE(world->is_disabled(r0));
+  EXPECT_FALSE(world->view().is_disabled(r0));
   EXPECT_NEAR(x_of(*world, "r0"), 2, 1e-12) << "it goes on as it was told before";
   EXPECT_FLOAT_EQ(range("r0"), 5 - 1.9f);
 }
@@ -224,7 +227,7 @@ TEST(Experiment, OfThoseDisabledSomeAreEnabled) {
   const auto world = row.world();
   const auto out = [&] {
     std::size_t count = 0;
-    for (std::size_t r = 0; r < world->rows(); ++r) count += world->is_disabled(Row(r));
+    for (std::size_t r = 0; r < world->view().rows(); ++r) count += world->view().is_disabled(Row(r));
     return count;
   };
   std::vector<std::size_t> counts;
@@ -243,13 +246,14 @@ TEST(Experiment, DeadSensorsKeepTheirReadings) {
   const auto world = row.world();
   step(*world, 20);
   const auto range = [&](std::string_view name, std::size_t device) {
-    const Row r = world->row(world->find(name));
-    return world->percepts(world->type(r).devices[device]).cell<float>(world->slot(r), 0)[0];
+    const Row r = world->view().row(world->state().names.find(name));
+    return world->tables()[world->view().type(r).devices[device].table].cell<float>(world->view().slot(r),
+                                                                                    0)[0];
   };
   EXPECT_FLOAT_EQ(range("r0", 0), 5 - 0.4f) << "of tick 4, as tick 5 saw it";
   EXPECT_FLOAT_EQ(range("r1", 0), 5 - 1.9f);
   EXPECT_NEAR(x_of(*world, "r0"), 2, 1e-12) << "it drives on";
-  EXPECT_EQ(world->beams_cast(), 20u * 4 - 15) << "the others look on";
+  EXPECT_EQ(world->counters().beams, 20u * 4 - 15) << "the others look on";
 }
 
 TEST(Experiment, SlowWheelsGiveTheirShareOfEverySpeed) {
@@ -259,12 +263,13 @@ TEST(Experiment, SlowWheelsGiveTheirShareOfEverySpeed) {
                                       fault(model("r2"), 0.5, "slow_wheels", {{"factor", 0.5}})};
   const auto world = row.world();
   for (const std::string_view name : {"r2", "r3"})
-    world->set_command(world->row(world->find(name)), {0.3, 0, 0.1, ControlMode::acceleration});
+    world->set_command(world->view().row(world->state().names.find(name)),
+                       {0.3, 0, 0.1, ControlMode::acceleration});
   step(*world, 5);
   EXPECT_EQ(2 * x_of(*world, "r0"), x_of(*world, "r1")) << "powers of two lose nothing";
   EXPECT_NEAR(x_of(*world, "r0"), 0.25, 1e-12);
   const auto speed = [&](std::string_view name) {
-    return world->velocities()[world->row(world->find(name)).index()];
+    return world->view().velocities()[world->view().row(world->state().names.find(name)).index()];
   };
   EXPECT_EQ(4 * speed("r2").x, speed("r3").x) << "what it accelerates is what it would have";
   EXPECT_EQ(4 * speed("r2").turn, speed("r3").turn);
@@ -342,10 +347,10 @@ TEST(Experiment, AShareOfThemFailsWithAllThatTheEntryNames) {
   step(*world, 10);
   std::size_t slow = 0;
   for (std::size_t i = 0; i < row.count; ++i) {
-    const Row r = world->row(world->find(fmt::format("r{}", i)));
-    const bool is_slow = world->poses()[r.index()].x < 0.75;
+    const Row r = world->view().row(world->state().names.find(fmt::format("r{}", i)));
+    const bool is_slow = world->view().poses()[r.index()].x < 0.75;
     slow += is_slow;
-    EXPECT_EQ(world->works(r, world->type(r).devices[0]), !is_slow);
+    EXPECT_EQ(world->view().works(r, world->view().type(r).devices[0]), !is_slow);
   }
   EXPECT_EQ(slow, 6u);
 }
@@ -367,19 +372,20 @@ TEST(Experiment, OthersAreAddedWhereTheyAreFree) {
   const auto world = row.world();
   step(*world, 6);
   EXPECT_EQ(world->robots(), 2u + 20 + 1) << "one pose holds one";
-  EXPECT_EQ(world->pose(world->find("more20")), (Pose{9, 9, 0, 1}));
-  for (std::size_t a = 0; a < world->rows(); ++a) {
-    if (!world->is_there(Row(a))) continue;
+  EXPECT_EQ(world->view().pose(world->state().names.find("more20")), (Pose{9, 9, 0, 1}));
+  for (std::size_t a = 0; a < world->view().rows(); ++a) {
+    if (!world->view().is_there(Row(a))) continue;
     for (std::size_t b = 0; b < a; ++b) {
-      if (!world->is_there(Row(b))) continue;
-      const auto& shape = world->type(Row(a)).obstacle;
-      EXPECT_FALSE(overlap(shape, world->poses()[a], shape, world->poses()[b]));
+      if (!world->view().is_there(Row(b))) continue;
+      const auto& shape = world->view().type(Row(a)).obstacle;
+      EXPECT_FALSE(overlap(shape, world->view().poses()[a], shape, world->view().poses()[b]));
     }
   }
   for (int i = 0; i < 20; ++i)
-    EXPECT_TRUE(region.contains(world->pose(world->find(fmt::format("more{}", i))).position()));
+    EXPECT_TRUE(
+        region.contains(world->view().pose(world->state().names.find(fmt::format("more{}", i))).position()));
   step(*world, 5);
-  EXPECT_EQ(world->unborn(0), 0u);
+  EXPECT_EQ(world->lives().unborn(0), 0u);
   EXPECT_EQ(world->robots(), 52u);
 }
 
@@ -398,7 +404,7 @@ TEST(Experiment, ThereMayBeManyReserves) {
   row.scene.spec.experiment.at.back().time_s = 0;
   const auto world = row.world();
   step(*world, 1);
-  EXPECT_EQ(world->unborn(k_reserves - 1), 0u);
+  EXPECT_EQ(world->lives().unborn(k_reserves - 1), 0u);
   EXPECT_EQ(world->robots(), 2u);
 }
 
@@ -422,9 +428,9 @@ TEST(Experiment, WhoIsAddedAtARandomPlaceHasTheHeightOfItsReserve) {
   row.scene.spec.experiment.at = {at_random, at_a_pose};
   const auto world = row.world();
   step(*world, 3);
-  EXPECT_EQ(world->pose(world->find("fly0")).z, 2);
-  EXPECT_EQ(world->pose(world->find("fly1")).z, 2.5);
-  EXPECT_EQ(world->pose(world->find("fly2")).z, 1);
+  EXPECT_EQ(world->view().pose(world->state().names.find("fly0")).z, 2);
+  EXPECT_EQ(world->view().pose(world->state().names.find("fly1")).z, 2.5);
+  EXPECT_EQ(world->view().pose(world->state().names.find("fly2")).z, 1);
 }
 
 TEST(Experiment, WhoFindsNoPlaceIsNotAdded) {
@@ -437,7 +443,7 @@ TEST(Experiment, WhoFindsNoPlaceIsNotAdded) {
   const auto world = row.world();
   step(*world, 1);
   EXPECT_EQ(world->robots(), 2u);
-  EXPECT_EQ(world->unborn(0), 8u);
+  EXPECT_EQ(world->lives().unborn(0), 8u);
 }
 
 TEST(Experiment, WhoIsAddedIsSeenAtOnceAndLooksAnywhere) {
@@ -451,13 +457,14 @@ TEST(Experiment, WhoIsAddedIsSeenAtOnceAndLooksAnywhere) {
   row.scene.spec.experiment.at = {ahead, rest};
   const auto world = row.world();
   step(*world, 1);
-  EXPECT_FLOAT_EQ(world->percepts(world->type(Row(0)).devices[0]).cell<float>(world->slot(Row(0)), 0)[0],
+  EXPECT_FLOAT_EQ(world->tables()[world->view().type(Row(0)).devices[0].table].cell<float>(
+                      world->view().slot(Row(0)), 0)[0],
                   1.8f);
   step(*world, 1);
-  ASSERT_EQ(world->unborn(0), 0u);
+  ASSERT_EQ(world->lives().unborn(0), 0u);
   std::vector<int> quarters(4);
   for (int i = 1; i < 40; ++i) {
-    const double heading = world->pose(world->find(fmt::format("more{}", i))).heading;
+    const double heading = world->view().pose(world->state().names.find(fmt::format("more{}", i))).heading;
     ++quarters[static_cast<std::size_t>(std::min(3.0, (heading + k_pi) / (k_pi / 2)))];
   }
   // Binomial, 39 draws with p = 1/4: 9.75 with a standard deviation of 2.7. More than three of them.
@@ -472,12 +479,13 @@ TEST(Experiment, ABodyIsPutElsewhereAndSeenThere) {
   const auto world = row.world();
   for (std::size_t r = 0; r < 2; ++r) world->set_command(Row(r), {});
   step(*world, 3);
-  EXPECT_EQ(world->pose(world->find("r1")).y, 1);
+  EXPECT_EQ(world->view().pose(world->state().names.find("r1")).y, 1);
   step(*world, 1);
-  EXPECT_EQ(world->pose(world->find("r1")), (Pose{3, 0, 0, wrap_angle(7)}));
-  const Row r0 = world->row(world->find("r0"));
-  EXPECT_FLOAT_EQ(world->percepts(world->type(r0).devices[0]).cell<float>(world->slot(r0), 0)[0],
-                  static_cast<float>(3 - 0.2 / std::cos(7 - 2 * k_pi)));
+  EXPECT_EQ(world->view().pose(world->state().names.find("r1")), (Pose{3, 0, 0, wrap_angle(7)}));
+  const Row r0 = world->view().row(world->state().names.find("r0"));
+  EXPECT_FLOAT_EQ(
+      world->tables()[world->view().type(r0).devices[0].table].cell<float>(world->view().slot(r0), 0)[0],
+      static_cast<float>(3 - 0.2 / std::cos(7 - 2 * k_pi)));
 }
 
 TEST(Experiment, WhatIsAddedMeetsWhoWasMovedInTheSameTick) {
@@ -506,15 +514,17 @@ TEST(Experiment, WhatIsAddedMeetsWhoWasMovedInTheSameTick) {
                                   at(0, Action::remove, model("more1")),
                                   add(5, 1)};
   const auto world = row.world();
-  for (std::size_t r = 0; r < world->rows(); ++r) world->set_command(Row(r), {});
+  for (std::size_t r = 0; r < world->view().rows(); ++r) world->set_command(Row(r), {});
   world->step();
   EXPECT_THAT(there(*world), ElementsAre("r0", "r1", "r3", "more0", "more2"));
-  const auto position = [&](std::string_view name) { return world->pose(world->find(name)).position(); };
+  const auto position = [&](std::string_view name) {
+    return world->view().pose(world->state().names.find(name)).position();
+  };
   EXPECT_EQ(position("r0"), Vec2(6, 0));
   EXPECT_EQ(position("r1"), Vec2(0, 2));
   EXPECT_EQ(position("more0"), Vec2(0, 0));
   EXPECT_EQ(position("more2"), Vec2(5, 1));
-  EXPECT_EQ(world->placed_before_step().size(), 3u) << "r0, r1 and more0";
+  EXPECT_EQ(world->measured().placed_before_step().size(), 3u) << "r0, r1 and more0";
 }
 
 TEST(Experiment, AnEntryForEachOfManyGroupsTakesNoSearchOfAllBodies) {
@@ -540,7 +550,7 @@ TEST(Experiment, AGroupHasAllBodiesWhoseNamesContinueInDigits) {
   for (std::size_t i = 0; i < names.size(); ++i)
     scene.body(names[i], type, {static_cast<double>(i), 0, 0, 0});
   const World world = scene.world();
-  Groups groups(world);
+  Groups groups(world.state());
   Diagnostics diagnostics;
   const auto members = [&](const GroupSpec& group) {
     std::vector<std::string> found;
@@ -560,7 +570,7 @@ TEST(Experiment, EntriesOnOneGroupShareOneList) {
   Squad row(3);
   const auto world = row.world();
   Diagnostics diagnostics;
-  Groups groups(*world);
+  Groups groups(world->state());
   const Groups::Bodies all = groups.find(population("r"), {}, diagnostics);
   EXPECT_THAT(*all, ElementsAre(BodyId(1), BodyId(2), BodyId(3)));
   EXPECT_EQ(groups.find(population("r", 2, 0.5), {}, diagnostics), all);
@@ -576,7 +586,8 @@ TEST(Experiment, ARobotWithVerySlowWheelsDoesNotDriveAtFullSpeed) {
                                       fault(model("r0"), 0, "slow_wheels", {{"factor", 1e-200}}),
                                       fault(model("r1"), 0, "slow_wheels", {{"factor", 1e-310}})};
   const auto world = row.world();
-  world->set_command(world->row(world->find("r1")), {0.3, 0, 0.1, ControlMode::acceleration});
+  world->set_command(world->view().row(world->state().names.find("r1")),
+                     {0.3, 0, 0.1, ControlMode::acceleration});
   step(*world, 10);
   EXPECT_LT(x_of(*world, "r0"), 1e-100) << "although the product of the factors is 0";
   EXPECT_LT(x_of(*world, "r1"), 1e-100);
@@ -613,7 +624,9 @@ TEST(Experiment, ParametersAreSetForATimeAndByTheNextReset) {
     world->set_command(Row(0), {-1, 0, 0});
     step(*world, 5);
     EXPECT_NEAR(x_of(*world, "r0"), 1.5 - 0.5 * 0.125, 1e-12) << "what was set before stays";
-    const auto range = [&] { return world->percepts(world->type(Row(0)).devices[0]).cell<float>(0, 0)[0]; };
+    const auto range = [&] {
+      return world->tables()[world->view().type(Row(0)).devices[0].table].cell<float>(0, 0)[0];
+    };
     EXPECT_GT(range(), 3);
     world->set_command(Row(0), {1, 0, 0});
     step(*world, 5);
@@ -671,7 +684,7 @@ TEST(Experiment, WhatAProgramSetsIsTheSameInAWorldThatIsMadeAgain) {
   const std::unique_ptr<World> again = remade_world(world, registry, {.threads = 1});
   step(world, 2);
   step(*again, 2);
-  EXPECT_EQ(world.commands()[0].x, again->commands()[0].x);
+  EXPECT_EQ(world.view().commands()[0].x, again->view().commands()[0].x);
   EXPECT_EQ(world.hashes().state, again->hashes().state);
 }
 
@@ -686,12 +699,13 @@ TEST(Experiment, AProgramMaySetAParameterInEveryTick) {
     limit = 0.5 / tick;
     ASSERT_TRUE(world->set(*set.setting, test::registry()));
     world->step();
-    ASSERT_EQ(world->velocities()[0].x, 0.5 / tick);
+    ASSERT_EQ(world->view().velocities()[0].x, 0.5 / tick);
   }
-  const TypeSpec present = world->present_type(row.type);
+  const TypeSpec present = world->interventions().settings().present_type(row.type);
   EXPECT_EQ(get(table, present.drive->params, "velocity_max_x"), Value(0.5 / k_ticks));
   world->reset();
-  EXPECT_EQ(world->present_type(row.type).drive->params, row.scene[row.type].drive->params);
+  EXPECT_EQ(world->interventions().settings().present_type(row.type).drive->params,
+            row.scene[row.type].drive->params);
 }
 
 TEST(Experiment, WhatAProgramSetsBeforeAnEarlierSettingStays) {
@@ -713,11 +727,11 @@ TEST(Experiment, WhatAProgramSetsBeforeAnEarlierSettingStays) {
   }));
   set("velocity_min_x", -0.125);
   step(*world, 5);
-  EXPECT_EQ(world->velocities()[0].x, 0.25) << "the setting of tick 6";
+  EXPECT_EQ(world->view().velocities()[0].x, 0.25) << "the setting of tick 6";
   set("velocity_max_x", 0.5);
   world->set_command(Row(0), {-1, 0, 0});
   step(*world, 1);
-  EXPECT_EQ(world->velocities()[0].x, -0.125);
+  EXPECT_EQ(world->view().velocities()[0].x, -0.125);
 }
 
 TEST(Experiment, ARestartMakesItsFaultsWithTheParametersOfTickZero) {
@@ -772,7 +786,7 @@ TEST(Experiment, ARestartMakesDevicesAndFaultsForItsBodies) {
   row.scene.spec.bodies.back().pose_world_body.x = 9;
   World fresh(row.scene.spec, registry, {.threads = 1}, diagnostics);
   world.restart(row.scene.spec.seed, row.scene.spec.bodies, registry);
-  EXPECT_EQ(world.longest_reach(), 9);
+  EXPECT_EQ(world.interventions().settings().longest_reach(), 9);
   for (World* each : {&world, &fresh}) {
     Squad::drive(*each);
     step(*each, 3);
@@ -806,7 +820,7 @@ TEST(Experiment, ARestartPreparesControllersWithTheNewReachOfDevices) {
   row.scene.spec.bodies.back().pose_world_body.x = 9;
   world.restart(row.scene.spec.seed, row.scene.spec.bodies, registry);
   step(world, 1);
-  EXPECT_EQ(world.commands().back().x, 0.9);
+  EXPECT_EQ(world.view().commands().back().x, 0.9);
 }
 
 // ---- errors
@@ -1112,10 +1126,10 @@ class Trial {
   }
   World& world() { return *world_; }
   void step() {
-    for (std::size_t r = 0; r < world_->rows(); ++r) {
+    for (std::size_t r = 0; r < world_->view().rows(); ++r) {
       const Row row(r);
-      if (!world_->is_there(row)) continue;
-      Random random(7, 1, world_->body(row).value, static_cast<std::uint32_t>(world_->tick()));
+      if (!world_->view().is_there(row)) continue;
+      Random random(7, 1, world_->view().body(row).value, static_cast<std::uint32_t>(world_->tick()));
       world_->set_command(row, {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
     }
     world_->step();

@@ -5,6 +5,8 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/links/effect_views.hpp"
+#include "engine/observing/displacement.hpp"
 #include "engine/observing/stop_conditions.hpp"
 #include "engine/ranks/replica.hpp"
 #include "engine/world/world.hpp"
@@ -250,7 +252,7 @@ TEST_F(HaloOfARoom, WorldsWithDistantPartsOfTheRowsStepAlone) {
   const Simulation simulation = load(30, 8);
   WorldSpec spec = simulation.world().spec();
   for (std::size_t b = 0; b < spec.bodies.size(); ++b)
-    if (simulation.world().location(BodyId(b)) == RowLocation::here && b % 2 == 0)
+    if (simulation.world().view().location(BodyId(b)) == RowLocation::here && b % 2 == 0)
       spec.bodies[b].pose_world_body.x += 100;
   Diagnostics diagnostics(spec.files);
   World whole(spec, simulation.registry(), {.threads = 1}, diagnostics);
@@ -258,8 +260,8 @@ TEST_F(HaloOfARoom, WorldsWithDistantPartsOfTheRowsStepAlone) {
   World far(spec, simulation.registry(), {.threads = 1}, diagnostics);
   std::vector<BodyId> near_bodies;
   std::vector<BodyId> far_bodies;
-  for (std::size_t r = 0; r < whole.rows(); ++r)
-    (whole.poses()[r].x < 50 ? near_bodies : far_bodies).push_back(whole.body(Row(r)));
+  for (std::size_t r = 0; r < whole.view().rows(); ++r)
+    (whole.view().poses()[r].x < 50 ? near_bodies : far_bodies).push_back(whole.view().body(Row(r)));
   ASSERT_GT(near_bodies.size(), 10u);
   ASSERT_GT(far_bodies.size(), 10u);
   near.remove_rows(far_bodies);
@@ -268,7 +270,7 @@ TEST_F(HaloOfARoom, WorldsWithDistantPartsOfTheRowsStepAlone) {
     ASSERT_EQ(near.hashes().state + far.hashes().state, whole.hashes().state) << "tick " << tick;
     for (World* world : {&whole, &near, &far}) world->step();
   }
-  EXPECT_EQ(near.stalled_count() + far.stalled_count(), whole.stalled_count());
+  EXPECT_EQ(near.view().counts().stalled + far.view().counts().stalled, whole.view().counts().stalled);
 }
 
 TEST_F(HaloOfARoom, RanksGiveTheSameBits) {
@@ -276,7 +278,7 @@ TEST_F(HaloOfARoom, RanksGiveTheSameBits) {
   const Simulation simulation = load(150, 4);
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, k_ticks);
-  EXPECT_GT(whole.conflict_rounds(), 100u) << "no motion depends on another";
+  EXPECT_GT(whole.counters().conflict_rounds, 100u) << "no motion depends on another";
   for (const HaloTeam& team : std::vector<HaloTeam>{{1, 1, {}, {}},
                                                     {2, 1, {}, {}},
                                                     {3, 2, {}, 0.0},
@@ -286,7 +288,7 @@ TEST_F(HaloOfARoom, RanksGiveTheSameBits) {
                                                     {2, 2, 4, 0.0}}) {
     HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), k_ticks), expected, name_of(team));
-    EXPECT_EQ(ranks.world().beams_cast(), whole.beams_cast());
+    EXPECT_EQ(ranks.world().counters().beams, whole.counters().beams);
     std::uint64_t migrated = 0;
     std::uint64_t own = 0;
     for (const RankCounts& counts : ranks.counts()) {
@@ -294,7 +296,7 @@ TEST_F(HaloOfARoom, RanksGiveTheSameBits) {
       own += counts.own;
       EXPECT_EQ(counts.ticks, k_ticks);
     }
-    EXPECT_EQ(own, k_ticks * whole.rows()) << "each row has one owner";
+    EXPECT_EQ(own, k_ticks * whole.view().rows()) << "each row has one owner";
     if (team.ranks > 1) {
       EXPECT_GT(migrated, 0u) << name_of(team);
     }
@@ -322,7 +324,7 @@ TEST_F(HaloOfARoom, AllTeamsGiveTheSameBitsInACrowd) {
   const Simulation simulation = load(120, 3.5);
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 16);
-  EXPECT_GT(whole.conflict_rounds(), 10u) << "no motion depends on another";
+  EXPECT_GT(whole.counters().conflict_rounds, 10u) << "no motion depends on another";
   std::uint64_t rounds = 0;
   for (const HaloTeam& team : all_teams(1)) {
     HaloRanks ranks(simulation, team);
@@ -347,7 +349,7 @@ TEST_F(HaloOfARoom, AllTeamsGiveTheSameBitsInASparseWorld) {
       own += counts.own;
       ghosts += counts.ghosts;
     }
-    EXPECT_EQ(own, 10 * whole.rows()) << name_of(team);
+    EXPECT_EQ(own, 10 * whole.view().rows()) << name_of(team);
     if (team.ranks == 7 && !team.seed) {
       EXPECT_GT(ghosts, 0u) << name_of(team);
       EXPECT_LT(5 * ghosts, own) << name_of(team);
@@ -383,7 +385,7 @@ TEST_F(HaloOfARoom, GhostsAreFewInASparseWorld) {
   const std::vector<Hashes> expected = halo_log(whole, 20);
   HaloRanks ranks(simulation, {.ranks = 7, .tile_m = 4});
   expect_equal_logs(halo_log(ranks.world(), 20), expected, "sparse");
-  EXPECT_LT(ranks.world().rows(), spec.bodies.size() / 3);
+  EXPECT_LT(ranks.world().view().rows(), spec.bodies.size() / 3);
   std::uint64_t own = 0;
   std::uint64_t ghosts = 0;
   std::uint64_t rebuilds = 0;
@@ -401,17 +403,17 @@ TEST_F(HaloOfARoom, GhostsAreFewInASparseWorld) {
 
 TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
   const Simulation simulation = load(60, 3);
-  const BodyId moved = simulation.world().find("w7");
+  const BodyId moved = simulation.world().state().names.find("w7");
   const HaloProgram program = [&](World& world) {
     if (world.tick() % 4 == 1) static_cast<void>(world.tables());  // all rows are here
     if (world.tick() == 5) {
       world.gather();
-      const World::Placed place{world.row(moved), {-2.9, 2.9, 0, 1}};
+      const World::Placed place{world.view().row(moved), {-2.9, 2.9, 0, 1}};
       world.set_poses({&place, 1});
     }
     if (world.tick() == 9) {
       world.gather();
-      world.set_command(world.row(moved), Command{});
+      world.set_command(world.view().row(moved), Command{});
     }
     if (world.tick() == 12) world.before_tick([&world] { static_cast<void>(world.tables()); });
     if (world.tick() == 15) world.before_tick({});
@@ -422,9 +424,9 @@ TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
     HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 30, program), expected, name_of(team));
     ranks.world().gather();
-    EXPECT_EQ(ranks.world().rows(), whole.rows());
-    EXPECT_EQ(ranks.world().stalled_count(), whole.stalled_count());
-    EXPECT_EQ(ranks.world().mean_displacement(), whole.mean_displacement());
+    EXPECT_EQ(ranks.world().view().rows(), whole.view().rows());
+    EXPECT_EQ(ranks.world().view().counts().stalled, whole.view().counts().stalled);
+    EXPECT_EQ(engine::mean_displacement(ranks.world()), engine::mean_displacement(whole));
     ranks.world().reset();
     ranks.world().before_tick({});
     expect_equal_logs(halo_log(ranks.world(), 30, program), expected, "after reset, " + name_of(team));
@@ -432,7 +434,7 @@ TEST_F(HaloOfARoom, ProgramsReadAndChangeAllRows) {
       for (std::size_t t = 0; t < tables.size(); ++t)
         for (std::size_t at = 0; at < tables[t].rows(); ++at) {
           const StateTable& from = whole.tables()[t];
-          const std::size_t row = whole.row_in(from, whole.row(tables[t].ids()[at]));
+          const std::size_t row = whole.view().row_in(from, whole.view().row(tables[t].ids()[at]));
           for (std::size_t f = 0; f < from.fields().size(); ++f) {
             const auto bytes = from.fields()[f].columns * element_size(from.fields()[f].element);
             std::copy_n(from.cell<std::byte>(row, f).data(), bytes, tables[t].cell<std::byte>(at, f).data());
@@ -453,7 +455,7 @@ TEST_F(HaloOfARoom, ARestartPlacesBodiesOnTheGroundOfAnyRank) {
   const Simulation simulation = load(80, 3);
   std::vector<BodySpec> bodies = simulation.world().spec().bodies;
   const auto place = [&](std::string_view name, const Pose& pose) {
-    bodies[simulation.world().find(name).index()].pose_world_body = pose;
+    bodies[simulation.world().state().names.find(name).index()].pose_world_body = pose;
   };
   place("w3", {60, -40, 0, 1});
   place("w4", {60.5, -40, 0, -2});
@@ -498,11 +500,11 @@ TEST_F(HaloOfARoom, ACallbackOfAPhaseMayThrow) {
 
 TEST_F(HaloOfARoom, AFarMotionIsFollowed) {
   const Simulation simulation = load(60, 3);
-  const BodyId fast = simulation.world().find("w7");
+  const BodyId fast = simulation.world().state().names.find("w7");
   const HaloProgram program = [&](World& world) {
     if (world.tick() % 10 != 3) return;
     world.gather();
-    world.set_command(world.row(fast), Command{.x = 40});  // 4 m in a tick
+    world.set_command(world.view().row(fast), Command{.x = 40});  // 4 m in a tick
   };
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 30, program);
@@ -528,7 +530,7 @@ TEST_F(HaloOfARoom, SlowRanksGiveGroundToOthers) {
   EXPECT_GT(ranks.replica().rebalanced(), 0u);
   EXPECT_LT(3 * rows_of(1), 2 * before);
   EXPECT_GT(rows_of(1), 0u);
-  EXPECT_EQ(rows_of(0) + rows_of(1) + rows_of(2), whole.rows());
+  EXPECT_EQ(rows_of(0) + rows_of(1) + rows_of(2), whole.view().rows());
 }
 
 /// What the conditions of a world's `stop_when` read after each tick.
@@ -647,8 +649,8 @@ TEST_F(HaloOfARoom, ProgramsDisableRobots) {
     if (world.tick() % 5 != 2) return;
     world.gather();
     for (std::uint64_t b = world.tick(); b < world.tick() + 10; ++b)
-      if (const BodyId body(b); world.location(body) == RowLocation::here)
-        world.set_disabled(world.row(body), !world.is_disabled(world.row(body)));
+      if (const BodyId body(b); world.view().location(body) == RowLocation::here)
+        world.set_disabled(world.view().row(body), !world.view().is_disabled(world.view().row(body)));
   };
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 30, program);
@@ -679,18 +681,18 @@ TEST_F(HaloOfARoom, InterventionsHaveTheSameEffectOnAllRanks) {
     {"time_s": 3.5, "set": {"type": "wanderer", "device": {"name": "eyes", "transducers": [{"range_max_m": 0.5, "fov_deg": 170.5, "samples": 9}]}}}
   ])");
   ASSERT_EQ(why_replicated(simulation.world()), "");
-  EXPECT_GE(simulation.world().longest_reach(), 3.5);
+  EXPECT_GE(simulation.world().interventions().settings().longest_reach(), 3.5);
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 50);
   EXPECT_LT(whole.robots(), 136u);
   for (const HaloTeam& team : k_experiment_teams) {
     HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 50), expected, name_of(team));
-    EXPECT_EQ(ranks.world().beams_cast(), whole.beams_cast()) << name_of(team);
+    EXPECT_EQ(ranks.world().counters().beams, whole.counters().beams) << name_of(team);
     EXPECT_EQ(ranks.world().robots(), whole.robots()) << name_of(team);
     ranks.world().gather();
-    EXPECT_EQ(ranks.world().absent_count(), whole.absent_count()) << name_of(team);
-    EXPECT_EQ(ranks.world().mean_displacement(), whole.mean_displacement()) << name_of(team);
+    EXPECT_EQ(ranks.world().view().absent_count(), whole.view().absent_count()) << name_of(team);
+    EXPECT_EQ(engine::mean_displacement(ranks.world()), engine::mean_displacement(whole)) << name_of(team);
     ranks.world().reset();
     expect_equal_logs(halo_log(ranks.world(), 50), expected, "after reset, " + name_of(team));
   }
@@ -777,10 +779,10 @@ TEST_F(HaloOfARoom, RobotsChargeOneAnotherAcrossBorders) {
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 40);
   double received = 0;
-  for (std::size_t r = 0; r < whole.rows(); ++r)
-    for (const BodyType::Device& device : whole.type(Row(r)).devices)
+  for (std::size_t r = 0; r < whole.view().rows(); ++r)
+    for (const BodyType::Device& device : whole.view().type(Row(r)).devices)
       if (device.kind->energy)
-        received += device.kind->energy(whole.percepts(device), whole.slot(Row(r))).received_j;
+        received += device.kind->energy(whole.tables()[device.table], whole.view().slot(Row(r))).received_j;
   EXPECT_GT(received, 100);
   expect_log(simulation, k_experiment_teams, expected);
 }
@@ -827,12 +829,12 @@ TEST_F(HaloOfARoom, CarriersChargeOthersAcrossBorders) {
   ASSERT_EQ(why_replicated(simulation.world()), "");
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 30);
-  EXPECT_GT(whole.carried_count(), 20u);
+  EXPECT_GT(whole.view().counts().carried, 20u);
   double received = 0;
-  for (std::size_t r = 0; r < whole.rows(); ++r)
-    for (const BodyType::Device& device : whole.type(Row(r)).devices)
+  for (std::size_t r = 0; r < whole.view().rows(); ++r)
+    for (const BodyType::Device& device : whole.view().type(Row(r)).devices)
       if (device.kind->energy)
-        received += device.kind->energy(whole.percepts(device), whole.slot(Row(r))).received_j;
+        received += device.kind->energy(whole.tables()[device.table], whole.view().slot(Row(r))).received_j;
   EXPECT_GT(received, 100);
   std::vector<HaloTeam> teams = k_experiment_teams;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) teams.push_back({5, 1, seed, 0.0, 0.3, {}});
@@ -883,21 +885,20 @@ struct Mixer {
         for (std::uint32_t k = 0; k < std::min(near.size(), k_most); ++k) batch.emit(i, k, 0, near[k]);
       }
     };
-    kind.apply = [](World& world, const std::any&, const Effect& effect) {
-      if (world.tick() == throws_at && effect.source.value % 7 == 3) throw std::runtime_error("spilled");
-      mix(world, effect);
+    kind.apply = [](const EffectContext& context, const std::any&, const Effect& effect) {
+      if (Gripping(context).view().tick() == throws_at && effect.source.value % 7 == 3)
+        throw std::runtime_error("spilled");
+      mix(context, effect);
     };
     return kind;
   }
-  static void mix(World& world, const Effect& effect) {
-    std::uint64_t& source = state(world, effect.source).value;
-    std::uint64_t& target = state(world, effect.target).value;
+  static void mix(const EffectContext& context, const Effect& effect) {
+    const DeviceExchange bodies(context);
+    std::uint64_t& source = bodies.state<State>().value;
+    StateTable& states = bodies.table_of(bodies.target_type().devices.back());
+    std::uint64_t& target = states.as<State>(bodies.target_slot()).value;
     target = target * 6364136223846793005u + source;
     source = source * 31 + target + effect.source.value;
-  }
-  static State& state(World& world, BodyId body) {
-    const Row row = world.row(body);
-    return world.state(world.type(row).devices.back()).as<State>(world.slot(row));
   }
 };
 
@@ -914,14 +915,15 @@ DeviceKind far_mixer_kind() {
         batch.emit(i, k, 0, BodyId((number * 7919 + k * 104729) % bodies));
     }
   };
-  kind.apply = [](World& world, const std::any&, const Effect& effect) {
-    if (world.location(effect.target) == RowLocation::none) return;  // static
-    const std::span<const BodyType::Device> devices = world.type(effect.target).devices;
+  kind.apply = [](const EffectContext& context, const std::any&, const Effect& effect) {
+    const DeviceExchange bodies(context);
+    if (Gripping(context).view().location(effect.target) == RowLocation::none) return;  // static
+    const std::span<const BodyType::Device> devices = bodies.target_type().devices;
     if (devices.empty() || devices.back().kind->name != "mixer") return;
-    if (world.is_there(world.row(effect.target)))
-      Mixer::mix(world, effect);
+    if (bodies.has_target())
+      Mixer::mix(context, effect);
     else
-      Mixer::state(world, effect.source).value ^= 0x5555;
+      bodies.state<Mixer::State>().value ^= 0x5555;
   };
   return kind;
 }
@@ -1046,11 +1048,11 @@ TEST_F(HaloOfARoom, RobotsPushBodiesAcrossBorders) {
   const Simulation simulation(write("shovers.json", halo_shovers()), options, registry);
   ASSERT_EQ(why_replicated(simulation.world()), "");
   World whole = whole_world(simulation);
-  const std::vector<Pose> before(whole.poses().begin(), whole.poses().end());
+  const std::vector<Pose> before(whole.view().poses().begin(), whole.view().poses().end());
   const std::vector<Hashes> expected = halo_log(whole, 10);
   std::size_t pushed = 0;
-  for (std::size_t r = 0; r < whole.rows(); ++r)
-    pushed += whole.type(Row(r)).pushable && whole.poses()[r].x != before[r].x;
+  for (std::size_t r = 0; r < whole.view().rows(); ++r)
+    pushed += whole.view().type(Row(r)).pushable && whole.view().poses()[r].x != before[r].x;
   EXPECT_GT(pushed, 50u);
   expect_log(simulation, all_teams(0.2), expected);
 }
@@ -1090,7 +1092,7 @@ TEST_F(HaloOfARoom, PushersDependOnPushersFarAway) {
   const Simulation simulation(write("rows.json", halo_rows_of_bars()), options);
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 20);
-  EXPECT_EQ(whole.stalled_count(), 48u) << "the halves of all rows have met";
+  EXPECT_EQ(whole.view().counts().stalled, 48u) << "the halves of all rows have met";
   for (const unsigned ranks : {2u, 3u, 5u, 7u})
     for (const std::optional<std::uint64_t> seed : {std::optional<std::uint64_t>(), {1}, {2}, {3}}) {
       const HaloTeam team{ranks, 1, seed, 0.0, 0.25, {}};
@@ -1223,14 +1225,13 @@ struct Hook {
         if (!near.empty()) batch.emit(i, 0, 0, near[number % near.size()]);
       }
     };
-    kind.apply = [](World& world, const std::any&, const Effect& effect) {
-      const Row source = world.row(effect.source);
-      const Row target = world.row(effect.target);
-      State& state = world.state(world.type(source).devices.back()).as<State>(world.slot(source));
+    kind.apply = [](const EffectContext& context, const std::any&, const Effect& effect) {
+      const Gripping gripping(context);
+      auto& state = gripping.state<State>();
       if (effect.verb == 1) {
-        if (world.carrier(target) == effect.source) world.release(target);
+        if (gripping.view().carrier(gripping.target()) == effect.source) gripping.release();
         state.held = 0;
-      } else if (world.attach(target, source, k_rigid)) {
+      } else if (gripping.attach(k_rigid)) {
         state.held = effect.target.value + 1;
       } else {
         ++state.refused;
@@ -1254,13 +1255,15 @@ TEST_F(HaloOfARoom, RobotsCarryOneAnotherAcrossBorders) {
   ASSERT_EQ(why_replicated(simulation.world()), "");
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 40);
-  EXPECT_GT(whole.carried_count(), 50u);
+  EXPECT_GT(whole.view().counts().carried, 50u);
   std::size_t deep = 0;
   std::size_t refused = 0;
-  for (std::size_t r = 0; r < whole.rows(); ++r) {
-    const std::optional<BodyId> by = whole.carrier(Row(r));
-    deep += by && whole.carrier(whole.row(*by));
-    refused += whole.percepts(whole.type(Row(r)).devices.back()).as<Hook::State>(whole.slot(Row(r))).refused;
+  for (std::size_t r = 0; r < whole.view().rows(); ++r) {
+    const std::optional<BodyId> by = whole.view().carrier(Row(r));
+    deep += by && whole.view().carrier(whole.view().row(*by));
+    refused += whole.tables()[whole.view().type(Row(r)).devices.back().table]
+                   .as<Hook::State>(whole.view().slot(Row(r)))
+                   .refused;
   }
   EXPECT_GT(deep, 20u) << "robots that a carried robot carries";
   EXPECT_GT(refused, 100u) << "robots that were already carried, or that carry the robot";
@@ -1280,8 +1283,8 @@ TEST_F(HaloOfARoom, AKindThatDoesNotDeclareThatItCarriesMustNotAttachOrRelease) 
     DeviceKind hook = Hook::kind();
     hook.carries = false;
     if (!attaches)
-      hook.apply = [](World& world, const std::any&, const Effect& effect) {
-        world.release(world.row(effect.target));
+      hook.apply = [](const EffectContext& context, const std::any&, const Effect&) {
+        Gripping(context).release();
       };
     Registry registry = test::registry();
     registry.devices.push_back(hook);
@@ -1297,9 +1300,10 @@ TEST_F(HaloOfARoom, AKindThatDoesNotDeclareThatItCarriesMustNotAttachOrRelease) 
     World whole = whole_world(simulation);
     const std::string expected = error_of(whole);
     EXPECT_THAT(expected, HasSubstr("device \"hook\" (hook) of \"w"));
-    EXPECT_THAT(expected, HasSubstr(fmt::format("threw: World::{} was called by a kind that does not declare "
-                                                "that it can carry bodies: set DeviceKind::carries to true",
-                                                attaches ? "attach()" : "release()")));
+    EXPECT_THAT(expected,
+                HasSubstr(fmt::format("threw: Gripping::{} was called by a kind that does not declare "
+                                      "that it can carry bodies: set DeviceKind::carries to true",
+                                      attaches ? "attach()" : "release()")));
     HaloRanks ranks(simulation, {3, 1, {}, {}});
     EXPECT_EQ(error_of(ranks.world()), expected);
   }
@@ -1339,9 +1343,9 @@ TreeTicks tree_ticks(World& world, std::uint64_t ticks) {
     world.step();
     std::vector<std::optional<BodyId>> carriers;
     bool is_deep = false;
-    for (std::size_t r = 0; r < world.rows(); ++r) {
-      carriers.push_back(world.carrier(Row(r)));
-      is_deep = is_deep || (carriers.back() && world.carrier(world.row(*carriers.back())));
+    for (std::size_t r = 0; r < world.view().rows(); ++r) {
+      carriers.push_back(world.view().carrier(Row(r)));
+      is_deep = is_deep || (carriers.back() && world.view().carrier(world.view().row(*carriers.back())));
     }
     count.changes += tick > 0 && carriers != before;
     count.deep += is_deep;
@@ -1395,7 +1399,7 @@ TEST_F(HaloOfHooks, GhostsOfChangedTreesAreLinkedAgain) {
   HaloRanks ranks(simulation, {.ranks = 2, .skin_m = 20.0});
   expect_equal_logs(halo_log(ranks.world(), k_ticks), expected, "a small room");
   for (const RankCounts& counts : ranks.counts()) {
-    EXPECT_EQ(counts.own + counts.ghosts, whole.rows() * counts.ticks) << "all robots are here";
+    EXPECT_EQ(counts.own + counts.ghosts, whole.view().rows() * counts.ticks) << "all robots are here";
     EXPECT_LT(counts.distributions, trees.changes * 3 / 4);
   }
 }
@@ -1416,11 +1420,11 @@ TEST_F(HaloOfHooks, CarriersDie) {
   std::vector<Hashes> expected{whole.hashes()};
   for (int tick = 0; tick < 20; ++tick) {
     std::vector<BodyId> carriers;
-    for (std::size_t r = 0; r < whole.rows(); ++r)
-      if (const std::optional<BodyId> by = whole.carrier(Row(r))) carriers.push_back(*by);
+    for (std::size_t r = 0; r < whole.view().rows(); ++r)
+      if (const std::optional<BodyId> by = whole.view().carrier(Row(r))) carriers.push_back(*by);
     whole.step();
     expected.push_back(whole.hashes());
-    for (const BodyId by : carriers) dead_carriers += !whole.is_there(whole.row(by));
+    for (const BodyId by : carriers) dead_carriers += !whole.view().is_there(whole.view().row(by));
   }
   EXPECT_GT(dead_carriers, 10u);
   std::vector<HaloTeam> teams = k_experiment_teams;
@@ -1483,12 +1487,12 @@ TEST_F(HaloOfARoom, JointsMoveAndGrippersHoldAcrossBorders) {
   ASSERT_EQ(why_replicated(simulation.world()), "");
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 40);
-  EXPECT_GT(whole.carried_count(), 8u);
+  EXPECT_GT(whole.view().counts().carried, 8u);
   std::size_t blocked = 0;
-  for (std::size_t r = 0; r < whole.rows(); ++r)
-    for (const BodyType::Device& device : whole.type(Row(r)).devices)
+  for (std::size_t r = 0; r < whole.view().rows(); ++r)
+    for (const BodyType::Device& device : whole.view().type(Row(r)).devices)
       if (device.kind->name == "actuator")
-        blocked += whole.percepts(device).as<models::ActuatorState>(whole.slot(Row(r))).stalled;
+        blocked += whole.tables()[device.table].as<models::ActuatorState>(whole.view().slot(Row(r))).stalled;
   EXPECT_GT(blocked, 8u) << "joints whose motion was blocked in the last tick";
   std::vector<HaloTeam> teams = k_experiment_teams;
   for (HaloTeam& team : teams) team.tile_m = 0.5;
@@ -1522,7 +1526,7 @@ TEST_F(HaloOfARoom, AJointHookThatThrowsEndsTheTickOnAllRanks) {
   options.threads = 1;
   const Simulation simulation(write("wavers.json", halo_wavers()), options, StuckActuator::registry());
   for (const std::uint32_t robot : {0u, 13u, 26u, 39u}) {
-    StuckActuator::throws_for = simulation.world().find("s" + std::to_string(robot));
+    StuckActuator::throws_for = simulation.world().state().names.find("s" + std::to_string(robot));
     expect_same_error(simulation, 4 + robot % 3, StuckActuator::throws_at, "the arm is stuck");
   }
 }
@@ -1547,8 +1551,8 @@ TEST_F(HaloOfARoom, OnlyTheJointsOfOneRankMoveAndNoKindHasTheHook) {
   ASSERT_EQ(why_replicated(simulation.world()), "");
   World whole = whole_world(simulation);
   halo_log(whole, 4);
-  EXPECT_GT(whole.joint_state(whole.row(whole.find("w")), 0).x, 0);
-  EXPECT_EQ(whole.joint_state(whole.row(whole.find("s")), 0).x, 0);
+  EXPECT_GT(whole.state().joint_state(whole.view().row(whole.state().names.find("w")), 0).x, 0);
+  EXPECT_EQ(whole.state().joint_state(whole.view().row(whole.state().names.find("s")), 0).x, 0);
   expect_same_bits(simulation, 4, {{2, 1, {}, {}}, {3, 1, 5, {}}});
 }
 
@@ -1567,8 +1571,10 @@ TEST_F(HaloOfARoom, OnlyTheJointsOfOneRankMoveAndAllHaveTheHook) {
   World whole = whole_world(simulation);
   halo_log(whole, 4);
   for (const char* robot : {"s", "w"}) {
-    const Row row = whole.row(whole.find(robot));
-    EXPECT_EQ(whole.percepts(whole.type(row).devices[0]).as<models::ActuatorState>(whole.slot(row)).velocity,
+    const Row row = whole.view().row(whole.state().names.find(robot));
+    EXPECT_EQ(whole.tables()[whole.view().type(row).devices[0].table]
+                  .as<models::ActuatorState>(whole.view().slot(row))
+                  .velocity,
               4);
   }
   expect_same_bits(simulation, 4, {{2, 1, {}, {}}, {3, 1, 5, {}}});
@@ -1616,7 +1622,7 @@ TEST_F(HaloOfARoom, CargoFollowsAMoveOnAnotherRank) {
   ASSERT_EQ(why_replicated(simulation.world()), "");
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 30);
-  EXPECT_EQ(whole.carried_count(), 8u);
+  EXPECT_EQ(whole.view().counts().carried, 8u);
   expect_log(simulation, k_experiment_teams, expected);
 }
 
@@ -1661,17 +1667,18 @@ TEST_F(HaloOfATurnover, BirthsAndDeathsAreTheSameOnAllRanks) {
   ASSERT_EQ(why_replicated(simulation.world()), "");
   World whole = whole_world(simulation);
   const std::vector<Hashes> expected = halo_log(whole, 18);
-  EXPECT_EQ(whole.unborn(0), 0u) << "the last births are refused";
+  EXPECT_EQ(whole.lives().unborn(0), 0u) << "the last births are refused";
   std::size_t dead = 0;
-  for (std::size_t r = 0; r < whole.rows(); ++r) dead += whole.presence(Row(r)) == Presence::dead;
+  for (std::size_t r = 0; r < whole.view().rows(); ++r)
+    dead += whole.view().presence(Row(r)) == Presence::dead;
   EXPECT_GT(dead, 40u);
   for (const HaloTeam& team : all_teams(1)) {
     HaloRanks ranks(simulation, team);
     expect_equal_logs(halo_log(ranks.world(), 18), expected, name_of(team));
     if (HasFatalFailure()) return;
     EXPECT_EQ(ranks.world().robots(), whole.robots()) << name_of(team);
-    EXPECT_EQ(ranks.world().absent_count(), whole.absent_count()) << name_of(team);
-    EXPECT_EQ(ranks.world().unborn(0), 0u) << name_of(team);
+    EXPECT_EQ(ranks.world().view().absent_count(), whole.view().absent_count()) << name_of(team);
+    EXPECT_EQ(ranks.world().lives().unborn(0), 0u) << name_of(team);
   }
 }
 
@@ -1684,8 +1691,8 @@ TEST_F(HaloOfATurnover, ProgramsSpawnAndRemoveBodies) {
     world.gather();
     const double x = 0.4 * static_cast<double>(world.tick() % 16) - 3;
     static_cast<void>(world.spawn(0, {x, 3.7, 0, 0.3}));
-    for (std::size_t r = 0; r < world.rows(); ++r)
-      if (world.body(Row(r)).value == 2 * world.tick()) world.remove(Row(r));
+    for (std::size_t r = 0; r < world.view().rows(); ++r)
+      if (world.view().body(Row(r)).value == 2 * world.tick()) world.remove(Row(r));
   };
   expect_same_bits(load(), 30, k_experiment_teams, 1, program);
 }
@@ -1713,9 +1720,11 @@ struct UnluckySpawner {
     Registry registry = test::registry();
     DeviceKind& spawner = *std::ranges::find(registry.devices, "spawner", &DeviceKind::name);
     born = spawner.born;
-    spawner.born = [](World& world, const std::any& data, const Effect& effect, const Birth& birth) {
-      if (world.tick() == throws_at && effect.source.value % 3 == 1) throw std::runtime_error("stillborn");
-      born(world, data, effect, birth);
+    spawner.born = [](const EffectContext& context, const std::any& data, const Effect& effect,
+                      const Birth& birth) {
+      if (Gripping(context).view().tick() == throws_at && effect.source.value % 3 == 1)
+        throw std::runtime_error("stillborn");
+      born(context, data, effect, birth);
     };
     return registry;
   }

@@ -4,6 +4,7 @@
 #include "base/random.hpp"
 #include "engine/world/world.hpp"
 #include "models/drives/wheels.hpp"
+#include "tests/support/access_of.hpp"
 #include "tests/support/devices.hpp"
 #include "tests/support/slow_build.hpp"
 
@@ -60,10 +61,11 @@ std::vector<Block> blocks_of(const World& world, std::size_t bodies) {
   const WorldSpec& spec = world.spec();
   for (std::size_t b = 1; b < std::min(bodies, spec.bodies.size()); ++b) {
     const BodyId body(b);
-    const Row row = world.row(body);
+    const Row row = world.view().row(body);
     BodyId tree = body;
-    while (row.valid() && world.carrier(world.row(tree))) tree = *world.carrier(world.row(tree));
-    const Pose pose = world.pose(body);
+    while (row.valid() && world.view().carrier(world.view().row(tree)))
+      tree = *world.view().carrier(world.view().row(tree));
+    const Pose pose = world.view().pose(body);
     const TypeSpec& type = spec.type(BodyId(b));
     for (const PartSpec& part : type.parts)
       for (const Solid& solid : part.solids) {
@@ -71,11 +73,11 @@ std::vector<Block> blocks_of(const World& world, std::size_t bodies) {
         for (Vec2 p : solid.contours[0]) {
           if (part.joint != k_rigid)
             p = moved(type.joints[static_cast<std::size_t>(part.joint)].pose_body_joint,
-                      world.joint_state(row, static_cast<std::size_t>(part.joint)), p);
+                      world.state().joint_state(row, static_cast<std::size_t>(part.joint)), p);
           block.ring.push_back(moved({}, pose, p));
         }
         if (part.joint != k_rigid)
-          block.z = block.z.shifted(world.joint_state(row, static_cast<std::size_t>(part.joint)).z);
+          block.z = block.z.shifted(world.state().joint_state(row, static_cast<std::size_t>(part.joint)).z);
         blocks.push_back(std::move(block));
       }
   }
@@ -179,7 +181,7 @@ TEST(Links, NothingOverlapsWhateverIsCarried) {
     for (int t = 0; t < (test::k_slow_build ? 40 : 110); ++t) {
       world.step();
       ASSERT_LT(deepest(world), 1e-9) << "seed " << seed << ", tick " << world.tick();
-      most_carried = std::max(most_carried, world.carried_count());
+      most_carried = std::max(most_carried, world.view().counts().carried);
     }
   }
   EXPECT_GE(most_carried, 4u);
@@ -332,14 +334,14 @@ TEST(Links, ASlideStopsAtAPuckThatWasJustSweptBeforeIt) {
       scene.body("sweeper", sweeper, {arm, -1, 0, k_pi / 2});
       make_cells_small(scene);
       World world = scene.world({1, 0.1});
-      ASSERT_LT(world.geometry().cell_m, 0.35);
+      ASSERT_LT(world.view().geometry().cell_m, 0.35);
       for (int t = 0; t < 3; ++t) {
         world.step();
         EXPECT_LT(deepest(world, 4), 1e-9)
             << "tick " << world.tick() << ", arm at " << arm << ", offset " << x;
       }
       if (k > 3) {
-        EXPECT_LT(world.pose(swept).x - x, 0.5) << "it was swept";
+        EXPECT_LT(world.view().pose(swept).x - x, 0.5) << "it was swept";
       }
     }
 }
@@ -395,7 +397,8 @@ TEST(Links, CarsFarFromTheirBodiesMeetOneAnotherOnAnyTiles) {
       ASSERT_EQ(hash, expected[t]) << "tick " << t + 1 << ", tiles of " << options.tile_size_m;
       ASSERT_LT(deepest(world), 1e-9) << "tick " << t + 1;
       for (std::uint32_t b = 1; b <= 12; ++b) {
-        farthest = std::max(farthest, world.joint_state(world.row(BodyId(b)), 0).position().norm());
+        farthest =
+            std::max(farthest, world.state().joint_state(world.view().row(BodyId(b)), 0).position().norm());
         stalls += test::state_of<models::WheelsState>(world, BodyId(b), 0).stalled;
       }
     }
@@ -417,7 +420,7 @@ TEST(Links, CarsFarFromTheirBodiesMoveQuickly) {
   if (!test::k_slow_build) {
     EXPECT_LT(std::clock() - start, 3 * CLOCKS_PER_SEC);  // processor time
   }
-  EXPECT_NEAR(world.joint_state(world.row(BodyId(5)), 0).x, 60, 1e-9);
+  EXPECT_NEAR(world.state().joint_state(world.view().row(BodyId(5)), 0).x, 60, 1e-9);
 }
 
 // The tip of each slide is 0.1 mm thick, and moves by 500 m in a tick: its samples are 5 cm apart.
@@ -433,9 +436,9 @@ TEST(Links, AMotionHasAtMostTenThousandSamples) {
   scene.wall(100.01, -0.01, 100.04, 0.01);  // between two samples
   scene.wall(100.01, 4.99, 100.07, 5.01);
   World world = scene.world({1, 0});
-  while (world.tick() < 4 && world.joint_state(world.row(passes), 0).x == 0) world.step();
-  EXPECT_EQ(world.joint_state(world.row(passes), 0).x, 500);
-  EXPECT_EQ(world.joint_state(world.row(blocked), 0).x, 0);
+  while (world.tick() < 4 && world.state().joint_state(world.view().row(passes), 0).x == 0) world.step();
+  EXPECT_EQ(world.state().joint_state(world.view().row(passes), 0).x, 500);
+  EXPECT_EQ(world.state().joint_state(world.view().row(blocked), 0).x, 0);
 }
 
 TEST(Links, AResetAndAnotherRunAreTheSame) {
@@ -456,25 +459,25 @@ TEST(Links, CyclesAndTakenBodiesAreRefused) {
   const TypeId plain = scene.robot("plain", {box(0.2, 0.2)});
   scene.body("p", plain, {0, 3, 0, 0});
   World world = scene.world();
-  const Row a = world.row(BodyId(1)), b = world.row(BodyId(2)), c = world.row(BodyId(3)),
-            p = world.row(BodyId(4));
-  EXPECT_TRUE(world.attach(b, a, k_rigid));
-  EXPECT_TRUE(world.attach(c, b, 0));
-  EXPECT_FALSE(world.attach(c, a, k_rigid)) << "taken";
-  EXPECT_FALSE(world.attach(a, c, k_rigid)) << "a circle";
-  EXPECT_FALSE(world.attach(a, a, k_rigid)) << "itself";
-  EXPECT_FALSE(world.attach(a, p, k_rigid)) << "it has no hands";
-  EXPECT_TRUE(world.same_tree(a, c));
-  EXPECT_EQ(world.carried_count(), 2u);
-  const Pose before = world.pose(BodyId(3));
+  const Row a = world.view().row(BodyId(1)), b = world.view().row(BodyId(2)), c = world.view().row(BodyId(3)),
+            p = world.view().row(BodyId(4));
+  EXPECT_TRUE(test::access_of(world).links().attach(b, a, k_rigid));
+  EXPECT_TRUE(test::access_of(world).links().attach(c, b, 0));
+  EXPECT_FALSE(test::access_of(world).links().attach(c, a, k_rigid)) << "taken";
+  EXPECT_FALSE(test::access_of(world).links().attach(a, c, k_rigid)) << "a circle";
+  EXPECT_FALSE(test::access_of(world).links().attach(a, a, k_rigid)) << "itself";
+  EXPECT_FALSE(test::access_of(world).links().attach(a, p, k_rigid)) << "it has no hands";
+  EXPECT_TRUE(world.view().same_tree(a, c));
+  EXPECT_EQ(world.view().counts().carried, 2u);
+  const Pose before = world.view().pose(BodyId(3));
   for (int t = 0; t < 3; ++t) world.step();
-  EXPECT_NEAR(world.pose(BodyId(3)).x, before.x, 1e-12);
-  EXPECT_NEAR(world.pose(BodyId(3)).heading, before.heading, 1e-12);
-  world.release(b);
-  EXPECT_FALSE(world.same_tree(a, b));
-  EXPECT_TRUE(world.same_tree(b, c));
-  world.release(b);
-  EXPECT_EQ(world.carried_count(), 1u);
+  EXPECT_NEAR(world.view().pose(BodyId(3)).x, before.x, 1e-12);
+  EXPECT_NEAR(world.view().pose(BodyId(3)).heading, before.heading, 1e-12);
+  test::access_of(world).links().release(b);
+  EXPECT_FALSE(world.view().same_tree(a, b));
+  EXPECT_TRUE(world.view().same_tree(b, c));
+  test::access_of(world).links().release(b);
+  EXPECT_EQ(world.view().counts().carried, 1u);
 }
 
 /// Copies the state of a world to the tables of another world of the same scene.
@@ -498,7 +501,8 @@ TEST(Links, AChainOfCarriersHasALimit) {
   for (std::size_t i = 0; i < k_most + 2; ++i)
     scene.body(fmt::format("r{}", i), type, {2 * static_cast<double>(i), 0, 0, 0});
   const auto attach = [](World& world, std::size_t i) {  // body i carries body i + 1
-    return world.attach(world.row(BodyId(i + 1)), world.row(BodyId(i)), k_rigid);
+    return test::access_of(world).links().attach(world.view().row(BodyId(i + 1)), world.view().row(BodyId(i)),
+                                                 k_rigid);
   };
   World chain = scene.world();
   World none = scene.world();
@@ -512,7 +516,7 @@ TEST(Links, AChainOfCarriersHasALimit) {
           copy_tables(chain, tables);
           const auto carrier = std::ranges::find(tables, "carrier", &StateTable::component);
           const StateTable& linked = link.tables()[static_cast<std::size_t>(carrier - tables.begin())];
-          const std::size_t row = link.row(BodyId(i + 1)).index();
+          const std::size_t row = link.view().row(BodyId(i + 1)).index();
           carrier->as<Carried>(row) = linked.as<Carried>(row);
         });
   };
@@ -535,11 +539,11 @@ TEST(Links, AStoredStateGoesOn) {
   const BodyId what = scene.body("w", hand, {9.5, 0, 0, 1});
   World first = scene.world();
   World second = scene.world();
-  ASSERT_TRUE(first.attach(first.row(what), first.row(by), 0));
+  ASSERT_TRUE(test::access_of(first).links().attach(first.view().row(what), first.view().row(by), 0));
   for (int t = 0; t < 20; ++t) first.step();
   const auto copy = [&](std::span<StateTable> tables) { copy_tables(first, tables); };
   ASSERT_TRUE(second.restore(first.tick(), first.counters(), first.hashes().state, copy));
-  EXPECT_EQ(second.carrier(second.row(what)), by);
+  EXPECT_EQ(second.view().carrier(second.view().row(what)), by);
   for (int t = 0; t < 20; ++t) {
     first.step();
     second.step();

@@ -3,6 +3,8 @@
 
 #include "base/random.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/links/effect_views.hpp"
+#include "engine/observing/displacement.hpp"
 #include "engine/observing/events.hpp"
 #include "engine/observing/frame.hpp"
 #include "engine/world/world.hpp"
@@ -51,38 +53,38 @@ struct Plain {
     add_reserve(scene, "more", type, k_reserve);
   }
   static float range(const World& world, BodyId body) {
-    const Row row = world.row(body);
-    return world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0];
+    const Row row = world.view().row(body);
+    return world.tables()[world.view().type(row).devices[0].table].cell<float>(world.view().slot(row), 0)[0];
   }
 };
 
 TEST(Lives, WhoIsInReserveIsNowhere) {
   Plain plain;
   World world = plain.scene.world();
-  const Row unborn = world.row(world.find("more0"));
-  EXPECT_EQ(world.rows(), 1u + k_reserve);
+  const Row unborn = world.view().row(world.state().names.find("more0"));
+  EXPECT_EQ(world.view().rows(), 1u + k_reserve);
   EXPECT_EQ(world.robots(), 1u);
-  EXPECT_EQ(world.absent_count(), k_reserve);
-  EXPECT_EQ(world.presence(unborn), Presence::unborn);
-  EXPECT_FALSE(world.is_there(unborn));
-  EXPECT_TRUE(std::isnan(world.pose(world.find("more0")).x));
-  EXPECT_EQ(world.index().order().size(), 1u);
-  EXPECT_EQ(world.frame().mobile.size(), 1u);
-  world.set_command(world.row(plain.robot), {1, 0, 0});
+  EXPECT_EQ(world.view().absent_count(), k_reserve);
+  EXPECT_EQ(world.view().presence(unborn), Presence::unborn);
+  EXPECT_FALSE(world.view().is_there(unborn));
+  EXPECT_TRUE(std::isnan(world.view().pose(world.state().names.find("more0")).x));
+  EXPECT_EQ(world.view().index().order().size(), 1u);
+  EXPECT_EQ(engine::make_frame(world).mobile.size(), 1u);
+  world.set_command(world.view().row(plain.robot), {1, 0, 0});
   for (int tick = 0; tick < 10; ++tick) world.step();
-  EXPECT_NEAR(world.pose(plain.robot).x, 1, 1e-12) << "they do not stand in anybody's way";
+  EXPECT_NEAR(world.view().pose(plain.robot).x, 1, 1e-12) << "they do not stand in anybody's way";
   EXPECT_EQ(Plain::range(world, plain.robot), 5) << "nor are they seen";
-  EXPECT_EQ(world.beams_cast(), 10u) << "nor do they see";
-  EXPECT_EQ(world.mean_displacement(), world.pose(plain.robot).x);
+  EXPECT_EQ(world.counters().beams, 10u) << "nor do they see";
+  EXPECT_EQ(engine::mean_displacement(world), world.view().pose(plain.robot).x);
 }
 
 TEST(Lives, AWorldWithoutThemHasNoSuchComponentAndNoDeaths) {
   SceneBuilder scene;
   const BodyId robot = scene.body("r", scene.robot("bot", {box(0.4, 0.4)}));
   World world = scene.world();
-  EXPECT_FALSE(world.has_lives());
+  EXPECT_FALSE(world.view().has_lives());
   EXPECT_EQ(
-      test::message_of<std::logic_error>([&] { world.remove(world.row(robot)); }),
+      test::message_of<std::logic_error>([&] { world.remove(world.view().row(robot)); }),
       "programs cannot remove bodies of this world: add \"mortal\": true to the world file, or set this key "
       "when you load the world (in C++: SimulationOptions::mortal; in Python: set={\"/mortal\": True}); "
       "worlds with a \"reserve\", a device that removes bodies, or an intervention \"remove\" need neither");
@@ -91,7 +93,7 @@ TEST(Lives, AWorldWithoutThemHasNoSuchComponentAndNoDeaths) {
   scene.spec.mortal = true;
   World mortal = scene.world();
   EXPECT_EQ(mortal.hashes().state, hash) << "bodies present at tick 0 add nothing";
-  mortal.remove(mortal.row(robot));
+  mortal.remove(mortal.view().row(robot));
   EXPECT_NE(mortal.hashes().state, hash);
   EXPECT_EQ(mortal.robots(), 0u);
 }
@@ -102,32 +104,32 @@ TEST(Lives, BornBodiesAreSeenMetAndMoved) {
   world.step();
   const Birth birth = world.spawn(0, {2, 0, 0, k_pi});
   ASSERT_EQ(birth.status, BirthStatus::born);
-  EXPECT_EQ(birth.body, world.find("more0"));
-  const Row row = world.row(birth.body);
-  EXPECT_TRUE(world.is_there(row));
-  EXPECT_EQ(world.birth_tick(row), 1u);
-  EXPECT_EQ(world.origin(row), Vec2(2, 0));
+  EXPECT_EQ(birth.body, world.state().names.find("more0"));
+  const Row row = world.view().row(birth.body);
+  EXPECT_TRUE(world.view().is_there(row));
+  EXPECT_EQ(world.view().birth_tick(row), 1u);
+  EXPECT_EQ(world.view().origin(row), Vec2(2, 0));
   EXPECT_EQ(world.robots(), 2u);
-  EXPECT_EQ(world.unborn(0), k_reserve - 1);
-  EXPECT_EQ(world.frame().mobile.size(), 2u);
+  EXPECT_EQ(world.lives().unborn(0), k_reserve - 1);
+  EXPECT_EQ(engine::make_frame(world).mobile.size(), 2u);
   EXPECT_EQ(Plain::range(world, birth.body), 0) << "it has not looked yet";
   world.step();
   EXPECT_FLOAT_EQ(Plain::range(world, plain.robot), 1.8f);
   EXPECT_FLOAT_EQ(Plain::range(world, birth.body), 1.8f);
-  world.set_command(world.row(plain.robot), {1, 0, 0});
+  world.set_command(world.view().row(plain.robot), {1, 0, 0});
   for (int tick = 0; tick < 30; ++tick) world.step();
-  EXPECT_TRUE(world.stalled(world.row(plain.robot)));
-  EXPECT_LE(world.pose(plain.robot).x, 1.6 + 1e-9);
+  EXPECT_TRUE(world.view().stalled(world.view().row(plain.robot)));
+  EXPECT_LE(world.view().pose(plain.robot).x, 1.6 + 1e-9);
 }
 
 TEST(Lives, ANewbornBodyHasItsPlaceAndAHeadingWithinHalfATurn) {
   Plain plain;
   World world = plain.scene.world();
   const BodyId born = world.spawn(0, {2, -1.5, 0.25, 4}).body;
-  EXPECT_EQ(world.pose(born), (Pose{2, -1.5, 0.25, wrap_angle(4)}));
-  EXPECT_EQ(world.origin(world.row(born)), Vec2(2, -1.5));
+  EXPECT_EQ(world.view().pose(born), (Pose{2, -1.5, 0.25, wrap_angle(4)}));
+  EXPECT_EQ(world.view().origin(world.view().row(born)), Vec2(2, -1.5));
   world.step();
-  EXPECT_EQ(world.pose(born), (Pose{2, -1.5, 0.25, wrap_angle(4)}));
+  EXPECT_EQ(world.view().pose(born), (Pose{2, -1.5, 0.25, wrap_angle(4)}));
 }
 
 TEST(Lives, OnlyBodiesWithADriveCountAsRobots) {
@@ -137,27 +139,27 @@ TEST(Lives, OnlyBodiesWithADriveCountAsRobots) {
       plain.scene.body("puck", plain.scene.type("puck", {box(0.1, 0.1)}, {.gripper = true}), {2, 2, 0, 0});
   World world = plain.scene.world();
   EXPECT_EQ(world.robots(), 1u);
-  world.set_command(world.row(plain.robot), {1, 0, 0});
+  world.set_command(world.view().row(plain.robot), {1, 0, 0});
   for (int tick = 0; tick < 5; ++tick) world.step();
-  world.remove(world.row(puck));
+  world.remove(world.view().row(puck));
   EXPECT_EQ(world.robots(), 1u);
   ASSERT_EQ(world.spawn(0, {3, 3, 0, 0}).status, BirthStatus::born);
   EXPECT_EQ(world.robots(), 2u);
-  EXPECT_NEAR(world.mean_displacement(), 0.25, 1e-12) << "0.5 m, and 0 m of the newborn robot";
-  world.remove(world.row(plain.robot));
+  EXPECT_NEAR(engine::mean_displacement(world), 0.25, 1e-12) << "0.5 m, and 0 m of the newborn robot";
+  world.remove(world.view().row(plain.robot));
   EXPECT_EQ(world.robots(), 1u);
-  EXPECT_EQ(world.mean_displacement(), 0) << "the dead count no more";
+  EXPECT_EQ(engine::mean_displacement(world), 0) << "the dead count no more";
 }
 
 TEST(Lives, ACommandBeforeTheBirthHasNoEffectAfterIt) {
   Plain plain;
   World world = plain.scene.world();
-  world.set_command(world.row(world.find("more0")), {1, 0, 0});
+  world.set_command(world.view().row(world.state().names.find("more0")), {1, 0, 0});
   const Birth birth = world.spawn(0, {2, 0, 0, 0});
   ASSERT_EQ(birth.status, BirthStatus::born);
   world.step();
   world.step();
-  EXPECT_EQ(world.pose(birth.body).x, 2);
+  EXPECT_EQ(world.view().pose(birth.body).x, 2);
 }
 
 TEST(Lives, NoEstimateIsSetOfWhoIsNotThere) {
@@ -168,22 +170,23 @@ TEST(Lives, NoEstimateIsSetOfWhoIsNotThere) {
   add_reserve(scene, "more", type, 1);
   World world = scene.world();
   const std::uint64_t hash = world.hashes().state;
-  EXPECT_THROW(world.set_estimate(world.row(world.find("more0")), {1, 2, 0, 3}), std::logic_error);
+  EXPECT_THROW(world.set_estimate(world.view().row(world.state().names.find("more0")), {1, 2, 0, 3}),
+               std::logic_error);
   EXPECT_EQ(world.hashes().state, hash);
-  world.remove(world.row(robot));
-  EXPECT_THROW(world.set_estimate(world.row(robot), {1, 2, 0, 3}), std::logic_error);
+  world.remove(world.view().row(robot));
+  EXPECT_THROW(world.set_estimate(world.view().row(robot), {1, 2, 0, 3}), std::logic_error);
 }
 
 TEST(Lives, WhoIsNotThereIsNotPlaced) {
   Plain plain;
   World world = plain.scene.world();
-  const World::Placed unborn{world.row(world.find("more0")), {3, 0, 0, 0}};
+  const World::Placed unborn{world.view().row(world.state().names.find("more0")), {3, 0, 0, 0}};
   EXPECT_EQ(test::message_of<std::invalid_argument>([&] {
               world.set_poses({&unborn, 1});
             }),
             "\"more0\" cannot be placed: it was removed from the world, or has not been added to it yet");
-  world.remove(world.row(plain.robot));
-  const World::Placed dead{world.row(plain.robot), {3, 0, 0, 0}};
+  world.remove(world.view().row(plain.robot));
+  const World::Placed dead{world.view().row(plain.robot), {3, 0, 0, 0}};
   EXPECT_THROW(world.set_poses({&dead, 1}), std::invalid_argument);
 }
 
@@ -199,13 +202,13 @@ TEST(Lives, ABirthNeedsAFreePlaceInTheWorldAndAnUnbornBody) {
   EXPECT_EQ(world.spawn(0, {11, 0, 0, 0}).status, BirthStatus::occupied) << "outside";
   EXPECT_THROW(world.spawn(0, {std::nan(""), 0, 0, 0}), std::invalid_argument);
   EXPECT_EQ(world.hashes().state, before) << "a failed birth changes nothing";
-  EXPECT_EQ(world.unborn(0), k_reserve);
-  EXPECT_EQ(world.spawn(0, {0.4, 0, 0, 0}).body, world.find("more0")) << "touching is free";
+  EXPECT_EQ(world.lives().unborn(0), k_reserve);
+  EXPECT_EQ(world.spawn(0, {0.4, 0, 0, 0}).body, world.state().names.find("more0")) << "touching is free";
   EXPECT_EQ(world.spawn(0, {0.4, 0, 0, 0}).status, BirthStatus::occupied) << "by the one before";
-  EXPECT_EQ(world.spawn(0, {-1, 0, 0, 0}).body, world.find("more1"));
-  EXPECT_EQ(world.spawn(0, {-2, 0, 0, 0}).body, world.find("more2"));
+  EXPECT_EQ(world.spawn(0, {-1, 0, 0, 0}).body, world.state().names.find("more1"));
+  EXPECT_EQ(world.spawn(0, {-2, 0, 0, 0}).body, world.state().names.find("more2"));
   EXPECT_EQ(world.spawn(0, {-3, 0, 0, 0}).status, BirthStatus::used_up);
-  world.remove(world.row(world.find("more2")));
+  world.remove(world.view().row(world.state().names.find("more2")));
   EXPECT_EQ(world.spawn(0, {-2, 0, 0, 0}).status, BirthStatus::used_up) << "no id is used twice";
 }
 
@@ -213,23 +216,23 @@ TEST(Lives, TheDeadAreGoneAndKeepNothingButTheirPlace) {
   Plain plain;
   World world = plain.scene.world();
   const BodyId other = world.spawn(0, {2, 0, 0, 0}).body;
-  world.set_command(world.row(other), {1, 0, 0});
+  world.set_command(world.view().row(other), {1, 0, 0});
   for (int tick = 0; tick < 5; ++tick) world.step();
-  const Row row = world.row(other);
+  const Row row = world.view().row(other);
   world.remove(row);
-  EXPECT_EQ(world.presence(row), Presence::dead);
-  EXPECT_NEAR(world.pose(other).x, 2.5, 1e-12);
-  EXPECT_EQ(world.velocities()[row.index()].x, 0);
-  EXPECT_EQ(world.commands()[row.index()].x, 0);
+  EXPECT_EQ(world.view().presence(row), Presence::dead);
+  EXPECT_NEAR(world.view().pose(other).x, 2.5, 1e-12);
+  EXPECT_EQ(world.view().velocities()[row.index()].x, 0);
+  EXPECT_EQ(world.view().commands()[row.index()].x, 0);
   EXPECT_EQ(Plain::range(world, other), 0);
-  const std::uint64_t hash = world.hash(world.tables()[0]);
+  const std::uint64_t hash = world.hashes().state;
   world.remove(row);  // nothing more happens
-  EXPECT_EQ(world.hash(world.tables()[0]), hash);
+  EXPECT_EQ(world.hashes().state, hash);
   world.step();
   EXPECT_EQ(Plain::range(world, plain.robot), 5);
-  EXPECT_NEAR(world.pose(other).x, 2.5, 1e-12);
+  EXPECT_NEAR(world.view().pose(other).x, 2.5, 1e-12);
   EXPECT_THROW(world.set_poses(std::vector<World::Placed>{{row, {1, 1, 0, 0}}}), std::invalid_argument);
-  EXPECT_TRUE(world.is_free(world.row(plain.robot), {2.5, 0, 0, 0}));
+  EXPECT_TRUE(world.is_free(world.view().row(plain.robot), {2.5, 0, 0, 0}));
 }
 
 /// Counts its decisions, a device and a drive of 0.3 s each.
@@ -257,8 +260,9 @@ TEST(Lives, PeriodsCountFromTheBirth) {
   Diagnostics diagnostics;
   World world(scene.spec, registry, {.threads = 1}, diagnostics);
   const auto memory = [&](std::string_view name) -> const Counter::Memory& {
-    const Row row = world.row(world.find(name));
-    return world.tables()[*world.type(row).controllers[0].table].as<Counter::Memory>(world.slot(row));
+    const Row row = world.view().row(world.state().names.find(name));
+    return world.tables()[*world.view().type(row).controllers[0].table].as<Counter::Memory>(
+        world.view().slot(row));
   };
   for (int tick = 0; tick < 4; ++tick) world.step();
   world.spawn(0, {2, 0, 0, 0});
@@ -282,19 +286,19 @@ TEST(Lives, WhatTheDeadCarriedLiesWhereItWas) {
   for (const bool robot_dies : {true, false}) {
     World world = scene.world();
     for (int tick = 0; tick < 20; ++tick) world.step();
-    ASSERT_EQ(world.carrier(world.row(object)), robot);
-    world.set_command(world.row(robot), {0.2, 0, 0.1});
+    ASSERT_EQ(world.view().carrier(world.view().row(object)), robot);
+    world.set_command(world.view().row(robot), {0.2, 0, 0.1});
     for (int tick = 0; tick < 10; ++tick) world.step();
-    const Pose at = world.pose(object);
-    const double x = world.pose(robot).x;
-    world.remove(world.row(robot_dies ? robot : object));
-    EXPECT_FALSE(world.carrier(world.row(object)));
-    EXPECT_EQ(world.carried_count(), 0u);
+    const Pose at = world.view().pose(object);
+    const double x = world.view().pose(robot).x;
+    world.remove(world.view().row(robot_dies ? robot : object));
+    EXPECT_FALSE(world.view().carrier(world.view().row(object)));
+    EXPECT_EQ(world.view().counts().carried, 0u);
     world.step();
-    EXPECT_EQ(world.pose(object), at);
+    EXPECT_EQ(world.view().pose(object), at);
     if (robot_dies) continue;
     EXPECT_EQ(test::state_of<models::GripperState>(world, robot, hand).held, 0u) << "it knows";
-    EXPECT_GT(world.pose(robot).x, x) << "and drives on";
+    EXPECT_GT(world.view().pose(robot).x, x) << "and drives on";
   }
 }
 
@@ -308,8 +312,8 @@ TEST(Lives, BodiesWithJointsAreBornAsTheyStart) {
   world.step();
   const BodyId born = world.spawn(0, {5, 1, 0, 0.5}).body;
   ASSERT_TRUE(born.valid());
-  const auto first = world.outline(world.row(model));
-  const auto second = world.outline(world.row(born));
+  const auto first = world.view().outline(world.view().row(model));
+  const auto second = world.view().outline(world.view().row(born));
   for (std::size_t v = 0; v < first.size(); ++v) EXPECT_LT((second[v] - first[v] - Vec2(5, 1)).norm(), 1e-12);
   EXPECT_EQ(test::state_of<models::GripperState>(world, born, 0).paddles, models::GripperState::closed);
 }
@@ -329,10 +333,10 @@ TEST(Lives, EventsTellOfBirthsAndDeaths) {
   world.spawn(0, {2, 0, 0, 0});
   world.spawn(0, {-2, 0, 0, 0});
   EXPECT_THAT(next(), ElementsAre("birth more0", "birth more1"));
-  world.remove(world.row(world.find("more0")));
+  world.remove(world.view().row(world.state().names.find("more0")));
   EXPECT_THAT(next(), ElementsAre("death more0"));
   world.spawn(0, {2, 0, 0, 0});
-  world.remove(world.row(world.find("more2")));
+  world.remove(world.view().row(world.state().names.find("more2")));
   EXPECT_THAT(next(), ElementsAre("birth more2", "death more2"));
   EXPECT_THAT(next(), IsEmpty());
 }
@@ -360,7 +364,7 @@ TEST(Lives, ABirthThatFailedInACallbackLeavesNoWorldToGoOnWith) {
   Moody::throws = false;
   world.reset();
   world.step();
-  EXPECT_EQ(world.unborn(0), k_reserve - 1);
+  EXPECT_EQ(world.lives().unborn(0), k_reserve - 1);
 }
 
 TEST(Lives, AReserveOfBodiesThatDoNothingIsRefused) {
@@ -413,8 +417,8 @@ struct Breeder {
         if (random.uniform() < 0.1) batch.emit_death(i, 1, batch.body(i));
       }
     };
-    kind.born = [](World& world, const std::any&, const Effect& effect, const Birth& birth) {
-      State& own = state(world, effect.source);
+    kind.born = [](const EffectContext& context, const std::any&, const Effect&, const Birth& birth) {
+      auto& own = OwnDevice(context).state<State>();
       own.born += birth.status == BirthStatus::born;
       own.occupied += birth.status == BirthStatus::occupied;
       own.used_up += birth.status == BirthStatus::used_up;
@@ -422,9 +426,9 @@ struct Breeder {
     };
     return kind;
   }
-  static State& state(World& world, BodyId body) {
-    const Row row = world.row(body);
-    return world.state(world.type(row).devices.front()).as<State>(world.slot(row));
+  static const State& state(const World& world, BodyId body) {
+    const Row row = world.view().row(body);
+    return world.tables()[world.view().type(row).devices.front().table].as<State>(world.view().slot(row));
   }
 };
 
@@ -451,10 +455,10 @@ class Yard {
   }
   World& world() { return *world_; }
   void step() {
-    for (std::size_t r = 0; r < world_->rows(); ++r) {
+    for (std::size_t r = 0; r < world_->view().rows(); ++r) {
       const Row row(r);
-      if (!world_->is_there(row) || !world_->type(row).drive) continue;
-      Random random(7, 1, world_->body(row).value, static_cast<std::uint32_t>(world_->tick()));
+      if (!world_->view().is_there(row) || !world_->view().type(row).drive) continue;
+      Random random(7, 1, world_->view().body(row).value, static_cast<std::uint32_t>(world_->tick()));
       world_->set_command(row, {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
     }
     world_->step();
@@ -495,24 +499,25 @@ TEST(Lives, AcrossAllBirthsAndDeathsNoRobotOverlapsAndNoneIsLost) {
     yard.step();
     std::size_t there = 0;
     std::size_t unborn = 0;
-    for (std::size_t r = 0; r < world.rows(); ++r) {
-      there += world.presence(Row(r)) == Presence::there;
-      unborn += world.presence(Row(r)) == Presence::unborn;
+    for (std::size_t r = 0; r < world.view().rows(); ++r) {
+      there += world.view().presence(Row(r)) == Presence::there;
+      unborn += world.view().presence(Row(r)) == Presence::unborn;
     }
-    deaths = world.rows() - there - unborn;
-    EXPECT_EQ(world.absent_count(), deaths + unborn);
-    EXPECT_EQ(world.unborn(0), unborn);
-    EXPECT_EQ(world.index().order().size(), there);
+    deaths = world.view().rows() - there - unborn;
+    EXPECT_EQ(world.view().absent_count(), deaths + unborn);
+    EXPECT_EQ(world.lives().unborn(0), unborn);
+    EXPECT_EQ(world.view().index().order().size(), there);
     EXPECT_EQ(world.robots(), there);
-    for (const std::uint32_t a : world.index().order())
-      for (const std::uint32_t b : world.index().order()) {
-        if (world.body(Row(a)) >= world.body(Row(b))) continue;
-        const auto& shape = world.type(Row(a)).obstacle;
-        ASSERT_FALSE(overlap(shape, world.poses()[a], shape, world.poses()[b])) << "tick " << tick;
+    for (const std::uint32_t a : world.view().index().order())
+      for (const std::uint32_t b : world.view().index().order()) {
+        if (world.view().body(Row(a)) >= world.view().body(Row(b))) continue;
+        const auto& shape = world.view().type(Row(a)).obstacle;
+        ASSERT_FALSE(overlap(shape, world.view().poses()[a], shape, world.view().poses()[b]))
+            << "tick " << tick;
       }
   }
   EXPECT_GT(deaths, 10u);
-  EXPECT_LT(world.unborn(0), Yard::k_more);
+  EXPECT_LT(world.lives().unborn(0), Yard::k_more);
 }
 
 TEST(Lives, AResetBringsBackWhoWasThereAtTheStart) {
@@ -522,9 +527,9 @@ TEST(Lives, AResetBringsBackWhoWasThereAtTheStart) {
     yard.step();
     first.push_back(yard.world().hashes().state);
   }
-  ASSERT_NE(yard.world().unborn(0), Yard::k_more);
+  ASSERT_NE(yard.world().lives().unborn(0), Yard::k_more);
   yard.world().reset();
-  EXPECT_EQ(yard.world().unborn(0), Yard::k_more);
+  EXPECT_EQ(yard.world().lives().unborn(0), Yard::k_more);
   EXPECT_EQ(yard.world().robots(), 30u);
   EXPECT_EQ(yard.world().hashes().state, first[0]);
   for (int tick = 0; tick < k_ticks; ++tick) {
@@ -549,9 +554,11 @@ TEST(Lives, AStateThatCannotHaveComeAboutIsRefused) {
       for (std::size_t t = 0; t < tables.size(); ++t) into[t] = tables[t];
     });
   };
-  const auto row_of = [&](std::string_view name) { return world.row(world.find(name)).index(); };
+  const auto row_of = [&](std::string_view name) {
+    return world.view().row(world.state().names.find(name)).index();
+  };
   EXPECT_TRUE(restored([](StateTable&) {}));
-  EXPECT_TRUE(world.is_there(world.row(world.find("more0"))));
+  EXPECT_TRUE(world.view().is_there(world.view().row(world.state().names.find("more0"))));
   EXPECT_FALSE(restored([&](StateTable& t) { t.cell<std::uint8_t>(row_of("more1"), 3)[0] = 3; }));
   EXPECT_FALSE(restored([&](StateTable& t) { t.cell<std::uint64_t>(row_of("more0"), 0)[0] = 1; }));
   EXPECT_FALSE(restored([&](StateTable& t) { t.cell<std::uint8_t>(row_of("r"), 3)[0] = 1; }));

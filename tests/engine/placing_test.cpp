@@ -25,8 +25,8 @@ struct Pair {
 };
 
 float reading(const World& world, BodyId body) {
-  const Row row = world.row(body);
-  return world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0];
+  const Row row = world.view().row(body);
+  return world.tables()[world.view().type(row).devices[0].table].cell<float>(world.view().slot(row), 0)[0];
 }
 
 TEST(Placing, IsSeenByOthersAndGoesOnFromThere) {
@@ -34,14 +34,14 @@ TEST(Placing, IsSeenByOthersAndGoesOnFromThere) {
   World world = pair.scene.world();
   world.step();
   EXPECT_FLOAT_EQ(reading(world, pair.first), 2.8f);
-  const World::Placed placed{world.row(pair.second), {1, 0, 0, 3 * k_pi}};
+  const World::Placed placed{world.view().row(pair.second), {1, 0, 0, 3 * k_pi}};
   world.set_poses({&placed, 1});
-  EXPECT_EQ(world.pose(pair.second).x, 1);
-  EXPECT_NEAR(std::abs(world.pose(pair.second).heading), k_pi, 1e-12);
-  world.set_command(world.row(pair.second), {0.5, 0, 0});
+  EXPECT_EQ(world.view().pose(pair.second).x, 1);
+  EXPECT_NEAR(std::abs(world.view().pose(pair.second).heading), k_pi, 1e-12);
+  world.set_command(world.view().row(pair.second), {0.5, 0, 0});
   world.step();
   EXPECT_FLOAT_EQ(reading(world, pair.first), 0.8f);
-  EXPECT_NEAR(world.pose(pair.second).x, 0.95, 1e-12);
+  EXPECT_NEAR(world.view().pose(pair.second).x, 0.95, 1e-12);
 }
 
 TEST(Placing, GivesWhatAWorldThatBeganThereGives) {
@@ -49,74 +49,74 @@ TEST(Placing, GivesWhatAWorldThatBeganThereGives) {
   Pair pair;
   World world = pair.scene.world();
   for (int i = 0; i < 3; ++i) world.step();
-  const World::Placed placed[]{{world.row(pair.first), {5.6, 0, 0, 0}},
-                               {world.row(pair.second), {-4, 1, 0, 1}}};
+  const World::Placed placed[]{{world.view().row(pair.first), {5.6, 0, 0, 0}},
+                               {world.view().row(pair.second), {-4, 1, 0, 1}}};
   world.set_poses(placed);
   Pair other;
   other.scene.spec.bodies[other.first.index()].pose_world_body = {5.6, 0, 0, 0};
   other.scene.spec.bodies[other.second.index()].pose_world_body = {-4, 1, 0, 1};
   World fresh = other.scene.world();
   for (World* w : {&world, &fresh}) {
-    w->set_command(w->row(pair.first), {0.9, 0, 0});
-    w->set_command(w->row(pair.second), {0.9, 0, 0.3});
+    w->set_command(w->view().row(pair.first), {0.9, 0, 0});
+    w->set_command(w->view().row(pair.second), {0.9, 0, 0.3});
     for (int i = 0; i < 5; ++i) w->step();
   }
   for (const BodyId body : {pair.first, pair.second}) {
-    EXPECT_EQ(world.pose(body), fresh.pose(body));
+    EXPECT_EQ(world.view().pose(body), fresh.view().pose(body));
     EXPECT_EQ(reading(world, body), reading(fresh, body));
-    EXPECT_EQ(world.stalled(world.row(body)), fresh.stalled(fresh.row(body)));
+    EXPECT_EQ(world.view().stalled(world.view().row(body)), fresh.view().stalled(fresh.view().row(body)));
   }
-  EXPECT_TRUE(world.stalled(world.row(pair.first)));
+  EXPECT_TRUE(world.view().stalled(world.view().row(pair.first)));
 }
 
 TEST(Placing, IsNoMotion) {
   Pair pair(3, "odom");
   World world = pair.scene.world();
-  const Row row = world.row(pair.first);
+  const Row row = world.view().row(pair.first);
   world.set_command(row, {0.5, 0, 0});
   world.step();
-  const Pose estimate = world.estimate(row);
+  const Pose estimate = world.view().estimate(row);
   const World::Placed placed{row, {-5, 5, 0, 1}};
   world.set_poses({&placed, 1});
-  EXPECT_EQ(world.estimate(row), estimate);
-  EXPECT_EQ(world.velocities()[row.index()].x, 0.5);
+  EXPECT_EQ(world.view().estimate(row), estimate);
+  EXPECT_EQ(world.view().velocities()[row.index()].x, 0.5);
   world.step();
-  EXPECT_NEAR(world.estimate(row).x, 2 * estimate.x, 1e-3);
+  EXPECT_NEAR(world.view().estimate(row).x, 2 * estimate.x, 1e-3);
 }
 
 TEST(Placing, WhoWasStalledNoLongerIs) {
   Pair pair(0.41);
   World world = pair.scene.world();
-  const Row row = world.row(pair.first);
+  const Row row = world.view().row(pair.first);
   world.set_command(row, {0.5, 0, 0});
   world.step();
-  ASSERT_TRUE(world.stalled(row));
-  ASSERT_EQ(world.stalled_count(), 1u);
+  ASSERT_TRUE(world.view().stalled(row));
+  ASSERT_EQ(world.view().counts().stalled, 1u);
   const World::Placed placed{row, {-5, 5, 0, 1}};
   world.set_poses({&placed, 1});
-  EXPECT_FALSE(world.stalled(row));
-  EXPECT_EQ(world.stalled_count(), 0u);
+  EXPECT_FALSE(world.view().stalled(row));
+  EXPECT_EQ(world.view().counts().stalled, 0u);
 }
 
 TEST(Placing, BodiesThatOverlapMayMoveApart) {
   Pair pair;
   World world = pair.scene.world();
-  const Row row = world.row(pair.first);
+  const Row row = world.view().row(pair.first);
   const World::Placed placed{row, {2.9, 0, 0, 0}};
   world.set_poses({&placed, 1});
   world.set_command(row, {0.5, 0, 0});  // deeper
   world.step();
-  EXPECT_TRUE(world.stalled(row));
+  EXPECT_TRUE(world.view().stalled(row));
   world.set_command(row, {-0.5, 0, 0});
   world.step();
-  EXPECT_FALSE(world.stalled(row));
-  EXPECT_NEAR(world.pose(pair.first).x, 2.85, 1e-12);
+  EXPECT_FALSE(world.view().stalled(row));
+  EXPECT_NEAR(world.view().pose(pair.first).x, 2.85, 1e-12);
 }
 
 TEST(Placing, IsFreeTellsWhoseWayItWouldBe) {
   Pair pair;
   const World world = pair.scene.world();
-  const Row row = world.row(pair.first);
+  const Row row = world.view().row(pair.first);
   EXPECT_TRUE(world.is_free(row, {0.1, 0, 0, 0.3}));  // itself does not count
   EXPECT_TRUE(world.is_free(row, {2.5, 0, 0, 0}));
   EXPECT_FALSE(world.is_free(row, {2.61, 0, 0, 0}));  // the other
@@ -133,7 +133,8 @@ TEST(Placing, RefusesAnInvalidPlaceAndThenMovesNoRobot) {
   World world = pair.scene.world();
   const std::uint64_t before = world.hashes().state;
   const auto refusal = [&](const Pose& pose) -> std::string {
-    const World::Placed placed[]{{world.row(pair.second), {-5, 0, 0, 0}}, {world.row(pair.first), pose}};
+    const World::Placed placed[]{{world.view().row(pair.second), {-5, 0, 0, 0}},
+                                 {world.view().row(pair.first), pose}};
     try {
       world.set_poses(placed);
     } catch (const std::invalid_argument& error) {

@@ -120,7 +120,7 @@ TEST_F(ReplicaMessages, OrdersMayNotReferToWhatDoesNotExist) {
     put_record(set, {});
     return set;
   };
-  const std::size_t types = world_.types().size();
+  const std::size_t types = world_.view().types().size();
   expect_unknown([&] { follow(Order::set, setting(types, SettingSpec::Of::drive, 0)); });
   for (std::size_t type = 0; type < types; ++type)
     for (const SettingSpec::Of of : {SettingSpec::Of::device, SettingSpec::Of::controller})

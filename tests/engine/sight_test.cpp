@@ -106,13 +106,13 @@ TEST(Sight, MeetsFirstWhatBruteForceMeetsFirst) {
       if (r % 3 != 0) ray.z = random.uniform(0, 1);
       if (r % 4 == 0) ray.stops = [](const Returns& returns) { return returns.gripper; };
       if (r % 2 == 0) {
-        ray.own = Row(random.below(static_cast<std::uint32_t>(world.rows())));
-        own = world.body(ray.own);
+        ray.own = Row(random.below(static_cast<std::uint32_t>(world.view().rows())));
+        own = world.view().body(ray.own);
       }
       RayHit got = first_met(world.view(), ray);
       RayHit want = oracle(scene.spec, edges, ray, own, {});
-      if (r % 5 < 2 && want.met() && world.row(want.body).valid()) {  // through that body
-        ray.target = world.row(want.body);
+      if (r % 5 < 2 && want.met() && world.view().row(want.body).valid()) {  // through that body
+        ray.target = world.view().row(want.body);
         got = first_met(world.view(), ray);
         want = oracle(scene.spec, edges, ray, own, want.body);
       }
@@ -152,13 +152,14 @@ TEST(Sight, ALookoutMeetsTheSameAsOneRayAfterAnother) {
     for (int p = 0; p < k_points; ++p) {
       SightRay ray{.origin = middle + Vec2(random.uniform(-7, 7), random.uniform(-7, 7))};
       if (p % 3 != 0) ray.z = random.uniform(0, 1);
-      if (p % 2 == 0) ray.own = Row(random.below(static_cast<std::uint32_t>(world.rows())));
+      if (p % 2 == 0) ray.own = Row(random.below(static_cast<std::uint32_t>(world.view().rows())));
       const double reach = random.uniform(0.5, 12);
       std::vector<SightLine> rays(1 + random.below(70));
       for (SightLine& line : rays) {
         const double heading = random.uniform(-k_pi, k_pi);
         line = {{troupe::cos(heading), troupe::sin(heading)}, reach * random.uniform(0, 1)};
-        if (random.below(2) == 0) line.target = Row(random.below(static_cast<std::uint32_t>(world.rows())));
+        if (random.below(2) == 0)
+          line.target = Row(random.below(static_cast<std::uint32_t>(world.view().rows())));
       }
       std::vector<RayHit> found(rays.size());
       query.stand(world.view(), ray.origin, reach, ray.own, ray.z);
@@ -195,9 +196,9 @@ TEST(Sight, ALookoutKnowsWhoIsInReach) {
   add("far", robot, 2.3);
   const World world = scene.world();
   VisibilityQuery query;
-  query.stand(world.view(), {0, 0}, 2, world.row(near[0]), {});
+  query.stand(world.view(), {0, 0}, 2, world.view().row(near[0]), {});
   std::vector<BodyId> found;
-  for (const std::uint32_t row : query.bodies()) found.push_back(world.body(Row(row)));
+  for (const std::uint32_t row : query.bodies()) found.push_back(world.view().body(Row(row)));
   std::ranges::sort(found);
   EXPECT_EQ(found, (std::vector<BodyId>{near[1], near[2], near[3]}));
 }
@@ -210,7 +211,7 @@ TEST(Sight, OfTwoSurfacesAtOneRangeTheLowerBodyIsMet) {
   const BodyId crate_body = scene.body("crate", crate, {3, 0, 0, 0});
   const World world = scene.world();
   EXPECT_EQ(first_met(world.view(), {.length = 9}).body, BodyId(1));
-  EXPECT_EQ(first_met(world.view(), {.length = 9, .own = world.row(BodyId(1))}).body, crate_body);
+  EXPECT_EQ(first_met(world.view(), {.length = 9, .own = world.view().row(BodyId(1))}).body, crate_body);
   EXPECT_EQ(first_met(world.view(), {.length = 9}).range_m, 2.5);
   EXPECT_FALSE(first_met(world.view(), {.length = 2.5}).met());  // as far as the ray is long
 }

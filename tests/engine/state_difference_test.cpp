@@ -65,7 +65,7 @@ TEST(StateDifferences, AreNoneBetweenThreadsAndTiles) {
 TEST(StateDifferences, NameComponentRobotFieldAndBothValues) {
   World first = crowd().world();
   World second = crowd().world();
-  second.set_command(second.row(second.find("b1")), {0, 0, 0.25});
+  second.set_command(second.view().row(second.state().names.find("b1")), {0, 0, 0.25});
   EXPECT_THAT(
       texts(first, second),
       ElementsAre("command: turn of \"b1\" (id 5) is 0x3fd0000000000000 (0.25), not 0x0000000000000000 "
@@ -75,11 +75,12 @@ TEST(StateDifferences, NameComponentRobotFieldAndBothValues) {
 TEST(StateDifferences, CountRobotsAndNameTheLowest) {
   World first = crowd().world();
   World second = crowd().world();
-  for (const char* name : {"b2", "a1", "b0"}) second.set_command(second.row(second.find(name)), {1, 0, 2});
+  for (const char* name : {"b2", "a1", "b0"})
+    second.set_command(second.view().row(second.state().names.find(name)), {1, 0, 2});
   const auto found = state_differences(first, second);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].bodies, 3u);
-  EXPECT_EQ(found[0].body, second.find("a1"));
+  EXPECT_EQ(found[0].body, second.state().names.find("a1"));
   EXPECT_EQ(found[0].field, "x");
 }
 
@@ -100,12 +101,13 @@ TEST(StateDifferences, ComeInTheOrderOfThePhases) {
 TEST(StateDifferences, TellOfZerosAndOfNumbersThatAreNone) {
   World first = crowd().world();
   World second = crowd().world();
-  first.set_command(first.row(first.find("a0")), {0.0, 0, 0});
-  second.set_command(second.row(second.find("a0")), {-0.0, 0, 0});
+  first.set_command(first.view().row(first.state().names.find("a0")), {0.0, 0, 0});
+  second.set_command(second.view().row(second.state().names.find("a0")), {-0.0, 0, 0});
   EXPECT_THAT(texts(first, second),
               ElementsAre(HasSubstr("0x8000000000000000 (-0), not 0x0000000000000000 (0)")));
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (World* world : {&first, &second}) world->set_command(world->row(world->find("a0")), {nan, 0, 0});
+  for (World* world : {&first, &second})
+    world->set_command(world->view().row(world->state().names.find("a0")), {nan, 0, 0});
   EXPECT_THAT(texts(first, second), IsEmpty()) << "the same bits";
 }
 

@@ -253,17 +253,17 @@ TEST(StateTable, RoomFollowsTheRows) {
       for (std::size_t r = 0; r < count; ++r) EXPECT_EQ(table.hash_row(r), expected[r]) << "row " << r;
       EXPECT_EQ(table.hash_rows(0, count), std::accumulate(expected.begin(), expected.begin() + count, 0ull));
     };
-    table.make_room(1000);
+    table.change_capacity(1000);
     EXPECT_EQ(table.bytes(), bytes) << "enough room";
     table.keep_rows(700);
-    table.make_room(700);
+    table.change_capacity(700);
     EXPECT_EQ(table.bytes(), bytes) << "little would be freed";
     table.keep_rows(100);
-    table.make_room(100);
+    table.change_capacity(100);
     EXPECT_LT(table.bytes(), bytes / 8);
     expect_first(100);
 
-    table.make_room(400);
+    table.change_capacity(400);
     EXPECT_LT(table.bytes(), bytes / 2);
     table.add_rows(std::span(ids).subspan(100, 300));
     for (std::size_t f = 0; f < fields.size(); ++f)
@@ -272,9 +272,9 @@ TEST(StateTable, RoomFollowsTheRows) {
     expect_first(400);
 
     table.keep_rows(0);
-    table.make_room(0);
+    table.change_capacity(0);
     EXPECT_EQ(table.bytes(), 0u);
-    table.make_room(1000);
+    table.change_capacity(1000);
     table.add_rows(ids);
     fill(table);
     expect_first(1000);

@@ -1,7 +1,7 @@
 // A device that reads its own velocity in `act`, compiled with -DFAULT=NAME: NONE compiles, and each other
 // fault must fail (tests/CMakeLists.txt has the errors).
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/sensing/sensing_view.hpp"
 
 #define NONE 1

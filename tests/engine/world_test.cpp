@@ -39,9 +39,9 @@ TEST(World, ACommandOfAControllerActsATickAfterItsReadings) {
   const BodyId body = scene.body("r", type);
   World world = scene.world();
   world.step();
-  EXPECT_EQ(world.pose(body).x, 0) << "decided in this tick, driven in the next";
+  EXPECT_EQ(world.view().pose(body).x, 0) << "decided in this tick, driven in the next";
   world.step();
-  EXPECT_DOUBLE_EQ(world.pose(body).x, 0.05);
+  EXPECT_DOUBLE_EQ(world.view().pose(body).x, 0.05);
 }
 
 TEST(World, ARestartThatTheGridRefusesChangesNothing) {
@@ -57,8 +57,8 @@ TEST(World, ARestartThatTheGridRefusesChangesNothing) {
   const std::uint64_t start = world.hashes().state;
   const auto range_after_a_step = [&] {
     world.step();
-    const Row row = world.row(robot);
-    return world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0];
+    const Row row = world.view().row(robot);
+    return world.tables()[world.view().type(row).devices[0].table].cell<float>(world.view().slot(row), 0)[0];
   };
   const float range = range_after_a_step();
   EXPECT_NEAR(range, 1.9, 0.03);
@@ -89,8 +89,9 @@ TEST(World, ARestartMayTurnAWallWhereItStands) {
   bodies[wall.index()].pose_world_body.heading = k_pi / 2;
   world.restart(7, bodies, test::registry());
   world.step();
-  const Row row = world.row(robot);
-  EXPECT_FLOAT_EQ(world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0], 2);
+  const Row row = world.view().row(robot);
+  EXPECT_FLOAT_EQ(
+      world.tables()[world.view().type(row).devices[0].table].cell<float>(world.view().slot(row), 0)[0], 2);
 }
 
 TEST(World, AfterARestartThatThrewTheGridHasTheNewScene) {
@@ -113,8 +114,10 @@ TEST(World, AfterARestartThatThrewTheGridHasTheNewScene) {
   Moody::throws = false;
   world.reset();
   world.step();
-  const Row row = world.row(robot);
-  EXPECT_NEAR(world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), 0)[0], 2.9, 0.03);
+  const Row row = world.view().row(robot);
+  EXPECT_NEAR(
+      world.tables()[world.view().type(row).devices[0].table].cell<float>(world.view().slot(row), 0)[0], 2.9,
+      0.03);
 }
 
 TEST(World, ARestartThatAKindRefusesChangesNothing) {
@@ -136,7 +139,7 @@ TEST(World, ARestartThatAKindRefusesChangesNothing) {
   Diagnostics diagnostics;
   World world(scene.spec, registry, {.threads = 1}, diagnostics);
   const std::uint64_t start = world.hashes().state;
-  world.set_command(world.row(robot), {1, 0, 0});
+  world.set_command(world.view().row(robot), {1, 0, 0});
   world.step();
 
   std::vector<BodySpec> bodies = world.spec().bodies;
@@ -145,10 +148,10 @@ TEST(World, ARestartThatAKindRefusesChangesNothing) {
   EXPECT_EQ(world.tick(), 0u);
   EXPECT_EQ(world.hashes().state, start);
   EXPECT_EQ(world.spec().seed, scene.spec.seed);
-  EXPECT_EQ(world.pose(robot).x, 0);
+  EXPECT_EQ(world.view().pose(robot).x, 0);
   world.restart(7, bodies, registry);
   EXPECT_EQ(world.spec().seed, 7u);
-  EXPECT_EQ(world.pose(robot).x, 3);
+  EXPECT_EQ(world.view().pose(robot).x, 3);
 }
 
 TEST(World, TransformsAreThoseOfThePoses) {
@@ -156,16 +159,16 @@ TEST(World, TransformsAreThoseOfThePoses) {
   const TypeId type = scene.robot("robot", {box(0.4, 0.4)});
   const BodyId body = scene.body("r", type, {3, -2, 0, 0.7});
   World world = scene.world();
-  const Row row = world.row(body);
+  const Row row = world.view().row(body);
   world.set_command(row, {0.5, 0, 0.9});
   for (int tick = 0; tick < 4; ++tick) {
-    const Transform expected(world.pose(body));
-    EXPECT_EQ(world.transform(row).position, expected.position);
-    EXPECT_EQ(world.transform(row).rotation.cos, expected.rotation.cos);
-    EXPECT_EQ(world.transform(row).rotation.sin, expected.rotation.sin);
+    const Transform expected(world.view().pose(body));
+    EXPECT_EQ(world.view().transform(row).position, expected.position);
+    EXPECT_EQ(world.view().transform(row).rotation.cos, expected.rotation.cos);
+    EXPECT_EQ(world.view().transform(row).rotation.sin, expected.rotation.sin);
     world.step();
   }
-  EXPECT_NE(world.pose(body).heading, 0.7);
+  EXPECT_NE(world.view().pose(body).heading, 0.7);
 }
 
 TEST(World, PeriodsRoundUpToTicks) {
@@ -212,12 +215,12 @@ TEST(World, SubscribingToOneRobotRunsItsSensorsAlone) {
   World world = scene.world();
   world.subscribe(b);
   world.step();
-  EXPECT_EQ(world.beams_cast(), 1u);
-  const BodyType::Device& sensor = world.type(world.row(a)).devices[0];
-  EXPECT_FALSE(world.senses(world.row(a), sensor));
-  EXPECT_TRUE(world.senses(world.row(b), sensor));
-  EXPECT_EQ(world.percepts(sensor).cell<float>(world.slot(world.row(a)), 0)[0], 0);
-  EXPECT_EQ(world.percepts(sensor).cell<float>(world.slot(world.row(b)), 0)[0], 3);
+  EXPECT_EQ(world.counters().beams, 1u);
+  const BodyType::Device& sensor = world.view().type(world.view().row(a)).devices[0];
+  EXPECT_FALSE(world.view().senses(world.view().row(a), sensor));
+  EXPECT_TRUE(world.view().senses(world.view().row(b), sensor));
+  EXPECT_EQ(world.tables()[sensor.table].cell<float>(world.view().slot(world.view().row(a)), 0)[0], 0);
+  EXPECT_EQ(world.tables()[sensor.table].cell<float>(world.view().slot(world.view().row(b)), 0)[0], 3);
 }
 
 TEST(World, BoundsTheWrongWayRoundAreAnError) {
@@ -275,15 +278,16 @@ TEST(World, FunctionsForProgramsRefuseRowsThatDoNotExist) {
       {"remove()", [&](Row row) { world.remove(row); }},
       {"disable()", [&](Row row) { world.set_disabled(row, true); }}};
   for (const auto& [name, call] : calls) {
-    EXPECT_EQ(test::message_of<std::out_of_range>([&, &act = call] { act(world.row(wall)); }),
+    EXPECT_EQ(test::message_of<std::out_of_range>([&, &act = call] { act(world.view().row(wall)); }),
               name + ": found no row: static bodies, and bodies that do not exist, have none");
     EXPECT_EQ(test::message_of<std::out_of_range>([&, &act = call] { act(Row(std::size_t{1})); }),
               name + ": found row 1, but the world has 1 rows, counted from 0");
   }
   EXPECT_THROW(world.subscribe(wall), std::out_of_range);
   EXPECT_THROW(world.subscribe(BodyId(std::size_t{9})), std::out_of_range);
-  EXPECT_EQ(test::message_of<std::logic_error>([&] { world.asked_of(world.type(Row(0)).devices[0]); }),
-            "asked_of(): device \"eye\" (ranger) takes no commands");
+  EXPECT_EQ(test::message_of<std::logic_error>(
+                [&] { world.device_command(Row(0), world.view().type(Row(0)).devices[0]); }),
+            "device_command(): device \"eye\" (ranger) takes no commands");
   EXPECT_EQ(test::message_of<std::invalid_argument>([&] { world.restart(7, {}, test::registry()); }),
             "restart(): found 0 bodies, but the world has 3");
   EXPECT_EQ(test::message_of<std::out_of_range>([&] { world.spawn(0, {}); }),
@@ -329,7 +333,7 @@ TEST(World, TwoSensorsOfOneNameAreToldApart) {
   scene.body("r", type);
   Diagnostics diagnostics;
   const World world(scene.spec, test::registry(), {.threads = 1}, diagnostics);
-  EXPECT_EQ(world.types()[type.index()].devices[1].name, "ir#2");
+  EXPECT_EQ(world.view().types()[type.index()].devices[1].name, "ir#2");
   EXPECT_THAT(diagnostics.warnings(),
               testing::ElementsAre(
                   "warning: the type already has a sensor or device \"ir\": this one is renamed \"ir#2\""));
@@ -399,10 +403,10 @@ TEST(World, ABodyThatHasOnlyAControllerIsAnObstacle) {
   const BodyId robot = scene.body("r", scene.robot("robot", {box(0.4, 0.4)}));
   Diagnostics diagnostics;
   World world(scene.spec, registry, {.threads = 1}, diagnostics);
-  world.set_command(world.row(robot), {0.5, 0, 0});
+  world.set_command(world.view().row(robot), {0.5, 0, 0});
   for (int tick = 0; tick < 40; ++tick) world.step();
-  EXPECT_LT(world.pose(robot).x, 0.61);
-  EXPECT_GT(world.pose(robot).x, 0.5);
+  EXPECT_LT(world.view().pose(robot).x, 0.61);
+  EXPECT_GT(world.view().pose(robot).x, 0.5);
 }
 
 TEST(World, ARobotAtTheSpeedOfLightDelaysNoOther) {
@@ -412,11 +416,11 @@ TEST(World, ARobotAtTheSpeedOfLightDelaysNoOther) {
   const BodyId a = scene.body("a", type);
   scene.body("b", type, {0, 5, 0, 0});
   World world = scene.world();
-  world.set_command(world.row(a), {3e8, 0, 0});
+  world.set_command(world.view().row(a), {3e8, 0, 0});
   for (int i = 0; i < 100; ++i)
     world.step();  // out of the world in one tick: held, and no query reaches that far
-  EXPECT_EQ(world.pose(a).x, 0);
-  EXPECT_EQ(world.out_of_bounds_count(), 1u);
+  EXPECT_EQ(world.view().pose(a).x, 0);
+  EXPECT_EQ(world.view().counts().out_of_bounds, 1u);
 }
 
 TEST(World, ARobotThatWouldLeaveIsHeldAndCounted) {
@@ -424,15 +428,15 @@ TEST(World, ARobotThatWouldLeaveIsHeldAndCounted) {
   const BodyId body = scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {0.95, 0, 0, 0});
   scene.spec.bounds = Box::around(Vec2::Zero(), 1);
   World world = scene.world();
-  world.set_command(world.row(body), {1, 0, 0});
+  world.set_command(world.view().row(body), {1, 0, 0});
   world.step();
-  EXPECT_EQ(world.pose(body).x, 0.95);
-  EXPECT_TRUE(world.stalled(world.row(body)));
-  EXPECT_EQ(world.out_of_bounds_count(), 1u);
-  world.set_command(world.row(body), {-1, 0, 0});
+  EXPECT_EQ(world.view().pose(body).x, 0.95);
+  EXPECT_TRUE(world.view().stalled(world.view().row(body)));
+  EXPECT_EQ(world.view().counts().out_of_bounds, 1u);
+  world.set_command(world.view().row(body), {-1, 0, 0});
   world.step();
-  EXPECT_DOUBLE_EQ(world.pose(body).x, 0.85);
-  EXPECT_EQ(world.out_of_bounds_count(), 0u);
+  EXPECT_DOUBLE_EQ(world.view().pose(body).x, 0.85);
+  EXPECT_EQ(world.view().counts().out_of_bounds, 0u);
 }
 
 TEST(World, ARobotWithoutAMotionIsNotStalled) {
@@ -441,13 +445,13 @@ TEST(World, ARobotWithoutAMotionIsNotStalled) {
   const BodyId a = scene.body("a", type);
   scene.body("b", type, {0.405, 0, 0, 0});
   World world = scene.world();
-  world.set_command(world.row(a), {0.5, 0, 0});
+  world.set_command(world.view().row(a), {0.5, 0, 0});
   world.step();
-  EXPECT_TRUE(world.stalled(world.row(a)));
-  EXPECT_EQ(world.stalled_count(), 1u);
-  world.set_command(world.row(a), {});
+  EXPECT_TRUE(world.view().stalled(world.view().row(a)));
+  EXPECT_EQ(world.view().counts().stalled, 1u);
+  world.set_command(world.view().row(a), {});
   world.step();
-  EXPECT_FALSE(world.stalled(world.row(a)));
+  EXPECT_FALSE(world.view().stalled(world.view().row(a)));
 }
 
 TEST(World, BodiesAtDifferentHeightsPassEachOther) {
@@ -456,9 +460,9 @@ TEST(World, BodiesAtDifferentHeightsPassEachOther) {
   const TypeId bridge = scene.type("bridge", {Solid{{test::rectangle(0.3, -1, 0.5, 1)}, {0.2, 0.4}}});
   scene.body("bridge", bridge);
   World world = scene.world();
-  world.set_command(world.row(low), {1, 0, 0});
+  world.set_command(world.view().row(low), {1, 0, 0});
   for (int i = 0; i < 10; ++i) world.step();
-  EXPECT_NEAR(world.pose(low).x, 1, 1e-12) << "the bridge begins at the height where the robot ends";
+  EXPECT_NEAR(world.view().pose(low).x, 1, 1e-12) << "the bridge begins at the height where the robot ends";
 }
 
 TEST(World, OnlyObstaclesBlock) {
@@ -466,9 +470,9 @@ TEST(World, OnlyObstaclesBlock) {
   const BodyId robot = scene.body("r", scene.robot("robot", {box(0.4, 0.4)}));
   scene.wall(0.5, -1, 0.6, 1, {.obstacle = false, .ranger = 1});
   World world = scene.world();
-  world.set_command(world.row(robot), {1, 0, 0});
+  world.set_command(world.view().row(robot), {1, 0, 0});
   for (int i = 0; i < 10; ++i) world.step();
-  EXPECT_NEAR(world.pose(robot).x, 1, 1e-12);
+  EXPECT_NEAR(world.view().pose(robot).x, 1, 1e-12);
 }
 
 TEST(World, OverlapsAtTheStartAreOneCountedWarning) {
@@ -551,13 +555,13 @@ TEST(World, OverlappingRobotsMayMoveApartButNotCloser) {
   const BodyId a = scene.body("a", type);
   const BodyId b = scene.body("b", type, {0.3, 0, 0, 0});
   World world = scene.world();
-  world.set_command(world.row(a), {0.5, 0, 0});
+  world.set_command(world.view().row(a), {0.5, 0, 0});
   world.step();
-  EXPECT_EQ(world.pose(a).x, 0);
-  world.set_command(world.row(a), {});
-  world.set_command(world.row(b), {0.5, 0, 0});
+  EXPECT_EQ(world.view().pose(a).x, 0);
+  world.set_command(world.view().row(a), {});
+  world.set_command(world.view().row(b), {0.5, 0, 0});
   world.step();
-  EXPECT_DOUBLE_EQ(world.pose(b).x, 0.35);
+  EXPECT_DOUBLE_EQ(world.view().pose(b).x, 0.35);
 }
 
 TEST(World, ARobotThatStartsInAWallDoesNotDriveThroughIt) {
@@ -566,12 +570,12 @@ TEST(World, ARobotThatStartsInAWallDoesNotDriveThroughIt) {
     const BodyId robot = scene.body("robot", scene.robot("robot", {box(0.4, 0.4)}), {start, 0, 0, 0});
     scene.wall(-0.1, -2, 0.1, 2);
     World world = scene.world();
-    world.set_command(world.row(robot), {0.3, 0, 0});
+    world.set_command(world.view().row(robot), {0.3, 0, 0});
     for (int tick = 0; tick < 10; ++tick) world.step();
-    EXPECT_NEAR(world.pose(robot).x, start == 0 ? 0.3 : start, 1e-12);
-    world.set_command(world.row(robot), {-0.3, 0, 0});
+    EXPECT_NEAR(world.view().pose(robot).x, start == 0 ? 0.3 : start, 1e-12);
+    world.set_command(world.view().row(robot), {-0.3, 0, 0});
     for (int tick = 0; tick < 10; ++tick) world.step();
-    EXPECT_EQ(world.stalled(world.row(robot)), start == 0);
+    EXPECT_EQ(world.view().stalled(world.view().row(robot)), start == 0);
   }
 }
 
@@ -625,10 +629,10 @@ TEST(World, NamesAndAliases) {
   const BodyId a = scene.body("a", type);
   scene.spec.aliases.push_back({scene.spec.names.add("position:0"), a});
   const World world = scene.world();
-  EXPECT_EQ(world.find("a"), a);
-  EXPECT_EQ(world.find("position:0"), a);
-  EXPECT_EQ(world.find("_ground_model"), BodyId(0));
-  EXPECT_FALSE(world.find("b").valid());
+  EXPECT_EQ(world.state().names.find("a"), a);
+  EXPECT_EQ(world.state().names.find("position:0"), a);
+  EXPECT_EQ(world.state().names.find("_ground_model"), BodyId(0));
+  EXPECT_FALSE(world.state().names.find("b").valid());
 }
 
 TEST(World, EveryPartOfTheStateReachesTheHash) {
@@ -675,7 +679,7 @@ TEST(World, BodiesOfOneWidthLieInOneCellEachHoweverManyThereAre) {
       for (int i = 0; i < count; ++i) scene.body(fmt::format("r{}", i), type, {i * 1.0, 0, 0, 0});
       World world = scene.world();
       world.step();
-      EXPECT_FALSE(world.index().has_wide()) << count << " of " << edge << " m";
+      EXPECT_FALSE(world.view().index().has_wide()) << count << " of " << edge << " m";
     }
 }
 
@@ -687,17 +691,18 @@ TEST(World, GivenTilesMakeNeitherHugeCellsNorHugeTables) {
     scene.body(fmt::format("r{}", i), type, {100.0 * (i % 30), 100.0 * (i / 30), 0, 0});
   const auto hash = [&](double tile_size_m) {
     World world = scene.world({.threads = 1, .tile_size_m = tile_size_m});
-    EXPECT_LE(world.index().tiles() * world.geometry().cells_per_tile(), 1u << 22) << tile_size_m;
+    EXPECT_LE(world.view().index().tiles() * world.view().geometry().cells_per_tile(), 1u << 22)
+        << tile_size_m;
     world.step();
     return world.hashes().state;
   };
   const World plain = scene.world({.threads = 1});
-  const double cell_m = plain.geometry().cell_m;
+  const double cell_m = plain.view().geometry().cell_m;
   const std::uint64_t expected = hash(0);
   for (const double tile_size_m : {1e-300, 1.0, 45.0, 90.0, 1e9, 1e300})
     EXPECT_EQ(hash(tile_size_m), expected);
-  EXPECT_EQ(scene.world({.threads = 1, .tile_size_m = 8 * cell_m}).geometry().tile_m(), 8 * cell_m);
-  EXPECT_LE(scene.world({.threads = 1, .tile_size_m = 1e300}).geometry().tile_m(), 2048 * cell_m);
+  EXPECT_EQ(scene.world({.threads = 1, .tile_size_m = 8 * cell_m}).view().geometry().tile_m(), 8 * cell_m);
+  EXPECT_LE(scene.world({.threads = 1, .tile_size_m = 1e300}).view().geometry().tile_m(), 2048 * cell_m);
 }
 
 TEST(World, AFewWideBodiesDoNotWidenTheCells) {
@@ -711,7 +716,9 @@ TEST(World, AFewWideBodiesDoNotWidenTheCells) {
     for (int i = 0; i < trucks; ++i) scene.body(fmt::format("t{}", i), truck, {12, 24.75 + 0.25 * i, 0, 0});
     return scene;
   };
-  const auto cell_m = [](const SceneBuilder& scene) { return scene.world({.threads = 1}).geometry().cell_m; };
+  const auto cell_m = [](const SceneBuilder& scene) {
+    return scene.world({.threads = 1}).view().geometry().cell_m;
+  };
   const double of_robots = cell_m(scene_with(0, 1));
   for (const double truck_m : {3.0, 10.0, 30.0, 300.0}) {
     const SceneBuilder scene = scene_with(1, truck_m);
@@ -734,13 +741,13 @@ TEST(World, AStepComputesAsPromisedInAThreadSwitchedToFastMaths) {
     SceneBuilder scene;
     const BodyId body = scene.body("r", scene.robot("robot", {box(0.4, 0.4)}), {1e-310, 0, 0, 0});
     World world = scene.world();
-    world.set_command(world.row(body), {1e-310, 0, 0.1});
+    world.set_command(world.view().row(body), {1e-310, 0, 0.1});
     _mm_setcsr(_mm_getcsr() |
                0x8040);  // flush to zero, denormals are zero: what gcc's -ffast-math start-up does
     world.step();
     const std::uint64_t hash = world.hashes().state;
     std::fesetenv(FE_DFL_ENV);
-    return std::pair(hash, world.pose(body).x);
+    return std::pair(hash, world.view().pose(body).x);
   };
   const auto [hash, x] = run();
   EXPECT_GT(x, 1e-310) << "a denormal step was lost";

@@ -145,7 +145,7 @@ bool may_be_large(const std::string& value) {
   return false;
 }
 
-void limit_world(apps::WorldOptions& options) {
+void limit_world(apps::WorldCommandOptions& options) {
   SimulationOptions& simulation = options.simulation;
   simulation.threads = std::clamp(simulation.threads, 1u, 2u);
   for (auto& [population, count] : simulation.robots) count = std::min(count, k_most_robots);

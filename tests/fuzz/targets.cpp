@@ -123,7 +123,7 @@ void run(engine::WorldSpec spec, Diagnostics& diagnostics) {
     const std::size_t bodies = spec.bodies.size();
     engine::World world(std::move(spec), registry(), {.threads = 1, .tile_size_m = 0}, diagnostics);
     for (std::uint32_t body = 0; body < bodies; ++body)
-      if (world.row(BodyId(body)).valid()) world.subscribe(BodyId(body));
+      if (world.view().row(BodyId(body)).valid()) world.subscribe(BodyId(body));
     make_ticks(world);
   } catch (const InputError& error) {
     check(!tells_of_a_throw(error));

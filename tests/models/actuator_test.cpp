@@ -49,7 +49,7 @@ TEST(Actuator, GoesToAPositionAtItsSpeedAndStops) {
   EXPECT_NEAR(state(world, body).position, 0.75, k_near);
   EXPECT_EQ(state(world, body).velocity, 0);
   EXPECT_EQ(state(world, body).stalled, 0);
-  EXPECT_NEAR(world.outline(world.row(body)).last(4).front().x(), 0.2 + 0.75, k_near);
+  EXPECT_NEAR(world.view().outline(world.view().row(body)).last(4).front().x(), 0.2 + 0.75, k_near);
 }
 
 TEST(Actuator, TurnsAtTheOriginOfABodyThatIsNoObstacle) {
@@ -73,7 +73,8 @@ TEST(Actuator, ASpeedEndsAtTheLimits) {
                                             {{"min_position", -0.25}, {"start_position", 0.5}}));
   World world = scene.world();
   EXPECT_EQ(state(world, body).position, 0.5);
-  EXPECT_NEAR(world.outline(world.row(body)).last(4).front().x(), 0.7, k_near) << "as it starts";
+  EXPECT_NEAR(world.view().outline(world.view().row(body)).last(4).front().x(), 0.7, k_near)
+      << "as it starts";
   step(world, 20);
   EXPECT_EQ(state(world, body).position, -0.25);
 }
@@ -84,8 +85,9 @@ TEST(Actuator, CommandsOfAnySizeAreClampedAndNaNIsAnError) {
   const BodyId body = scene.body("p", slide(scene, {}, {{"min_position", -0.25}, {"max_speed", 0.5}}));
   World world = scene.world();
   const auto command = [&](std::uint8_t mode, double goal) {
-    const Row row = world.row(body);
-    world.asked_of(world.type(row).devices[0]).as<ActuatorCommand>(world.slot(row)) = {mode, goal};
+    const Row row = world.view().row(body);
+    *reinterpret_cast<ActuatorCommand*>(world.device_command(row, world.view().type(row).devices[0])) = {
+        mode, goal};
   };
   for (const std::uint8_t mode : {ActuatorCommand::velocity, ActuatorCommand::position})
     for (const double goal : {k_infinity, -1e300, 1e300, -k_infinity}) {
@@ -228,8 +230,9 @@ TEST(Actuator, TurnsWhatStandsOnIt) {
     scene.spec.ranging = ranging;
     World world = scene.world();
     const auto range = [&] {
-      const Row row = world.row(body);
-      return world.percepts(world.type(row).devices[1]).cell<float>(world.slot(row), 0)[0];
+      const Row row = world.view().row(body);
+      return world.tables()[world.view().type(row).devices[1].table].cell<float>(world.view().slot(row),
+                                                                                 0)[0];
     };
     step(world, 1);
     EXPECT_NEAR(range(), 1.9, 0.03);
@@ -254,16 +257,18 @@ TEST(Actuator, RaisesWhatStandsOnIt) {
   const BodyId robot = scene.body("r", mover);
   World world = scene.world();
   step(world, 1);
-  EXPECT_NEAR(world.percepts(world.type(world.row(robot)).devices[0]).cell<float>(0, 0)[0], 0.95, 1e-4);
+  EXPECT_NEAR(
+      world.tables()[world.view().type(world.view().row(robot)).devices[0].table].cell<float>(0, 0)[0], 0.95,
+      1e-4);
   step(world, 39);
-  EXPECT_GT(world.pose(robot).x, 1.5) << "the gate opened in time";
+  EXPECT_GT(world.view().pose(robot).x, 1.5) << "the gate opened in time";
   World closed = [&] {
     scene[gate].controllers.clear();
     return scene.world();
   }();
   step(closed, 40);
-  EXPECT_LT(closed.pose(robot).x, 0.86);
-  EXPECT_TRUE(closed.stalled(closed.row(robot)));
+  EXPECT_LT(closed.view().pose(robot).x, 0.86);
+  EXPECT_TRUE(closed.view().stalled(closed.view().row(robot)));
 }
 
 TEST(Actuator, OneOnAnotherMovesWithIt) {
@@ -278,7 +283,7 @@ TEST(Actuator, OneOnAnotherMovesWithIt) {
   const BodyId body = scene.body("p", type);
   World world = scene.world();
   step(world, 10);
-  EXPECT_NEAR(world.outline(world.row(body)).last(4).front().x(), 0.4 + 0.2 + 0.3, k_near);
+  EXPECT_NEAR(world.view().outline(world.view().row(body)).last(4).front().x(), 0.4 + 0.2 + 0.3, k_near);
 }
 
 }  // namespace

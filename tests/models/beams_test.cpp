@@ -294,8 +294,8 @@ SceneBuilder robots(const engine::ControllerSpec& controller, const Form& form, 
 
 std::vector<Pose> poses_of(const World& world) {
   std::vector<Pose> poses;
-  for (std::size_t r = 0; r < world.rows(); ++r)
-    if (world.type(Row(r)).drive) poses.push_back(world.poses()[r]);
+  for (std::size_t r = 0; r < world.view().rows(); ++r)
+    if (world.view().type(Row(r)).drive) poses.push_back(world.view().poses()[r]);
   return poses;
 }
 
@@ -456,7 +456,7 @@ TEST(Expand, ALoneRobotBeforeAWallTurnsAway) {
     double most = 0;
     for (int tick = 0; tick < 600; ++tick) {
       world.step();
-      most = std::max(most, world.pose(body).position().norm());
+      most = std::max(most, world.view().pose(body).position().norm());
     }
     EXPECT_GT(most, 3) << samples << " beams: along the wall, or back";
   }

@@ -79,7 +79,7 @@ std::vector<double> turns_in_ticks_of(double tick_s) {
   for (long tick = 0; tick < std::lround(40 / tick_s); ++tick) {
     world.step();
     for (std::size_t i = 0; i < turns.size(); ++i) {
-      const engine::Command& command = world.commands()[world.row(pucks.robots[i]).index()];
+      const engine::Command& command = world.view().commands()[world.view().row(pucks.robots[i]).index()];
       if (command.x == 0 && std::abs(command.turn) == 0.8) turns[i] += tick_s;
     }
   }
@@ -102,10 +102,10 @@ TEST(Collector, DoesNotTakeASlowDriveForAnObstacle) {
   OnePuck puck(0.1);
   puck.scene.spec.types.back().drive->period_s = 1.5;
   engine::World world = puck.scene.world({.threads = 1});
-  const Row row = world.row(puck.robot);
+  const Row row = world.view().row(puck.robot);
   for (int tick = 0; tick < 25; ++tick) {
     world.step();
-    EXPECT_GE(world.commands()[row.index()].x, 0) << "it backs out in tick " << tick;
+    EXPECT_GE(world.view().commands()[row.index()].x, 0) << "it backs out in tick " << tick;
   }
 }
 
@@ -114,18 +114,18 @@ TEST(Collector, BacksOffFromASinkWhereItsPaddlesCannotOpen) {
   const TypeId wall = puck.scene.type("wall", {test::box(0.27, 0.04, 0.3)}, {.ranger = -1});
   for (const double y : {-0.12, 0.12}) puck.scene.body("", wall, {-1.965, y, 0, 0});
   engine::World world = puck.scene.world({.threads = 1});
-  const Row row = world.row(puck.robot);
+  const Row row = world.view().row(puck.robot);
   for (int tick = 0; tick < 600 && puck.gripper(world).held == 0; ++tick) world.step();
   ASSERT_NE(puck.gripper(world).held, 0u);
   const engine::World::Placed between_walls{row, {-1.6, 0, 0, k_pi}};
   world.set_poses({&between_walls, 1});
   for (int tick = 0; tick < 25; ++tick) world.step();
   EXPECT_EQ(puck.gripper(world).stalled, 1);
-  EXPECT_EQ(world.poses()[row.index()].x, -1.6);
+  EXPECT_EQ(world.view().poses()[row.index()].x, -1.6);
   double farthest = -1.6;  // from the sink; afterwards the robot drives on, wherever its turn ended
   for (int tick = 0; tick < 50; ++tick) {
     world.step();
-    farthest = std::max(farthest, world.poses()[row.index()].x);
+    farthest = std::max(farthest, world.view().poses()[row.index()].x);
   }
   EXPECT_GT(farthest, -1.5);
   EXPECT_EQ(puck.gripper(world).paddles, GripperState::is_open);

@@ -359,7 +359,7 @@ TEST(Script, LegsEndAtTheNearestRunOfASlowDrive) {
   engine::World world = scene.world();
   const auto x_at = [&](std::size_t tick) {
     while (world.tick() < tick) world.step();
-    return world.pose(body).x;
+    return world.view().pose(body).x;
   };
   EXPECT_EQ(x_at(39), 0);
   EXPECT_NEAR(x_at(40), 0.1, 1e-9) << "3.9 s is nearest to 4 s";
@@ -382,9 +382,11 @@ TEST(Script, LegsOfAPartWithWheelsDoNotDependOnTheDriveOfItsBody) {
   const BodyId body = scene.body("r", type);
   engine::World world = scene.world();
   for (int tick = 0; tick < 30; ++tick) world.step();
-  const Row row = world.row(body);
+  const Row row = world.view().row(body);
   // It decides at 0.5 s, 1 s and 1.5 s, and a command acts in the next tick.
-  EXPECT_NEAR(world.percepts(world.type(row).devices[wheels]).as<WheelsState>(world.slot(row)).x, 1, 1e-9);
+  EXPECT_NEAR(
+      world.tables()[world.view().type(row).devices[wheels].table].as<WheelsState>(world.view().slot(row)).x,
+      1, 1e-9);
 }
 
 TEST(Script, TimedWithoutLegsIsAFault) {
@@ -409,13 +411,13 @@ TEST(Waypoints, GoesFromGoalToGoalAndBeginsAgainWhereItShould) {
     engine::World world = scene.world();
     // 1 m at 0.4 m/s, slower within 0.4 m: at the first goal, within 0.1 m, after some 3 s; so each metre.
     while (world.tick() < 28) world.step();
-    EXPECT_EQ(world.pose(body).y, 0);
+    EXPECT_EQ(world.view().pose(body).y, 0);
     while (world.tick() < 58) world.step();
-    EXPECT_NEAR(world.pose(body).x, 1, 0.1);
-    EXPECT_NEAR(world.pose(body).y, 0.85, 0.15);
+    EXPECT_NEAR(world.view().pose(body).x, 1, 0.1);
+    EXPECT_NEAR(world.view().pose(body).y, 0.85, 0.15);
     while (world.tick() < 88) world.step();
-    EXPECT_NEAR(world.pose(body).y, again ? 0.1 : 1, again ? 0.1 : 0.02);
-    EXPECT_NEAR(world.pose(body).heading, again ? 0.1 : 0.5, again ? 0.1 : 0.02);
+    EXPECT_NEAR(world.view().pose(body).y, again ? 0.1 : 1, again ? 0.1 : 0.02);
+    EXPECT_NEAR(world.view().pose(body).heading, again ? 0.1 : 0.5, again ? 0.1 : 0.02);
   }
 }
 
@@ -477,9 +479,9 @@ TEST(Controllers, TurnAwayFromWallsHoweverRarelyTheyDecide) {
     engine::World world = robot.scene.world();
     for (int tick = 0; tick < 300; ++tick) {
       world.step();
-      ASSERT_EQ(world.stalled_count(), 0u) << kind << " in tick " << tick;
+      ASSERT_EQ(world.view().counts().stalled, 0u) << kind << " in tick " << tick;
     }
-    EXPECT_LT(world.pose(robot.body).x, 0.5) << kind;
+    EXPECT_LT(world.view().pose(robot.body).x, 0.5) << kind;
   }
 }
 
@@ -487,8 +489,8 @@ TEST(Controllers, TurnAwayForSecondsInShortTicksToo) {
   for (const std::string kind : {"chain", "gradient"}) {
     const BeforeAWall robot(kind, 0.15, 0.13, 0.02);
     engine::World world = robot.scene.world();
-    const Row row = world.row(robot.body);
-    const auto turns = [&] { return world.commands()[row.index()].turn != 0; };
+    const Row row = world.view().row(robot.body);
+    const auto turns = [&] { return world.view().commands()[row.index()].turn != 0; };
     for (int tick = 0; tick < 1000 && !turns(); ++tick) world.step();
     ASSERT_TRUE(turns()) << kind;
     const engine::World::Placed in_the_open{row, {-50, 0, 0, 0}};
@@ -505,12 +507,12 @@ TEST(Controllers, DoNotTakeASlowDriveForAnObstacle) {
     BeforeAWall robot(kind, 10, 0.15, 0.1);
     robot.scene.spec.types.back().drive->period_s = 1.5;
     engine::World world = robot.scene.world();
-    const Row row = world.row(robot.body);
+    const Row row = world.view().row(robot.body);
     for (int tick = 0; tick < 100; ++tick) {
       world.step();
-      ASSERT_GE(world.commands()[row.index()].x, 0) << kind << " backs out in tick " << tick;
+      ASSERT_GE(world.view().commands()[row.index()].x, 0) << kind << " backs out in tick " << tick;
     }
-    EXPECT_GT(world.pose(robot.body).x, 0.3) << kind;
+    EXPECT_GT(world.view().pose(robot.body).x, 0.3) << kind;
   }
 }
 
@@ -599,7 +601,7 @@ Command second_command(const test::SceneBuilder& scene, BodyId body) {
   engine::World world = scene.world({.threads = 1});
   world.step();
   world.step();
-  return world.commands()[world.row(body).index()];
+  return world.view().commands()[world.view().row(body).index()];
 }
 
 TEST(RadioFlocking, FollowsTheSumOfHeadingsDistancesAndObstacles) {
@@ -696,11 +698,11 @@ TEST(BrazilNut, IsShakenInADirectionOfTheWorldThatChangesWithItsTime) {
   engine::World world = discs.scene.world({.threads = 1});
   std::vector<double> directions;  // world frame
   for (int tick = 0; tick < 15; ++tick) {
-    const Row row = world.row(robot);
+    const Row row = world.view().row(robot);
     // It decides before it moves: at the pose after the tick before.
-    const double heading = world.pose(robot).heading;
+    const double heading = world.view().pose(robot).heading;
     world.step();
-    directions.push_back(wrap_angle(heading + world.commands()[row.index()].turn / 2));
+    directions.push_back(wrap_angle(heading + world.view().commands()[row.index()].turn / 2));
   }
   for (std::size_t i = 0; i < 15; ++i)
     EXPECT_NEAR(wrap_angle(directions[i] - directions[i - i % 5]), 0, 1e-9) << i;
@@ -721,18 +723,18 @@ TEST(Gradient, CountsTheHopsAndCountsAgainWhenARobotFails) {
   }
   engine::World world = scene.world({.threads = 1});
   const auto hops = [&](std::size_t i) {
-    const Row row = world.row(robots[i]);
-    const engine::StateTable& table = world.tables()[*world.type(row).controllers[0].table];
-    return table.number(world.slot(row), 0, 0);
+    const Row row = world.view().row(robots[i]);
+    const engine::StateTable& table = world.tables()[*world.view().type(row).controllers[0].table];
+    return table.number(world.view().slot(row), 0, 0);
   };
   for (int tick = 0; tick < 10; ++tick) world.step();
   for (std::size_t i = 0; i < robots.size(); ++i) EXPECT_EQ(hops(i), i);
-  world.set_disabled(world.row(robots[1]), true);
+  world.set_disabled(world.view().row(robots[1]), true);
   for (int tick = 0; tick < 5; ++tick) world.step();
   EXPECT_EQ(hops(2), 2) << "its patience lasts five decisions";
   for (int tick = 0; tick < 20; ++tick) world.step();
   EXPECT_GT(hops(2), 3) << "it hears robots only that have counted by it";
-  world.set_disabled(world.row(robots[1]), false);
+  world.set_disabled(world.view().row(robots[1]), false);
   for (int tick = 0; tick < 10; ++tick) world.step();
   for (std::size_t i = 0; i < robots.size(); ++i) EXPECT_EQ(hops(i), i) << "a lower count holds at once";
 }
@@ -749,9 +751,9 @@ TEST(Chain, TheNestHasAPathWhereItHearsThePrey) {
     }
     engine::World world = scene.world({.threads = 1});
     for (int tick = 0; tick < 3; ++tick) world.step();
-    const Row row = world.row(ends[0]);
-    const engine::StateTable& table = world.tables()[*world.type(row).controllers[0].table];
-    EXPECT_EQ(table.cell<std::uint8_t>(world.slot(row), 2)[0], distance < 1 ? 1 : 0) << distance;
+    const Row row = world.view().row(ends[0]);
+    const engine::StateTable& table = world.tables()[*world.view().type(row).controllers[0].table];
+    EXPECT_EQ(table.cell<std::uint8_t>(world.view().slot(row), 2)[0], distance < 1 ? 1 : 0) << distance;
   }
 }
 

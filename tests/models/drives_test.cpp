@@ -1,6 +1,6 @@
 #include "models/drives/drives.hpp"
 
-#include "engine/kinds/drive_kind.hpp"
+#include "engine/kinds/make_drive_kind.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 
@@ -37,7 +37,9 @@ struct Robot {
     scene[type].drive->period_s = period_s;
     body = scene.body("r", type);
   }
-  Velocity velocity(const engine::World& world) const { return world.velocities()[world.row(body).index()]; }
+  Velocity velocity(const engine::World& world) const {
+    return world.view().velocities()[world.view().row(body).index()];
+  }
   test::SceneBuilder scene;
   BodyId body;
 };
@@ -45,25 +47,25 @@ struct Robot {
 TEST(Conformance01, KinematicsOfADiffDrive) {
   Robot robot("diff");
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {0.5, 0, 1});
+  world.set_command(world.view().row(robot.body), {0.5, 0, 1});
   const Pose expected[] = {{0.050000, 0, 0, 0.1}, {0.099750, 0.004992, 0, 0.2}, {0.148754, 0.014925, 0, 0.3}};
   for (const Pose& pose : expected) {
     world.step();
-    const Pose at = world.pose(robot.body);
+    const Pose at = world.view().pose(robot.body);
     EXPECT_NEAR(at.x, pose.x, 5e-7);
     EXPECT_NEAR(at.y, pose.y, 5e-7);
     EXPECT_NEAR(at.heading, pose.heading, 1e-12);
   }
   while (world.tick() < 15) world.step();
-  EXPECT_NEAR(world.pose(robot.body).x, 0.521563, 5e-7);
-  EXPECT_NEAR(world.pose(robot.body).y, 0.439307, 5e-7);
-  EXPECT_NEAR(world.pose(robot.body).heading, 1.5, 1e-12);
+  EXPECT_NEAR(world.view().pose(robot.body).x, 0.521563, 5e-7);
+  EXPECT_NEAR(world.view().pose(robot.body).y, 0.439307, 5e-7);
+  EXPECT_NEAR(world.view().pose(robot.body).heading, 1.5, 1e-12);
 }
 
 TEST(Conformance04, CarDriveAndItsUpdateInterval) {
   Robot robot("car", {{"wheelbase", 0.5}}, 0.25);
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {1, 0, 0.3});
+  world.set_command(world.view().row(robot.body), {1, 0, 0.3});
   // 250 ms at 100 ms ticks: updates at 0.3, 0.6, ...
   world.step();
   world.step();
@@ -71,7 +73,7 @@ TEST(Conformance04, CarDriveAndItsUpdateInterval) {
   world.step();
   EXPECT_NEAR(robot.velocity(world).x, 0.955336, 5e-7);
   EXPECT_NEAR(robot.velocity(world).turn, 0.591040, 5e-7);
-  world.set_command(world.row(robot.body), {0, 0, 0});
+  world.set_command(world.view().row(robot.body), {0, 0, 0});
   world.step();
   world.step();
   EXPECT_NEAR(robot.velocity(world).x, 0.955336, 5e-7);
@@ -84,17 +86,17 @@ TEST(Conformance06, AStalledRobotKeepsItsPlaceAndItsVelocity) {
   robot.scene.spec.bodies.back().pose_world_body.x = 3;
   robot.scene.wall(3.55, -1, 4, 1);
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {0.9, 0, 0});
+  world.set_command(world.view().row(robot.body), {0.9, 0, 0});
   for (const double x : {3.09, 3.18, 3.27}) {
     world.step();
-    EXPECT_NEAR(world.pose(robot.body).x, x, 1e-12);
-    EXPECT_FALSE(world.stalled(world.row(robot.body)));
+    EXPECT_NEAR(world.view().pose(robot.body).x, x, 1e-12);
+    EXPECT_FALSE(world.view().stalled(world.view().row(robot.body)));
   }
   // Stage's cells stop the robot one tick early, at 3.27, with 0.08 m to go; so does the next step of 0.09 m.
   for (int i = 0; i < 3; ++i) {
     world.step();
-    EXPECT_NEAR(world.pose(robot.body).x, 3.27, 1e-12);
-    EXPECT_TRUE(world.stalled(world.row(robot.body)));
+    EXPECT_NEAR(world.view().pose(robot.body).x, 3.27, 1e-12);
+    EXPECT_TRUE(world.view().stalled(world.view().row(robot.body)));
     EXPECT_DOUBLE_EQ(robot.velocity(world).x, 0.9);
   }
 }
@@ -102,25 +104,25 @@ TEST(Conformance06, AStalledRobotKeepsItsPlaceAndItsVelocity) {
 TEST(Drives, OmniMovesSideways) {
   Robot robot("omni");
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {0.5, 0.3, 1});
+  world.set_command(world.view().row(robot.body), {0.5, 0.3, 1});
   world.step();
-  EXPECT_NEAR(world.pose(robot.body).x, 0.05, 1e-12);
-  EXPECT_NEAR(world.pose(robot.body).y, 0.03, 1e-12);
+  EXPECT_NEAR(world.view().pose(robot.body).x, 0.05, 1e-12);
+  EXPECT_NEAR(world.view().pose(robot.body).y, 0.03, 1e-12);
 }
 
 TEST(Drives, DiffIgnoresASidewaysCommand) {
   Robot robot("diff");
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {0, 0.3, 0});
+  world.set_command(world.view().row(robot.body), {0, 0.3, 0});
   world.step();
-  EXPECT_EQ(world.pose(robot.body), Pose());
-  EXPECT_FALSE(world.stalled(world.row(robot.body)));
+  EXPECT_EQ(world.view().pose(robot.body), Pose());
+  EXPECT_FALSE(world.view().stalled(world.view().row(robot.body)));
 }
 
 TEST(Drives, BoundsClampEachSpeed) {
   Robot robot("omni", {{"velocity_max_x", 0.2}, {"velocity_min_y", -0.1}, {"turn_max", 0.4}});
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {5, -5, 5});
+  world.set_command(world.view().row(robot.body), {5, -5, 5});
   world.step();
   EXPECT_EQ(robot.velocity(world).x, 0.2);
   EXPECT_EQ(robot.velocity(world).y, -0.1);
@@ -131,7 +133,7 @@ TEST(Drives, ASpeedThatIsNoNumberNamesRobotAndTick) {
   Robot robot("diff");
   engine::World world = robot.scene.world();
   world.step();
-  world.set_command(world.row(robot.body), {std::nan(""), 0, 0});
+  world.set_command(world.view().row(robot.body), {std::nan(""), 0, 0});
   EXPECT_EQ(test::message_of<engine::StepError>([&] { world.step(); }),
             "tick 2: robot \"r\" was commanded a speed that is not a finite number");
 }
@@ -158,7 +160,7 @@ TEST(Drives, AComputedVelocityThatIsNoNumberNamesRobotAndTick) {
   Diagnostics diagnostics(robot.scene.spec.files);
   engine::World world(robot.scene.spec, registry, {.threads = 1}, diagnostics);
   world.step();
-  world.set_command(world.row(robot.body), {1, 0, 0});
+  world.set_command(world.view().row(robot.body), {1, 0, 0});
   EXPECT_EQ(test::message_of<engine::StepError>([&] { world.step(); }),
             "tick 2: the drive of robot \"r\" computed a velocity that is not a finite number");
 }
@@ -211,7 +213,7 @@ TEST(Drives, AnAccelerationOrAGoalThatIsNoNumberNamesRobotAndTick) {
     for (const char* kind : {"diff", "omni", "car"}) {
       Robot robot(kind);
       engine::World world = robot.scene.world();
-      world.set_command(world.row(robot.body), {std::nan(""), 0, 0, mode});
+      world.set_command(world.view().row(robot.body), {std::nan(""), 0, 0, mode});
       try {
         world.step();
         FAIL() << kind << ": it was taken";
@@ -226,7 +228,7 @@ TEST(Drives, AccelerationGrowsWithinItsBoundsAndThoseOfSpeed) {
   Robot robot("diff",
               {{"acceleration_max_x", 0.5}, {"velocity_max_x", 0.12}, {"turn_acceleration_min", -2.0}});
   engine::World world = robot.scene.world();
-  const Row row = world.row(robot.body);
+  const Row row = world.view().row(robot.body);
   world.set_command(row, {3, 3, -1, k_accelerate});
   // 0.5 m/s^2 and -1 rad/s^2 over ticks of 0.1 s; what lies across a diff is nothing.
   for (const double speed : {0.05, 0.10, 0.12, 0.12}) {
@@ -244,7 +246,7 @@ TEST(Drives, AccelerationGrowsWithinItsBoundsAndThoseOfSpeed) {
 TEST(Drives, OmniAcceleratesSideways) {
   Robot robot("omni", {{"acceleration_min_y", -0.3}});
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {0.1, -1, 0.2, k_accelerate});
+  world.set_command(world.view().row(robot.body), {0.1, -1, 0.2, k_accelerate});
   for (int i = 0; i < 3; ++i) world.step();
   EXPECT_NEAR(robot.velocity(world).x, 0.03, 1e-12);
   EXPECT_NEAR(robot.velocity(world).y, -0.09, 1e-12);
@@ -254,7 +256,7 @@ TEST(Drives, OmniAcceleratesSideways) {
 TEST(Drives, ACarAcceleratesItsFrontWheels) {
   Robot robot("car", {{"wheelbase", 0.5}});
   engine::World world = robot.scene.world();
-  const Row row = world.row(robot.body);
+  const Row row = world.view().row(robot.body);
   world.set_command(row, {-0.5, 0, 0.3, k_accelerate});
   for (int i = 0; i < 4; ++i) world.step();  // the wheels roll at -0.2 m/s
   EXPECT_NEAR(robot.velocity(world).x, -0.2 * std::cos(0.3), 1e-12);
@@ -269,7 +271,7 @@ TEST(Drives, ACarAcceleratesWithWheelsThatPointBackwards) {
   for (const double angle : {2.0, -2.0, 3.1}) {
     Robot robot("car", {{"wheelbase", 0.5}});
     engine::World world = robot.scene.world();
-    world.set_command(world.row(robot.body), {0.5, 0, angle, k_accelerate});
+    world.set_command(world.view().row(robot.body), {0.5, 0, angle, k_accelerate});
     for (int i = 0; i < 4; ++i) world.step();  // the wheels roll at 0.2 m/s
     EXPECT_NEAR(robot.velocity(world).x, 0.2 * std::cos(angle), 1e-12) << angle;
     EXPECT_NEAR(robot.velocity(world).turn, 0.2 * std::sin(angle) / 0.5, 1e-12) << angle;
@@ -280,7 +282,7 @@ TEST(Drives, AccelerationCountsTheTimeBetweenUpdates) {
   // Stage adds a tick's worth an update, however rarely those come.
   Robot robot("diff", {}, 0.3);
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {0.5, 0, 0, k_accelerate});
+  world.set_command(world.view().row(robot.body), {0.5, 0, 0, k_accelerate});
   for (int i = 0; i < 6; ++i) world.step();
   EXPECT_NEAR(robot.velocity(world).x, 0.3, 1e-12);
 }
@@ -290,9 +292,9 @@ Pose gone_to(const std::string& kind, const Pose& from, const Pose& goal, int se
   Robot robot(kind, {{"wheelbase", 0.5}}, period_s);
   robot.scene.spec.bodies.back().pose_world_body = from;
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {goal.x, goal.y, goal.heading, k_go_to});
+  world.set_command(world.view().row(robot.body), {goal.x, goal.y, goal.heading, k_go_to});
   for (int i = 0; i < 10 * seconds; ++i) world.step();
-  return world.pose(robot.body);
+  return world.view().pose(robot.body);
 }
 
 TEST(Drives, EachGoesToItsGoalAndStaysThere) {
@@ -313,7 +315,7 @@ TEST(Drives, DiffTurnsBothWaysNoFasterThanItMay) {
   for (const double side : {1.0, -1.0}) {
     Robot robot("diff");
     engine::World world = robot.scene.world();
-    world.set_command(world.row(robot.body), {-1, side * 0.5, 0, k_go_to});
+    world.set_command(world.view().row(robot.body), {-1, side * 0.5, 0, k_go_to});
     world.step();
     EXPECT_EQ(robot.velocity(world).turn, side);
     EXPECT_EQ(robot.velocity(world).x, 0);
@@ -321,10 +323,10 @@ TEST(Drives, DiffTurnsBothWaysNoFasterThanItMay) {
   // Ahead it drives, 0.4 m/s at most, and slows down before the goal.
   Robot robot("diff");
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {3, 0, 0, k_go_to});
+  world.set_command(world.view().row(robot.body), {3, 0, 0, k_go_to});
   world.step();
   EXPECT_EQ(robot.velocity(world).x, 0.4);
-  world.set_command(world.row(robot.body), {world.pose(robot.body).x + 0.1, 0, 0, k_go_to});
+  world.set_command(world.view().row(robot.body), {world.view().pose(robot.body).x + 0.1, 0, 0, k_go_to});
   world.step();
   EXPECT_NEAR(robot.velocity(world).x, 0.1, 1e-12);
 }
@@ -334,18 +336,18 @@ TEST(Drives, OmniGoesStraightWhateverItsHeading) {
   Robot robot("omni");
   robot.scene.spec.bodies.back().pose_world_body.heading = k_pi / 2;
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {2, -0.2, k_pi / 2, k_go_to});
+  world.set_command(world.view().row(robot.body), {2, -0.2, k_pi / 2, k_go_to});
   world.step();
   EXPECT_NEAR(robot.velocity(world).x, -0.2, 1e-12);
   EXPECT_NEAR(robot.velocity(world).y, -0.4, 1e-12);
   EXPECT_NEAR(robot.velocity(world).turn, 0, 1e-12);
-  EXPECT_NEAR(world.pose(robot.body).x, 0.04, 1e-12);
+  EXPECT_NEAR(world.view().pose(robot.body).x, 0.04, 1e-12);
 }
 
 TEST(Drives, ACarDrivesInACurveAndSwingsRoundToWhatLiesBehind) {
   Robot robot("car", {{"wheelbase", 0.5}});
   engine::World world = robot.scene.world();
-  const Row row = world.row(robot.body);
+  const Row row = world.view().row(robot.body);
   world.set_command(row, {1, 0.5, 0, k_go_to});
   world.step();
   const double off = std::atan2(0.5, 1);
@@ -360,7 +362,7 @@ TEST(Drives, ACarDrivesInACurveAndSwingsRoundToWhatLiesBehind) {
 TEST(Drives, GoalsAreBoundedByTheDrive) {
   Robot robot("diff", {{"velocity_max_x", 0.3}, {"turn_max", 0.2}});
   engine::World world = robot.scene.world();
-  const Row row = world.row(robot.body);
+  const Row row = world.view().row(robot.body);
   world.set_command(row, {5, 0, 0, k_go_to});
   world.step();
   EXPECT_EQ(robot.velocity(world).x, 0.3);
@@ -376,8 +378,8 @@ TEST(Drives, TheStartingVelocityLastsUntilTheFirstUpdate) {
     engine::World world = robot.scene.world();
     EXPECT_EQ(robot.velocity(world).x, 2.0);
     for (int i = 0; i < 5; ++i) world.step();
-    EXPECT_NEAR(world.pose(robot.body).x, way, 1e-12);
-    EXPECT_NEAR(world.pose(robot.body).y, way / 4, 1e-12);
+    EXPECT_NEAR(world.view().pose(robot.body).x, way, 1e-12);
+    EXPECT_NEAR(world.view().pose(robot.body).y, way / 4, 1e-12);
     world.reset();
     EXPECT_EQ(robot.velocity(world).x, 2.0);
   }
@@ -396,10 +398,10 @@ TEST(Drives, BoundsOfAccelerationsMustNotStandTheWrongWayRound) {
 TEST(Drives, HeadingStaysWithinPi) {
   Robot robot("diff");
   engine::World world = robot.scene.world();
-  world.set_command(world.row(robot.body), {0, 0, 1.5});
+  world.set_command(world.view().row(robot.body), {0, 0, 1.5});
   for (int i = 0; i < 500; ++i) {
     world.step();
-    ASSERT_LE(std::abs(world.pose(robot.body).heading), k_pi);
+    ASSERT_LE(std::abs(world.view().pose(robot.body).heading), k_pi);
   }
 }
 

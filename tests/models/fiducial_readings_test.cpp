@@ -26,9 +26,9 @@ TEST(FiducialReadings, AreThoseOfTheFinder) {
   }
   engine::World world = scene.world();
   world.step();
-  const Row row = world.row(body);
-  const engine::BodyType::Device& device = world.type(row).devices[0];
-  const engine::Readings seen(world.percepts(device), world.slot(row));
+  const Row row = world.view().row(body);
+  const engine::BodyType::Device& device = world.view().type(row).devices[0];
+  const engine::Readings seen(world.tables()[device.table], world.view().slot(row));
   const engine::DeviceInfo info{"finder", "fiducial", device.prepared};
   const FiducialReadings readings(info);
 

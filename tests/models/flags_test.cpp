@@ -29,19 +29,19 @@ struct Holder {
   BodyId body;
 
   const engine::BodyType::Device& device() const {
-    for (const engine::BodyType::Device& d : world.type(world.row(body)).devices)
+    for (const engine::BodyType::Device& d : world.view().type(world.view().row(body)).devices)
       if (d.kind->name == "flags") return d;
     throw std::out_of_range("no flags");
   }
-  std::size_t slot() const { return world.slot(world.row(body)); }
+  std::size_t slot() const { return world.view().slot(world.view().row(body)); }
   std::uint32_t count() const {
-    return world.percepts(device()).cell<std::uint32_t>(slot(), k_flag_count)[0];
+    return world.tables()[device().table].cell<std::uint32_t>(slot(), k_flag_count)[0];
   }
   std::uint64_t received() const {
-    return world.percepts(device()).cell<std::uint64_t>(slot(), k_flag_received)[0];
+    return world.tables()[device().table].cell<std::uint64_t>(slot(), k_flag_received)[0];
   }
   std::vector<std::uint32_t> colors() const {
-    const auto all = world.percepts(device()).cell<std::uint32_t>(slot(), k_flag_colors);
+    const auto all = world.tables()[device().table].cell<std::uint32_t>(slot(), k_flag_colors);
     return {all.begin(), all.begin() + count()};
   }
 };

@@ -105,7 +105,7 @@ TEST(Fasr2, GoesToThePartThatIsMarked) {
   }
   World world = pasture.scene.world();
   ASSERT_TRUE(pasture.charge(world));
-  EXPECT_NEAR(world.pose(pasture.robot).x, pose_body_plug.x, 0.5);
+  EXPECT_NEAR(world.view().pose(pasture.robot).x, pose_body_plug.x, 0.5);
 }
 
 TEST(Fasr2, KeepsItsScannerOnFarFromItsCharger) {
@@ -116,14 +116,15 @@ TEST(Fasr2, KeepsItsScannerOnFarFromItsCharger) {
   finder.period_s = 0.5;
   pasture.scene[pasture.robots].devices.push_back(finder);
   World world = pasture.scene.world();
-  const Row row = world.row(pasture.robot);
-  const engine::BodyType::Device& scanner = world.type(row).devices[Pasture::k_scanner];
-  for (int tick = 0; tick < 600 && (world.is_on(row, scanner) || world.tick() % 5 != 0); ++tick) world.step();
-  ASSERT_FALSE(world.is_on(row, scanner)) << "it docks";
+  const Row row = world.view().row(pasture.robot);
+  const engine::BodyType::Device& scanner = world.view().type(row).devices[Pasture::k_scanner];
+  for (int tick = 0; tick < 600 && (world.view().is_on(row, scanner) || world.tick() % 5 != 0); ++tick)
+    world.step();
+  ASSERT_FALSE(world.view().is_on(row, scanner)) << "it docks";
   const World::Placed far_away{row, {-4, -4, 0, 0}};
   world.set_poses({&far_away, 1});
   world.step();  // the finder does not run in this tick: its reading is that of the charger
-  EXPECT_TRUE(world.is_on(row, scanner));
+  EXPECT_TRUE(world.view().is_on(row, scanner));
 }
 
 TEST(Fasr2, SwitchesItsScannerOffWhileItCharges) {
@@ -131,21 +132,21 @@ TEST(Fasr2, SwitchesItsScannerOffWhileItCharges) {
   const Pasture pasture;
   World world = pasture.scene.world();
   ASSERT_TRUE(pasture.charge(world));
-  const Row row = world.row(pasture.robot);
-  const engine::BodyType::Device& scanner = world.type(row).devices[Pasture::k_scanner];
-  for (int tick = 0; world.is_on(row, scanner) && tick < 100; ++tick)
+  const Row row = world.view().row(pasture.robot);
+  const engine::BodyType::Device& scanner = world.view().type(row).devices[Pasture::k_scanner];
+  for (int tick = 0; world.view().is_on(row, scanner) && tick < 100; ++tick)
     world.step();  // it may creep on a little
-  ASSERT_FALSE(world.is_on(row, scanner));
+  ASSERT_FALSE(world.view().is_on(row, scanner));
   world.step();
-  const std::uint64_t beams = world.beams_cast();
+  const std::uint64_t beams = world.counters().beams;
   world.step();
-  EXPECT_EQ(world.beams_cast(), beams);
-  for (int tick = 0; tick < 300 && !world.is_on(row, scanner); ++tick) world.step();
-  EXPECT_TRUE(world.is_on(row, scanner)) << "full";
+  EXPECT_EQ(world.counters().beams, beams);
+  for (int tick = 0; tick < 300 && !world.view().is_on(row, scanner); ++tick) world.step();
+  EXPECT_TRUE(world.view().is_on(row, scanner)) << "full";
   world.step();
   world.step();
-  EXPECT_EQ(world.beams_cast() % 37, 0u);
-  EXPECT_GT(world.beams_cast(), beams);
+  EXPECT_EQ(world.counters().beams % 37, 0u);
+  EXPECT_GT(world.counters().beams, beams);
 }
 
 }  // namespace

@@ -61,25 +61,25 @@ TEST(Gripper, CarriesAPuckToWhereItLetsGo) {
   step(world, 2);
   EXPECT_EQ(hand(world, robot).paddles, GripperState::closing);
   EXPECT_EQ(hand(world, robot).beam_inner, 1);
-  EXPECT_FALSE(world.carrier(world.row(object)));
+  EXPECT_FALSE(world.view().carrier(world.view().row(object)));
   step(world, 18);
-  ASSERT_EQ(world.carrier(world.row(object)), robot);
+  ASSERT_EQ(world.view().carrier(world.view().row(object)), robot);
   EXPECT_EQ(hand(world, robot).paddles, GripperState::closed);
   EXPECT_EQ(hand(world, robot).held, object.value + 1);
-  EXPECT_NEAR(world.pose(object).x, k_grasp_m, 1e-12) << "taking it does not move it";
+  EXPECT_NEAR(world.view().pose(object).x, k_grasp_m, 1e-12) << "taking it does not move it";
   EXPECT_GT(hand(world, robot).paddle_position, 0.3);
   EXPECT_LT(hand(world, robot).paddle_position, 0.6) << "stopped at a puck of 0.1 m";
 
   step(world, 20);  // t = 4 s: up
   EXPECT_EQ(hand(world, robot).lift, GripperState::is_up);
-  EXPECT_NEAR(world.pose(object).z, 0.6 * 0.2, k_near);
+  EXPECT_NEAR(world.view().pose(object).z, 0.6 * 0.2, k_near);
   step(world, 60);  // t = 10 s: a metre on, down, open
-  EXPECT_NEAR(world.pose(robot).x, 1, k_near);
-  EXPECT_FALSE(world.carrier(world.row(object)));
-  EXPECT_NEAR(world.pose(object).x, 1 + k_grasp_m, k_near);
-  EXPECT_NEAR(world.pose(object).y, 0.01, k_near);
-  EXPECT_NEAR(world.pose(object).z, 0, k_near);
-  EXPECT_NEAR(world.pose(object).heading, 0.2, k_near);
+  EXPECT_NEAR(world.view().pose(robot).x, 1, k_near);
+  EXPECT_FALSE(world.view().carrier(world.view().row(object)));
+  EXPECT_NEAR(world.view().pose(object).x, 1 + k_grasp_m, k_near);
+  EXPECT_NEAR(world.view().pose(object).y, 0.01, k_near);
+  EXPECT_NEAR(world.view().pose(object).z, 0, k_near);
+  EXPECT_NEAR(world.view().pose(object).heading, 0.2, k_near);
   step(world, 20);
   EXPECT_EQ(hand(world, robot).paddles, GripperState::is_open);
   EXPECT_EQ(hand(world, robot).paddle_position, 0);
@@ -94,7 +94,8 @@ TEST(Gripper, PaddlesMoveEndToEndInTwoSeconds) {
   EXPECT_NEAR(hand(world, robot).paddle_position, 0.5, k_near);
   // Two more solids than the robot's own: the right paddle's inner face is at y = -0.06.
   double highest = -1;
-  for (const Vec2& v : world.outline(world.row(robot)).last(4)) highest = std::max(highest, v.y());
+  for (const Vec2& v : world.view().outline(world.view().row(robot)).last(4))
+    highest = std::max(highest, v.y());
   EXPECT_NEAR(highest, -0.06, k_near);
   step(world, 11);
   EXPECT_EQ(hand(world, robot).paddles, GripperState::closed);
@@ -123,7 +124,7 @@ TEST(Gripper, WhatIsTooWideIsNotHeld) {
   World world = scene.world();
   step(world, 30);
   EXPECT_EQ(hand(world, robot).contact_left, 1);
-  EXPECT_FALSE(world.carrier(world.row(object)));
+  EXPECT_FALSE(world.view().carrier(world.view().row(object)));
 }
 
 /// A convex outline keeps all its corners, more than a placed shape stores.
@@ -137,7 +138,7 @@ TEST(Gripper, HoldsAPuckOfManyCorners) {
   const BodyId object = scene.body("o", round, {k_grasp_m, 0, 0, 0});
   World world = scene.world();
   step(world, 30);
-  EXPECT_EQ(world.carrier(world.row(object)), robot);
+  EXPECT_EQ(world.view().carrier(world.view().row(object)), robot);
 }
 
 TEST(Gripper, ClosedPaddlesTouchNothingBesideThem) {
@@ -164,7 +165,8 @@ TEST(Gripper, GripsAnArmWhereItIsNow) {
     step(world, 2);
     EXPECT_EQ(hand(world, robot).beam_inner, out > 0);
     step(world, 30);
-    EXPECT_EQ(world.carrier(world.row(far)).has_value(), out > 0) << "the arm is out by " << out;
+    EXPECT_EQ(world.view().carrier(world.view().row(far)).has_value(), out > 0)
+        << "the arm is out by " << out;
     EXPECT_EQ(hand(world, robot).paddles, GripperState::closed);
   }
 }
@@ -179,7 +181,7 @@ TEST(Gripper, DoesNotGripALiftAboveIt) {
   const BodyId above = scene.body("o", post, {k_grasp_m + 0.175, 0, 0, k_pi});
   World world = scene.world();
   step(world, 30);
-  EXPECT_FALSE(world.carrier(world.row(above)));
+  EXPECT_FALSE(world.view().carrier(world.view().row(above)));
   EXPECT_EQ(hand(world, robot).paddle_position, 1);
 }
 
@@ -190,7 +192,7 @@ TEST(Gripper, AutosnatchNeedsNoOrders) {
   const BodyId object = scene.body("o", puck(scene), {k_grasp_m + 0.5, 0, 0, 0});
   World world = scene.world();
   step(world, 40);
-  ASSERT_EQ(world.carrier(world.row(object)), robot);
+  ASSERT_EQ(world.view().carrier(world.view().row(object)), robot);
   EXPECT_EQ(hand(world, robot).paddles, GripperState::closed);
 }
 
@@ -203,7 +205,7 @@ TEST(Gripper, OfTwoThatCloseOnOneTheLowestIdHasIt) {
   const BodyId object = scene.body("o", bar, {0.5, 0, 0, 0});
   World world = scene.world();
   step(world, 20);
-  EXPECT_EQ(world.carrier(world.row(object)), second_in_space);
+  EXPECT_EQ(world.view().carrier(world.view().row(object)), second_in_space);
   EXPECT_EQ(hand(world, other).taken, 1);
   EXPECT_EQ(hand(world, other).held, 0u);
 }
@@ -243,9 +245,9 @@ TEST(Gripper, OfManyThatCloseOnOneTheLowestIdHasItAndTakesItAway) {
       world.step();
       hashes.push_back(world.hashes().state);
     }
-    EXPECT_EQ(world.carried_count(), contests.size());
+    EXPECT_EQ(world.view().counts().carried, contests.size());
     for (const Contested& contest : contests) {
-      EXPECT_EQ(world.carrier(world.row(contest.pillar)), contest.robots.front());
+      EXPECT_EQ(world.view().carrier(world.view().row(contest.pillar)), contest.robots.front());
       EXPECT_EQ(hand(world, contest.robots.front()).taken, 0);
       for (std::size_t i = 1; i < 4; ++i) {
         EXPECT_EQ(hand(world, contest.robots[i]).taken, 1);
@@ -259,8 +261,8 @@ TEST(Gripper, OfManyThatCloseOnOneTheLowestIdHasItAndTakesItAway) {
     for (const Contested& contest : contests) {  // 2.5 s backwards at 0.4 m/s
       const Pose from = scene.spec.bodies[contest.robots.front().index()].pose_world_body;
       const Pose to = compose(from, {0.46 - 1, 0, 0, 0});
-      EXPECT_NEAR(world.pose(contest.pillar).x, to.x, k_near);
-      EXPECT_NEAR(world.pose(contest.pillar).y, to.y, k_near);
+      EXPECT_NEAR(world.view().pose(contest.pillar).x, to.x, k_near);
+      EXPECT_NEAR(world.view().pose(contest.pillar).y, to.y, k_near);
       for (const std::size_t across : {1u, 3u})
         EXPECT_EQ(hand(world, contest.robots[across]).paddles, GripperState::closed) << "on nothing";
     }
@@ -283,17 +285,17 @@ TEST(Gripper, ChainsMoveAsOne) {
   const BodyId object = scene.body("o", puck(scene, 0.05), {0.373 + 0.167, 0, 0, 0});
   World world = scene.world();
   step(world, 60);
-  ASSERT_EQ(world.carrier(world.row(object)), middle);
-  ASSERT_EQ(world.carrier(world.row(middle)), carrier);
-  EXPECT_TRUE(world.same_tree(world.row(object), world.row(carrier)));
+  ASSERT_EQ(world.view().carrier(world.view().row(object)), middle);
+  ASSERT_EQ(world.view().carrier(world.view().row(middle)), carrier);
+  EXPECT_TRUE(world.view().same_tree(world.view().row(object), world.view().row(carrier)));
   step(world, 20);
-  const Pose root = world.pose(carrier);
+  const Pose root = world.view().pose(carrier);
   EXPECT_GT(root.x, 0.4);
   EXPECT_NEAR(root.heading, 0.8, k_near);
   const Pose expected = compose(root, {0.373 + 0.167, 0, 0, 0});
-  EXPECT_NEAR(world.pose(object).x, expected.x, k_near);
-  EXPECT_NEAR(world.pose(object).y, expected.y, k_near);
-  EXPECT_NEAR(world.pose(object).heading, expected.heading, k_near);
+  EXPECT_NEAR(world.view().pose(object).x, expected.x, k_near);
+  EXPECT_NEAR(world.view().pose(object).y, expected.y, k_near);
+  EXPECT_NEAR(world.view().pose(object).heading, expected.heading, k_near);
 }
 
 /// What is carried is in the way of others, and others are in its way.
@@ -306,10 +308,11 @@ TEST(Gripper, CargoStopsItsCarrierAtAWall) {
   scene.wall(1, -1, 1.1, 1);
   World world = scene.world();
   step(world, 60);
-  ASSERT_EQ(world.carrier(world.row(object)), robot);
-  EXPECT_TRUE(world.stalled(world.row(robot)));
-  EXPECT_LE(world.pose(object).x + 0.25, 1 + k_near);
-  EXPECT_GT(world.pose(object).x + 0.25, 1 - 0.051) << "the bar, not the robot, is what meets the wall";
+  ASSERT_EQ(world.view().carrier(world.view().row(object)), robot);
+  EXPECT_TRUE(world.view().stalled(world.view().row(robot)));
+  EXPECT_LE(world.view().pose(object).x + 0.25, 1 + k_near);
+  EXPECT_GT(world.view().pose(object).x + 0.25, 1 - 0.051)
+      << "the bar, not the robot, is what meets the wall";
 }
 
 TEST(Gripper, ItsOwnRangerDoesNotSeeWhatItHolds) {
@@ -322,8 +325,9 @@ TEST(Gripper, ItsOwnRangerDoesNotSeeWhatItHolds) {
     scene.spec.ranging = ranging;
     World world = scene.world();
     const auto range = [&] {
-      const Row row = world.row(robot);
-      return world.percepts(world.type(row).devices[1]).cell<float>(world.slot(row), 0)[0];
+      const Row row = world.view().row(robot);
+      return world.tables()[world.view().type(row).devices[1].table].cell<float>(world.view().slot(row),
+                                                                                 0)[0];
     };
     step(world, 1);
     EXPECT_NEAR(range(), k_grasp_m - 0.05, 0.03);
@@ -334,7 +338,7 @@ TEST(Gripper, ItsOwnRangerDoesNotSeeWhatItHolds) {
 
 /// Number of lines from grippers to the bodies that they hold, in a picture of the world.
 std::size_t count_holds(const World& world) {
-  engine::Frame frame = world.frame();
+  engine::Frame frame = engine::make_frame(world);
   add_layer(world, engine::FrameLayer::grips, frame);
   return static_cast<std::size_t>(
       std::ranges::count(frame.grips, engine::FrameTie::Kind::holds, &engine::FrameTie::kind));
@@ -347,14 +351,14 @@ TEST(Gripper, NoLineIsDrawnToABodyThatDiedWhileTheRobotIsDisabled) {
   const BodyId object = scene.body("o", puck(scene), {k_grasp_m, 0, 0, 0});
   World world = scene.world();
   step(world, 20);
-  ASSERT_EQ(world.carrier(world.row(object)), robot);
+  ASSERT_EQ(world.view().carrier(world.view().row(object)), robot);
   EXPECT_EQ(count_holds(world), 1u);
-  world.set_disabled(world.row(robot), true);
-  world.remove(world.row(object));
+  world.set_disabled(world.view().row(robot), true);
+  world.remove(world.view().row(object));
   step(world, 3);
   EXPECT_NE(hand(world, robot).held, 0u) << "a gripper that does not run keeps its state";
   EXPECT_EQ(count_holds(world), 0u);
-  world.set_disabled(world.row(robot), false);
+  world.set_disabled(world.view().row(robot), false);
   step(world, 1);
   EXPECT_EQ(hand(world, robot).held, 0u);
 }
@@ -367,9 +371,9 @@ TEST(Gripper, ClosesOnWhenTheHeldBodyHasDied) {
   const BodyId object = scene.body("o", puck(scene), {k_grasp_m, 0, 0, 0});
   World world = scene.world();
   step(world, 20);
-  ASSERT_EQ(world.carrier(world.row(object)), robot);
+  ASSERT_EQ(world.view().carrier(world.view().row(object)), robot);
   EXPECT_EQ(hand(world, robot).paddles, GripperState::closed);
-  world.remove(world.row(object));
+  world.remove(world.view().row(object));
   step(world, 1);
   EXPECT_EQ(hand(world, robot).held, 0u);
   EXPECT_EQ(hand(world, robot).paddles, GripperState::closing) << "the command still holds";
@@ -416,7 +420,7 @@ TEST(Gripper, CarriesTheSameOnAnyThreadsAndTiles) {
     for (int t = 0; t < 70; ++t) {
       world.step();
       hashes.push_back(world.hashes().state);
-      most_carried = std::max(most_carried, world.carried_count());
+      most_carried = std::max(most_carried, world.view().counts().carried);
     }
     if (expected.empty()) expected = hashes;
     EXPECT_EQ(hashes, expected);

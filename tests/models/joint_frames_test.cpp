@@ -108,20 +108,20 @@ void expect_equal(const StateTable& a, std::size_t slot_a, const StateTable& b, 
 /// What every sensor of the one body reads, the sensor of the same name of the other does.
 void expect_same_readings(const World& a, BodyId in_a, const World& b, BodyId in_b,
                           const std::string& about) {
-  const Row row_a = a.row(in_a);
-  const Row row_b = b.row(in_b);
-  for (const BodyType::Device& device : b.type(row_b).devices) {
+  const Row row_a = a.view().row(in_a);
+  const Row row_b = b.view().row(in_b);
+  for (const BodyType::Device& device : b.view().type(row_b).devices) {
     if (!device.kind->is_sensor()) continue;
-    const auto& others = a.type(row_a).devices;
+    const auto& others = a.view().type(row_a).devices;
     const auto other = std::ranges::find(others, device.name, &BodyType::Device::name);
     ASSERT_NE(other, others.end());
-    const StateTable& table_a = a.percepts(*other);
-    const StateTable& table_b = b.percepts(device);
+    const StateTable& table_a = a.tables()[other->table];
+    const StateTable& table_b = b.tables()[device.table];
     for (std::size_t f = 0; f < table_b.fields().size(); ++f) {
       const StateField& field = table_b.fields()[f];
       const std::string where = about + ", " + device.name + " " + field.name + " ";
-      const std::size_t slot_a = a.slot(row_a);
-      const std::size_t slot_b = b.slot(row_b);
+      const std::size_t slot_a = a.view().slot(row_a);
+      const std::size_t slot_b = b.view().slot(row_b);
       switch (field.element) {
         case Element::f64: expect_equal<double>(table_a, slot_a, table_b, slot_b, f, where, 1e-9); break;
         case Element::f32: expect_equal<float>(table_a, slot_a, table_b, slot_b, f, where, 1e-5); break;
@@ -206,9 +206,9 @@ TEST_P(JointFrames, WhatAJointCarriesIsSeenAndFeltWhereItIs) {
       built_there.step();
       const std::string about = by.name + ", tick " + std::to_string(t);
       expect_same_readings(jointed, BodyId(2), built_there, BodyId(2), about);
-      EXPECT_NEAR(jointed.pose(BodyId(2)).x, built_there.pose(BodyId(2)).x, 1e-12) << about;
+      EXPECT_NEAR(jointed.view().pose(BodyId(2)).x, built_there.view().pose(BodyId(2)).x, 1e-12) << about;
     }
-    EXPECT_TRUE(jointed.stalled(jointed.row(BodyId(2)))) << "it drove against it";
+    EXPECT_TRUE(jointed.view().stalled(jointed.view().row(BodyId(2)))) << "it drove against it";
   }
 }
 

@@ -25,8 +25,10 @@ std::vector<int> lit(engine::World& world, std::size_t ticks) {
   std::vector<int> out;
   for (std::size_t t = 0; t < ticks; ++t) {
     world.step();
-    const Row row = world.row(BodyId(1));
-    out.push_back(world.percepts(world.type(row).devices.front()).as<LightState>(world.slot(row)).lit);
+    const Row row = world.view().row(BodyId(1));
+    out.push_back(world.tables()[world.view().type(row).devices.front().table]
+                      .as<LightState>(world.view().slot(row))
+                      .lit);
   }
   return out;
 }

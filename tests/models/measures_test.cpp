@@ -59,7 +59,7 @@ test::SceneBuilder crowd(bool bounded = true) {
 
 void step_at_random(World& world, test::Draw& draw) {
   for (std::size_t b = 0; b < world.spec().bodies.size(); ++b) {
-    const Row row = world.row(BodyId(b));
+    const Row row = world.view().row(BodyId(b));
     if (row.valid() && draw.below(4) != 0)
       world.set_command(row, {draw.real(-1, 1), draw.real(-1, 1), draw.real(-2, 2)});
   }
@@ -189,7 +189,7 @@ class Oracle {
       for (double y = std::floor(ground.min.y() / k_cell_m); y <= ground.max.y() / k_cell_m; ++y) {
         const Vec2 centre((x + 0.5) * k_cell_m, (y + 0.5) * k_cell_m);
         bool is_free = ground.contains(centre);
-        for (const partition::FixedSolid& solid : world.scene().solids())
+        for (const partition::FixedSolid& solid : world.view().scene().solids())
           is_free = is_free && !contains(solid.solid, centre);
         free += is_free;
         visited += is_free && visited_.contains({x, y});
@@ -203,8 +203,8 @@ class Oracle {
   std::vector<Pose> poses(const World& world) const {
     std::vector<Pose> poses;
     for (std::size_t b = 0; b < world.spec().bodies.size(); ++b)
-      if (world.row(BodyId(b)).valid() && world.spec().name(BodyId(b)).starts_with(prefix_))
-        poses.push_back(world.pose(BodyId(b)));
+      if (world.view().row(BodyId(b)).valid() && world.spec().name(BodyId(b)).starts_with(prefix_))
+        poses.push_back(world.view().pose(BodyId(b)));
     return poses;
   }
   const Pose& last(std::size_t i) const { return now_.empty() ? start_[i] : now_[i]; }
@@ -235,17 +235,17 @@ TEST(Measures, AreWhatTheirDefinitionsSay) {
       EXPECT_EQ(v[2], oracles[o].neighbours());
       EXPECT_NEAR(v[5], oracles[o].displacement(), 1e-9);
       EXPECT_NEAR(v[6], oracles[o].path_length(), 1e-9);
-      EXPECT_NEAR(v[7], oracles[o].mean_speed(world.tick_s()), 1e-9);
+      EXPECT_NEAR(v[7], oracles[o].mean_speed(world.view().tick_s()), 1e-9);
       EXPECT_NEAR(v[8], oracles[o].order(), 1e-9);
       EXPECT_NEAR(v[9], oracles[o].spread(), 1e-9);
       EXPECT_EQ(v[11], oracles[o].share_within(k_edge_m / 4));
     }
     EXPECT_NEAR(values.back(), oracles[0].rank_errors(k_minibots), 1e-9);
-    EXPECT_EQ(values[3], static_cast<double>(world.stalled_count()));
-    EXPECT_EQ(values[4], static_cast<double>(world.out_of_bounds_count()));
+    EXPECT_EQ(values[3], static_cast<double>(world.view().counts().stalled));
+    EXPECT_EQ(values[4], static_cast<double>(world.view().counts().out_of_bounds));
     EXPECT_EQ(values[3], values[kinds + 3] + values[2 * kinds + 3]);
-    stalls += world.stalled_count();
-    held += world.out_of_bounds_count();
+    stalls += world.view().counts().stalled;
+    held += world.view().counts().out_of_bounds;
     step_at_random(world, draw);
     set.see();
     for (Oracle& oracle : oracles) oracle.see(world);
@@ -263,7 +263,7 @@ TEST(Measures, ToBePutElsewhereIsNoWay) {
   const std::vector<MeasureSpec> specs{spec("path_length", "a"), spec("path_length"),
                                        spec("displacement", "a")};
   MeasureSet set = measures(world, specs);
-  const Row row = world.row(a);
+  const Row row = world.view().row(a);
   world.set_command(row, {0.5, 0, 0});
   const auto step = [&] {
     world.step();
@@ -299,7 +299,7 @@ TEST(Measures, AResetBeforeTheFirstStepBeginsThemAgain) {
   const BodyId a = scene.body("a", scene.robot("bot", {test::box(0.4, 0.4)}));
   scene.spec.bounds = Box::around(Vec2::Zero(), 10);
   World world = scene.world();
-  const World::Placed there{world.row(a), {-5, 5, 0, 0}};
+  const World::Placed there{world.view().row(a), {-5, 5, 0, 0}};
   world.set_poses({&there, 1});
   const std::vector<MeasureSpec> specs{spec("coverage")};
   MeasureSet set = measures(world, specs);
@@ -333,9 +333,9 @@ TEST(Measures, AreTheSameBitsOnAnyThreadsAndTiles) {
 /// A measure that calls `change` instead of only reading.
 class Changing : public engine::Measure {
  public:
-  Changing(const World&, std::vector<BodyId>) {}
-  double value(World& world) override {
-    change(world);
+  Changing(const engine::MeasuredWorld&, std::vector<BodyId>) {}
+  double value(const engine::MeasuredWorld& world) override {
+    change(engine::whole_world(world));
     return 0;
   }
   static inline void (*change)(World& world) = nullptr;
@@ -441,7 +441,7 @@ TEST(Measures, DoNotRememberTheCellsOfOtherBounds) {
   EXPECT_EQ(begun, 0.25) << "one of four cells";
   EXPECT_THAT(of_same.remember(saved.memory()), IsEmpty());
   EXPECT_THAT(of_shifted.remember(saved.memory()), ElementsAre(0)) << "as many cells, but others";
-  const World::Placed next{shifted.row(shifted.find("r")), {4.5, 0.5, 0, 0}};
+  const World::Placed next{shifted.view().row(shifted.state().names.find("r")), {4.5, 0.5, 0, 0}};
   EXPECT_EQ(of_shifted.value(0), begun);
   shifted.set_poses({&next, 1});
   shifted.step();
@@ -452,9 +452,9 @@ TEST(Measures, DoNotRememberTheCellsOfOtherBounds) {
 /// A measure whose memory grows by one number per tick, which a measure must not do.
 class Growing : public engine::Measure {
  public:
-  Growing(const World&, std::vector<BodyId>) {}
-  void see(World&) override { numbers_.push_back(0); }
-  double value(World&) override { return 0; }
+  Growing(const engine::MeasuredWorld&, std::vector<BodyId>) {}
+  void see(const engine::MeasuredWorld&) override { numbers_.push_back(0); }
+  double value(const engine::MeasuredWorld&) override { return 0; }
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(numbers_)); }
 
  private:
@@ -477,8 +477,8 @@ class Forgetting : public engine::Measure {
  public:
   static inline int throws_in = 0;
 
-  Forgetting(const World&, std::vector<BodyId>) {}
-  double value(World&) override { return 0; }
+  Forgetting(const engine::MeasuredWorld&, std::vector<BodyId>) {}
+  double value(const engine::MeasuredWorld&) override { return 0; }
   std::span<std::byte> memory() override {
     if (--throws_in == 0) throw std::runtime_error("forgotten");
     return {};
@@ -573,7 +573,8 @@ TEST(Measures, AreOfThoseWhoAreInTheWorld) {
   const auto near = [](double x) { return DoubleNear(x, 1e-12); };
   EXPECT_THAT(set.values(), ElementsAre(2, 0, 0, near(1), near(0.5), 2 / 2));
   world.spawn(0, {5, 0, 0, 0});
-  for (const char* name : {"bot0", "bot2"}) world.set_command(world.row(world.find(name)), {0, 1, 0});
+  for (const char* name : {"bot0", "bot2"})
+    world.set_command(world.view().row(world.state().names.find(name)), {0, 1, 0});
   for (int tick = 0; tick < 10; ++tick) {
     world.step();
     set.see();
@@ -582,13 +583,13 @@ TEST(Measures, AreOfThoseWhoAreInTheWorld) {
   const double to_first = std::hypot(1, 1), to_last = std::hypot(3, 1);
   EXPECT_THAT(set.values(), ElementsAre(3, near(2.0 / 3), near(2.0 / 3), near((2 * to_first + to_last) / 3),
                                         ::testing::_, 0));
-  world.remove(world.row(world.find("bot1")));
+  world.remove(world.view().row(world.state().names.find("bot1")));
   for (int tick = 0; tick < 5; ++tick) {
     world.step();
     set.see();
   }
   EXPECT_THAT(set.values(), ElementsAre(2, near(1.5), near(1.5), near(4), near(2), 0));
-  world.remove(world.row(world.find("bot2")));
+  world.remove(world.view().row(world.state().names.find("bot2")));
   world.step();
   set.see();
   EXPECT_THAT(set.values()[0], 1);
@@ -603,9 +604,9 @@ TEST(Measures, ToBeMovedRightAfterBirthIsNoWay) {
   World world = scene.world();
   MeasureSet set = measures(world, {spec("path_length")});
   const BodyId born = world.spawn(0, {0, 50, 0, 0}).body;
-  const World::Placed there{world.row(born), {0, 80, 0, 0}};
+  const World::Placed there{world.view().row(born), {0, 80, 0, 0}};
   world.set_poses({&there, 1});
-  world.set_command(world.row(born), {0, 1, 0});
+  world.set_command(world.view().row(born), {0, 1, 0});
   for (int tick = 1; tick <= 3; ++tick) {
     world.step();
     set.see();
@@ -623,7 +624,7 @@ TEST(Measures, APathThatBeginsAfterARobotWasBornAndMovedLacksThisWay) {
   world.step();
   whole.see();
   const BodyId born = world.spawn(0, {0, 50, 0, 0}).body;
-  const World::Placed there{world.row(born), {0, 80, 0, 0}};
+  const World::Placed there{world.view().row(born), {0, 80, 0, 0}};
   world.set_poses({&there, 1});
   MeasureSet fresh = measures(world, {spec("path_length")});
   EXPECT_EQ(fresh.value(0), 0);
@@ -639,7 +640,7 @@ TEST(Measures, APathThatBeginsAfterARobotWasBornAndMovedLacksThisWay) {
   MeasureSet remembered = measures(resumed, {spec("path_length")});
   EXPECT_THAT(remembered.remember(whole.memory()), IsEmpty());
   for (World* const each : {&world, &resumed}) {
-    each->set_command(each->row(born), {0, 1, 0});
+    each->set_command(each->view().row(born), {0, 1, 0});
     each->step();
   }
   for (MeasureSet* const set : {&whole, &fresh, &remembered}) {
@@ -659,11 +660,11 @@ TEST(Measures, ACarriedRobotHasTheSpeedZero) {
   const BodyId b = scene.body("b", prey, {0.27, 0, 0, 0});
   World world = scene.world();
   for (int tick = 0; tick < 40; ++tick) world.step();
-  ASSERT_EQ(world.carrier(world.row(b)), a);
-  world.set_command(world.row(a), {-0.1, 0, 0});
-  world.set_command(world.row(b), {0.3, 0, 0});
+  ASSERT_EQ(world.view().carrier(world.view().row(b)), a);
+  world.set_command(world.view().row(a), {-0.1, 0, 0});
+  world.set_command(world.view().row(b), {0.3, 0, 0});
   world.step();
-  EXPECT_NE(world.velocities()[world.row(b).index()].x, 0);
+  EXPECT_NE(world.view().velocities()[world.view().row(b).index()].x, 0);
   EXPECT_EQ(value(world, spec("mean_speed", "b")), 0);
   EXPECT_DOUBLE_EQ(value(world, spec("mean_speed")), 0.05);
 }
@@ -684,9 +685,9 @@ TEST(Measures, DeathsAreOfTheBodiesOfAType) {
   const MeasureSpec pucks = spec("deaths", "", {{"type", "puck"}});
   const MeasureSpec bots = spec("deaths", "", {{"type", "bot"}});
   EXPECT_EQ(value(world, pucks), 0) << "an unborn body has not died";
-  world.remove(world.row(world.find("p0")));
-  world.remove(world.row(world.find("p2")));
-  world.remove(world.row(world.find("a")));
+  world.remove(world.view().row(world.state().names.find("p0")));
+  world.remove(world.view().row(world.state().names.find("p2")));
+  world.remove(world.view().row(world.state().names.find("a")));
   EXPECT_EQ(value(world, pucks), 2);
   EXPECT_EQ(value(world, bots), 1);
   Diagnostics diagnostics;
@@ -778,8 +779,8 @@ TEST(Measures, AComponentOfStateMeanMayStandForSeveralTables) {
   scene.body("s0", seer, {0, 0, 0, 0});
   scene.body("t0", turner, {0, 50, 0, 2});
   World world = scene.world();
-  world.subscribe(world.find("t0"));
-  world.subscribe(world.find("s0"));
+  world.subscribe(world.state().names.find("t0"));
+  world.subscribe(world.state().names.find("s0"));
   world.step();
   const auto of_eye = [](const char* field) {
     return spec("state_mean", "", {{"component", "eye"}, {"field", field}});
@@ -809,7 +810,7 @@ TEST(Measures, StateMeanLeavesOutSensorsThatDoNotRun) {
     return spec(kind, std::move(of), {{"component", "eye"}, {"field", "ranges"}});
   };
   MeasureSet means = measures(world, {ranges("state_mean"), ranges("state_mean", "f")});
-  world.subscribe(world.find("f1"));
+  world.subscribe(world.state().names.find("f1"));
   world.step();
   EXPECT_EQ(means.values()[0], (2 + 5) / 2.0) << "f0 has no reading";
   EXPECT_EQ(means.values()[1], 5);

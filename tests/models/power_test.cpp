@@ -31,9 +31,9 @@ DeviceSpec contact(double give, double take) {
 
 template <class State>
 const State& state_of(const World& world, BodyId body, std::string_view kind) {
-  const Row row = world.row(body);
-  for (const engine::BodyType::Device& d : world.type(row).devices)
-    if (d.kind->name == kind) return world.percepts(d).as<State>(world.slot(row));
+  const Row row = world.view().row(body);
+  for (const engine::BodyType::Device& d : world.view().type(row).devices)
+    if (d.kind->name == kind) return world.tables()[d.table].as<State>(world.view().slot(row));
   throw std::out_of_range(std::string(kind));
 }
 const PowerPackState& pack_of(const World& world, BodyId body) {
@@ -50,7 +50,7 @@ TEST(Conformance05, AMovingRobotDrawsByItsMassAndSpeeds) {
   scene[type].devices = {pack({{"capacity", 1000.0}, {"mass", 2.0}})};
   const BodyId robot = scene.body("r", type);
   World world = scene.world();
-  world.set_command(world.row(robot), {0.5, 0, 1});
+  world.set_command(world.view().row(robot), {0.5, 0, 1});
   world.step();
   EXPECT_DOUBLE_EQ(pack_of(world, robot).dissipated, 3.1);  // 1 + 10 * 2 * (0.5 + 1) = 31 W
   EXPECT_DOUBLE_EQ(pack_of(world, robot).stored, 1000 - 3.1);
@@ -98,7 +98,7 @@ TEST(PowerPack, ADriveDrawsForSpeedsInAnyDirection) {
   const BodyId robot = scene.body("r", type);
   for (const double sign : {1.0, -1.0}) {
     World world = scene.world();
-    world.set_command(world.row(robot), {sign * 0.25, sign * 0.5, sign * 0.125});
+    world.set_command(world.view().row(robot), {sign * 0.25, sign * 0.5, sign * 0.125});
     world.step();
     EXPECT_NEAR(pack_of(world, robot).dissipated, 0.1 * (0.5 + 10 * 2 * 0.875), 1e-12);
   }
@@ -146,34 +146,34 @@ struct Driver {
     scene.wall(5, -1, 5.2, 1);
   }
   float range(const World& world) const {
-    const Row row = world.row(robot);
-    return world.percepts(world.type(row).devices[1]).cell<float>(world.slot(row), 0)[0];
+    const Row row = world.view().row(robot);
+    return world.tables()[world.view().type(row).devices[1].table].cell<float>(world.view().slot(row), 0)[0];
   }
 };
 
 TEST(PowerPack, RunningEmptyStopsDriveAndSensors) {
   Driver driver("stop", 0.6);  // enough for 5 ticks of 0.12 J
   World world = driver.scene.world();
-  world.set_command(world.row(driver.robot), {1, 0, 0});
+  world.set_command(world.view().row(driver.robot), {1, 0, 0});
   step(world, 5);
-  EXPECT_NEAR(world.pose(driver.robot).x, 0.5, 1e-12);
+  EXPECT_NEAR(world.view().pose(driver.robot).x, 0.5, 1e-12);
   step(world, 2);
   EXPECT_EQ(pack_of(world, driver.robot).stored, 0);
-  const double x = world.pose(driver.robot).x;
+  const double x = world.view().pose(driver.robot).x;
   const float range = driver.range(world);
   step(world, 5);
-  EXPECT_EQ(world.pose(driver.robot).x, x);
+  EXPECT_EQ(world.view().pose(driver.robot).x, x);
   EXPECT_EQ(driver.range(world), range);
-  EXPECT_EQ(world.velocities()[world.row(driver.robot).index()].x, 0);
+  EXPECT_EQ(world.view().velocities()[world.view().row(driver.robot).index()].x, 0);
   EXPECT_NEAR(pack_of(world, driver.robot).dissipated, 0.6, 1e-12);
 }
 
 TEST(PowerPack, AsInStageRunningEmptyCanBeWithoutEffect) {
   Driver driver("nothing", 0.6);
   World world = driver.scene.world();
-  world.set_command(world.row(driver.robot), {1, 0, 0});
+  world.set_command(world.view().row(driver.robot), {1, 0, 0});
   step(world, 20);
-  EXPECT_NEAR(world.pose(driver.robot).x, 2, 1e-12);
+  EXPECT_NEAR(world.view().pose(driver.robot).x, 2, 1e-12);
   EXPECT_NEAR(driver.range(world), 5 - 1.9, 1e-6);
   EXPECT_EQ(pack_of(world, driver.robot).stored, 0);
 }
@@ -184,9 +184,9 @@ TEST(PowerPack, AnInfiniteOneNeverRunsOut) {
   scene[type].devices = {pack({{"infinite", true}, {"mass", 100.0}})};
   const BodyId robot = scene.body("r", type);
   World world = scene.world();
-  world.set_command(world.row(robot), {1, 0, 0});
+  world.set_command(world.view().row(robot), {1, 0, 0});
   step(world, 10);
-  EXPECT_NEAR(world.pose(robot).x, 1, 1e-12);
+  EXPECT_NEAR(world.view().pose(robot).x, 1, 1e-12);
   EXPECT_NEAR(pack_of(world, robot).dissipated, 1001, 1e-9);
   EXPECT_EQ(pack_of(world, robot).proportion_remaining(), 1);
 }
@@ -281,11 +281,11 @@ TEST(PowerContact, AnEmptyRobotThatIsChargedGoesOn) {
   driver.scene[giver].devices = {pack({{"infinite", true}}), contact(5, 0)};
   driver.scene.body("charger", giver, {-0.3, 0, 0, 0});
   World world = driver.scene.world();
-  world.set_command(world.row(driver.robot), {1, 0, 0});
+  world.set_command(world.view().row(driver.robot), {1, 0, 0});
   step(world, 1);
-  EXPECT_EQ(world.pose(driver.robot).x, 0);
+  EXPECT_EQ(world.view().pose(driver.robot).x, 0);
   step(world, 3);
-  EXPECT_GT(world.pose(driver.robot).x, 0.1);
+  EXPECT_GT(world.view().pose(driver.robot).x, 0.1);
 }
 
 TEST(PowerContact, ServesTheLowestIdsOfManyWhateverTheThreads) {

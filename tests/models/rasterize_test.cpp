@@ -12,9 +12,9 @@ namespace {
 using test::SceneBuilder;
 
 const RasterizeMemory& raster_of(const engine::World& world, BodyId body) {
-  const Row row = world.row(body);
-  const engine::BodyType::Controller& controller = world.type(row).controllers.front();
-  return world.tables()[*controller.table].as<RasterizeMemory>(world.slot(row));
+  const Row row = world.view().row(body);
+  const engine::BodyType::Controller& controller = world.view().type(row).controllers.front();
+  return world.tables()[*controller.table].as<RasterizeMemory>(world.view().slot(row));
 }
 
 TEST(Rasterize, MarksTheCellsThatOutlinesGoThrough) {

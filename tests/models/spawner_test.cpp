@@ -58,15 +58,16 @@ TEST(Spawner, SpawnsOneEveryPeriodUntilTheReserveIsEmpty) {
   world.step();  // 2 s
   EXPECT_EQ(world.robots(), 1u);
   EXPECT_EQ(door.state(world).born, 1u);
-  EXPECT_EQ(door.state(world).last, world.find("bot0").value + 1);
-  EXPECT_EQ(world.birth_tick(world.row(world.find("bot0"))), 20u);
-  const Pose pose = world.pose(world.find("bot0"));
+  EXPECT_EQ(door.state(world).last, world.state().names.find("bot0").value + 1);
+  EXPECT_EQ(world.view().birth_tick(world.view().row(world.state().names.find("bot0"))), 20u);
+  const Pose pose = world.view().pose(world.state().names.find("bot0"));
   EXPECT_NEAR(pose.x, 0, 1e-15);
   EXPECT_NEAR(pose.y, 0, 1e-15);
   EXPECT_NEAR(pose.heading, k_pi / 2, 1e-15);
   step(world, 20);
   EXPECT_EQ(world.robots(), 2u);
-  EXPECT_NEAR(world.pose(world.find("bot0")).y, 0.95, 1e-12) << "a tick to decide, 19 to move";
+  EXPECT_NEAR(world.view().pose(world.state().names.find("bot0")).y, 0.95, 1e-12)
+      << "a tick to decide, 19 to move";
   step(world, 40);
   EXPECT_EQ(world.robots(), 3u);
   EXPECT_EQ(door.state(world).status, static_cast<std::uint8_t>(BirthStatus::used_up));
@@ -80,11 +81,12 @@ TEST(Spawner, BirthsThatAreDueEndWithItsBody) {
   door.scene.body("pit", pit, {-1, 9, 0, 0});
   World world = door.scene.world();
   step(world, 4);
-  world.set_poses(std::vector<World::Placed>{{world.row(world.find("pit")), {-1, 0.5, 0, 0}}});
+  world.set_poses(
+      std::vector<World::Placed>{{world.view().row(world.state().names.find("pit")), {-1, 0.5, 0, 0}}});
   step(world, 1);  // 0.5 s: a birth is due in the tick in which the remover reaches exactly to the door
-  EXPECT_FALSE(world.is_there(world.row(door.door)));
+  EXPECT_FALSE(world.view().is_there(world.view().row(door.door)));
   EXPECT_EQ(world.robots(), 0u);
-  EXPECT_EQ(world.unborn(0), 4u);
+  EXPECT_EQ(world.lives().unborn(0), 4u);
 }
 
 TEST(Spawner, PeriodsNeedNotBeWholeTicks) {
@@ -108,11 +110,11 @@ TEST(Spawner, OwesABirthUntilItsPlaceIsFree) {
   EXPECT_EQ(door.state(world).owed, 2u);
   EXPECT_EQ(door.state(world).refused, 16u) << "ticks 10 to 25";
   EXPECT_EQ(door.state(world).status, static_cast<std::uint8_t>(BirthStatus::occupied));
-  world.set_poses(std::vector<World::Placed>{{world.row(crate), {9, 9, 0, 0}}});
+  world.set_poses(std::vector<World::Placed>{{world.view().row(crate), {9, 9, 0, 0}}});
   world.step();
   EXPECT_EQ(door.state(world).born, 1u);
   EXPECT_EQ(door.state(world).owed, 1u) << "one a tick";
-  EXPECT_EQ(world.unborn(0), 3u);
+  EXPECT_EQ(world.lives().unborn(0), 3u);
 }
 
 /// Gives a flag to body 1 in every fourth tick.
@@ -174,7 +176,7 @@ TEST(Spawner, CountsTheFlagsThatItsBodyIsGiven) {
   step(world, 8);
   EXPECT_EQ(state.flags, 4u);
   EXPECT_EQ(state.owed, 1u) << "bot0 has not left its place";
-  world.remove(world.row(world.find("bot0")));
+  world.remove(world.view().row(world.state().names.find("bot0")));
   world.step();
   EXPECT_EQ(state.born, 2u);
   EXPECT_EQ(state.owed, 0u);
@@ -210,9 +212,9 @@ TEST(Spawner, WithinACircleEachIsBornSomewhereElse) {
   std::set<double> headings;
   for (int i = 0; i < 20; ++i) {
     const engine::World& w = world;
-    const Row row = w.row(w.find(fmt::format("bot{}", i)));
-    EXPECT_LE((w.origin(row) - Vec2(10, 0)).norm(), 3);
-    headings.insert(w.poses()[row.index()].heading);
+    const Row row = w.view().row(w.state().names.find(fmt::format("bot{}", i)));
+    EXPECT_LE((w.view().origin(row) - Vec2(10, 0)).norm(), 3);
+    headings.insert(w.view().poses()[row.index()].heading);
   }
   EXPECT_EQ(headings.size(), 20u);
 }
@@ -228,9 +230,10 @@ TEST(Spawner, ATickOfItsOwnPeriodMissesNoBirth) {
 TEST(Spawner, ALowerRequestAsksForNoBirth) {
   const Door door({device("spawner", {{"population", "bot"}, {"within", 900.0}}, {1, 0, 0, 0})}, 9);
   World world = door.scene.world();
-  const Row row = world.row(door.door);
+  const Row row = world.view().row(door.door);
   const auto request = [&](std::uint32_t births) {
-    world.asked_of(world.type(row).devices[0]).as<SpawnerCommand>(world.slot(row)).request = births;
+    reinterpret_cast<SpawnerCommand*>(world.device_command(row, world.view().type(row).devices[0]))->request =
+        births;
     step(world, 4);
     EXPECT_EQ(door.state(world).owed, 0u) << births;
     return door.state(world).born;
@@ -274,7 +277,8 @@ TEST(Spawner, OfManyBirthsInOneTickEachSeesTheBodiesBornBefore) {
   world.step();
   ASSERT_EQ(world.robots(), k_nests / 2u) << "a body at every second nest, the others would overlap";
   for (int i = 0; i < k_nests / 2; ++i)
-    EXPECT_EQ(world.origin(world.row(world.find(fmt::format("bot{}", i)))), Vec2(0.5 * i, 0));
+    EXPECT_EQ(world.view().origin(world.view().row(world.state().names.find(fmt::format("bot{}", i)))),
+              Vec2(0.5 * i, 0));
 }
 
 TEST(Spawner, ErrorsNameThePopulationsThatThereAre) {
@@ -293,12 +297,13 @@ TEST(Remover, EndsTheLivesOfRobotsThatComeToIt) {
   World world = door.scene.world();
   // Of tick 10; its first motion is that of tick 12, and tick 61 takes it to x = 2.5.
   step(world, 61);
-  const BodyId first = world.find("bot0");
-  ASSERT_NEAR(world.pose(first).x, 2.5, 1e-12);
-  EXPECT_EQ(world.presence(world.row(other)), engine::Presence::dead) << "it stood there from the start";
+  const BodyId first = world.state().names.find("bot0");
+  ASSERT_NEAR(world.view().pose(first).x, 2.5, 1e-12);
+  EXPECT_EQ(world.view().presence(world.view().row(other)), engine::Presence::dead)
+      << "it stood there from the start";
   step(world, 2);
-  EXPECT_EQ(world.presence(world.row(first)), engine::Presence::dead);
-  EXPECT_NEAR(world.pose(first).x, 2.55, 0.051);
+  EXPECT_EQ(world.view().presence(world.view().row(first)), engine::Presence::dead);
+  EXPECT_NEAR(world.view().pose(first).x, 2.55, 0.051);
   EXPECT_EQ(test::state_of<RemoverState>(world, door.door, 1).removed, 2u);
 }
 
@@ -313,10 +318,10 @@ TEST(Remover, TakesThoseOfItsTypeAlone) {
   World world = door.scene.world();
   world.step();
   EXPECT_EQ(world.robots(), 21u - k_most_removed) << "so many in a tick";
-  EXPECT_TRUE(world.is_there(world.row(others.back()))) << "the lowest ids first";
+  EXPECT_TRUE(world.view().is_there(world.view().row(others.back()))) << "the lowest ids first";
   world.step();
   EXPECT_EQ(world.robots(), 1u);
-  EXPECT_TRUE(world.is_there(world.row(stays)));
+  EXPECT_TRUE(world.view().is_there(world.view().row(stays)));
 
   Door unknown({device("remover", {{"of", "othr"}})});
   EXPECT_THAT(unknown.scene.error(), HasSubstr("unknown type \"othr\"; known: bot, door"));
@@ -329,9 +334,9 @@ TEST(Remover, TakesThoseOfATypeThatIsCalledGround) {
   Door door({device("remover", {{"radius", 5.0}, {"of", "ground"}}, {1, 0, 0, 0})});
   const BodyId body = door.scene.body("g", door.scene.robot("ground", {box(0.2, 0.2)}), {0, 1, 0, 0});
   World world = door.scene.world();
-  EXPECT_TRUE(world.is_there(world.row(body)));
+  EXPECT_TRUE(world.view().is_there(world.view().row(body)));
   world.step();
-  EXPECT_FALSE(world.is_there(world.row(body)));
+  EXPECT_FALSE(world.view().is_there(world.view().row(body)));
 }
 
 TEST(Remover, TakesPucksThatNoRobotCarries) {
@@ -350,13 +355,13 @@ TEST(Remover, TakesPucksThatNoRobotCarries) {
   const BodyId lying = scene.body("lying", puck, {0, 0.8, 0, 0});
   World world = scene.world();
   step(world, 2);
-  EXPECT_FALSE(world.is_there(world.row(lying)));
+  EXPECT_FALSE(world.view().is_there(world.view().row(lying)));
   step(world, 28);  // a metre on: the puck is 0.66 m from the mill, and held
-  EXPECT_EQ(world.carrier(world.row(held)), robot);
-  EXPECT_TRUE(world.is_there(world.row(held)));
+  EXPECT_EQ(world.view().carrier(world.view().row(held)), robot);
+  EXPECT_TRUE(world.view().is_there(world.view().row(held)));
   step(world, 5);
-  EXPECT_FALSE(world.is_there(world.row(held)));
-  EXPECT_TRUE(world.is_there(world.row(robot))) << "no puck";
+  EXPECT_FALSE(world.view().is_there(world.view().row(held)));
+  EXPECT_TRUE(world.view().is_there(world.view().row(robot))) << "no puck";
 }
 
 /// A robot with 1.2 J, which at 1 m/s draws 0.1 J a tick for its drive's idling alone.
@@ -375,14 +380,14 @@ struct Mortal {
 TEST(PowerPack, AnEmptyOneMayKillItsBody) {
   Mortal mortal;
   World world = mortal.scene.world();
-  world.set_command(world.row(mortal.robot), {1, 0, 0});
+  world.set_command(world.view().row(mortal.robot), {1, 0, 0});
   step(world, 13);  // rounding leaves a trifle for the last
-  EXPECT_TRUE(world.is_there(world.row(mortal.robot)));
+  EXPECT_TRUE(world.view().is_there(world.view().row(mortal.robot)));
   EXPECT_EQ(test::state_of<PowerPackState>(world, mortal.robot, 0).stored, 0);
-  const double x = world.pose(mortal.robot).x;
+  const double x = world.view().pose(mortal.robot).x;
   step(world, 1);
-  EXPECT_FALSE(world.is_there(world.row(mortal.robot)));
-  EXPECT_EQ(world.pose(mortal.robot).x, x) << "it did not move any more";
+  EXPECT_FALSE(world.view().is_there(world.view().row(mortal.robot)));
+  EXPECT_EQ(world.view().pose(mortal.robot).x, x) << "it did not move any more";
 }
 
 TEST(PowerPack, WhoIsChargedInTimeLives) {
@@ -392,11 +397,11 @@ TEST(PowerPack, WhoIsChargedInTimeLives) {
                                 device("power_contact", {{"give", 1.5}})};
   mortal.scene.body("dock", dock, {1.5, 0, 0, 0});
   World world = mortal.scene.world();
-  world.set_command(world.row(mortal.robot), {1, 0, 0});
+  world.set_command(world.view().row(mortal.robot), {1, 0, 0});
   step(world, 12);
-  world.set_command(world.row(mortal.robot), {0, 0, 0});
+  world.set_command(world.view().row(mortal.robot), {0, 0, 0});
   step(world, 30);
-  EXPECT_TRUE(world.is_there(world.row(mortal.robot)));
+  EXPECT_TRUE(world.view().is_there(world.view().row(mortal.robot)));
 }
 
 }  // namespace

@@ -45,10 +45,10 @@ struct Mover {
 
 /// Poses after each tick, from tick 0 on.
 std::vector<Pose> way_of(engine::World& world, BodyId body, int ticks) {
-  std::vector<Pose> poses{world.pose(body)};
+  std::vector<Pose> poses{world.view().pose(body)};
   for (int tick = 0; tick < ticks; ++tick) {
     world.step();
-    poses.push_back(world.pose(body));
+    poses.push_back(world.view().pose(body));
   }
   return poses;
 }
@@ -122,13 +122,13 @@ TEST(Movers, WaitAgainAtAGoalFromWhichTheyWereMovedAway) {
   const Mover mover({{0, 0, 0, 0, 0, 5}, {2, 0}});
   engine::World world = mover.scene.world();
   way_of(world, mover.body, 40);
-  world.set_poses(std::vector<engine::World::Placed>{{world.row(mover.body), {-1, 0, 0, 0}}});
+  world.set_poses(std::vector<engine::World::Placed>{{world.view().row(mover.body), {-1, 0, 0, 0}}});
   int back = 0;
-  for (; world.pose(mover.body).x < -0.1 && back < 50; ++back) world.step();
+  for (; world.view().pose(mover.body).x < -0.1 && back < 50; ++back) world.step();
   EXPECT_LT(back, 50);
   for (const Pose& pose : way_of(world, mover.body, 49)) EXPECT_NEAR(pose.x, 0, 0.1);
   way_of(world, mover.body, 50);
-  EXPECT_GT(world.pose(mover.body).x, 0.5);
+  EXPECT_GT(world.view().pose(mover.body).x, 0.5);
 }
 
 TEST(Movers, BeginAgainAfterTheLastGoal) {
@@ -151,7 +151,7 @@ TEST(Movers, StopBeforeWhatStandsInTheirWayAndHurryThen) {
   std::vector<Pose> way = way_of(world, mover.body, 50);
   EXPECT_GT(way[50].x, 1.5);
   EXPECT_LE(way[50].x, 1.6 + k_exact) << "it touches, and goes no farther";
-  world.set_poses(std::vector<engine::World::Placed>{{world.row(other), {2, 3, 0, 0}}});
+  world.set_poses(std::vector<engine::World::Placed>{{world.view().row(other), {2, 3, 0, 0}}});
   way = way_of(world, mover.body, 20);
   EXPECT_NEAR(way[20].x, way[0].x + 1, 0.45) << "between 0.6 m/s, which is enough, and 1 m/s";
   way = way_of(world, mover.body, 20);
@@ -165,7 +165,7 @@ TEST(Movers, WhoIsLateGoesAsFastAsItCanAndLeavesNoGoalOut) {
   engine::World world = mover.scene.world();
   std::vector<Pose> way = way_of(world, mover.body, 30);
   EXPECT_LE(way[30].x, 0.01 + k_exact);
-  world.set_poses(std::vector<engine::World::Placed>{{world.row(wall), {9, 9, 0, 0}}});
+  world.set_poses(std::vector<engine::World::Placed>{{world.view().row(wall), {9, 9, 0, 0}}});
   way = way_of(world, mover.body, 12);
   EXPECT_NEAR(way[11].x, 1, 0.02) << "1 m/s is all its drive gives";
   EXPECT_NEAR(way[11].y, 0, 0.15);

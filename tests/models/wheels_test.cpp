@@ -69,8 +69,8 @@ struct Turret {
     return {scene.spec, registry, {.threads = 1}, diagnostics};
   }
   float range(const World& world) const {
-    const Row row = world.row(body);
-    return world.percepts(world.type(row).devices[1]).cell<float>(world.slot(row), 0)[0];
+    const Row row = world.view().row(body);
+    return world.tables()[world.view().type(row).devices[1].table].cell<float>(world.view().slot(row), 0)[0];
   }
 };
 
@@ -108,8 +108,9 @@ TEST(Wheels, ACommandThatIsNotFiniteIsAnError) {
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Turret turret("switcher");
     World world = turret.world();
-    const Row row = world.row(turret.body);
-    world.asked_of(world.type(row).devices[0]).as<engine::Command>(world.slot(row)).turn = bad;
+    const Row row = world.view().row(turret.body);
+    reinterpret_cast<engine::Command*>(world.device_command(row, world.view().type(row).devices[0]))->turn =
+        bad;
     EXPECT_EQ(test::message_of<engine::StepError>([&] { world.step(); }),
               "tick 1: a drive on a part of \"p\" was commanded a velocity that is not a finite number");
   }
@@ -147,10 +148,10 @@ TEST(Wheels, StartFromRestAfterTheirBodyWasDisabled) {
   const auto forward = [&] { return test::state_of<WheelsState>(world, turret.body, 0).forward; };
   for (int tick = 0; tick < 11; ++tick) world.step();
   EXPECT_NEAR(forward(), 0.5, 1e-9);
-  world.set_disabled(world.row(turret.body), true);
+  world.set_disabled(world.view().row(turret.body), true);
   world.step();
   EXPECT_EQ(forward(), 0);
-  world.set_disabled(world.row(turret.body), false);
+  world.set_disabled(world.view().row(turret.body), false);
   world.step();
   EXPECT_NEAR(forward(), 0.05, 1e-9) << "one tick of the acceleration";
 }

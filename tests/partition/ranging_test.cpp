@@ -290,7 +290,7 @@ TEST(Ranging, CullsKeepEveryCircleThatCounts) {
       const std::size_t circles_count = k_circle_padding * (1 + random.below(4));
       std::vector<Edge> edges;
       CircleArrays circles;
-      circles.make_room(circles_count);
+      circles.change_capacity(circles_count);
       for (std::uint32_t c = 0; c < circles_count; ++c) {
         const Vec2 center = reference + log_uniform(random, 0.01, 10) * direction(random.uniform(0, k_turn));
         const double radius = log_uniform(random, 0.001, 3);
@@ -353,7 +353,7 @@ TEST(Ranging, CullsKeepTheCirclesOfASingleLongBeam) {
       const Vec2 center = touched + 0.99 * radius * direction(std::atan2(heading.y(), heading.x()) + turned);
       const double nearest = center.norm() - radius;
       CircleArrays circles;
-      circles.make_room(k_circle_padding);
+      circles.change_capacity(k_circle_padding);
       circles.set(0, enclosing_circle(reference + center, radius, 7));
       for (std::size_t c = 1; c < k_circle_padding; ++c)
         circles.set(c, {0, 0, -std::numeric_limits<float>::infinity(), 0});
@@ -383,7 +383,7 @@ TEST(Ranging, ACircleOfAScanIsCulledByTheReadingsOfItsOwnBeams) {
     const Fan fan{
         beams.dx.data(), beams.dy.data(), beams.ox.data(), beams.oy.data(), k_beams, true, false, &scan};
     CircleArrays circles;
-    circles.make_room(k_circle_padding);
+    circles.change_capacity(k_circle_padding);
     circles.set(0, enclosing_circle({4, 0}, 4 * std::sin(1.5 * step), 7));  // that one beam more may meet
     for (std::size_t c = 1; c < k_circle_padding; ++c)
       circles.set(c, {0, 0, -std::numeric_limits<float>::infinity(), 0});

@@ -9,8 +9,9 @@ struct Extent : troupe::Measure {
   static constexpr std::string_view formula = "max_(i, j) |x_i - x_j|";
   static constexpr troupe::Unit unit = troupe::Unit::meters;
 
-  Extent(const troupe::World&, std::vector<troupe::BodyId> its_robots) : robots(std::move(its_robots)) {}
-  double value(troupe::World& world) override {
+  Extent(const troupe::MeasuredWorld&, std::vector<troupe::BodyId> its_robots)
+      : robots(std::move(its_robots)) {}
+  double value(const troupe::MeasuredWorld& world) override {
     double farthest = 0;
     const auto place = [&](troupe::BodyId id) { return world.transform(world.row(id)).position; };
     for (const troupe::BodyId a : robots)
@@ -33,12 +34,12 @@ struct Beyond : troupe::Measure {
   };
   static constexpr std::string_view text = "ticks in which the first robot was beyond a line";
 
-  Beyond(const troupe::World&, const Params& its_params, std::vector<troupe::BodyId> its_robots)
+  Beyond(const troupe::MeasuredWorld&, const Params& its_params, std::vector<troupe::BodyId> its_robots)
       : params(its_params), robots(std::move(its_robots)) {}
-  void see(troupe::World& world) override {
+  void see(const troupe::MeasuredWorld& world) override {
     ticks += world.transform(world.row(robots.front())).position.x() > params.x;
   }
-  double value(troupe::World&) override { return ticks; }
+  double value(const troupe::MeasuredWorld&) override { return ticks; }
   std::span<std::byte> memory() override { return std::as_writable_bytes(std::span(&ticks, 1)); }
 
   Params params;

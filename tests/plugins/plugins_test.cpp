@@ -262,11 +262,11 @@ TEST_F(PluginsTest, ThatCannotBeUsedSayWhy) {
       AllOf(testing::StartsWith(about("undefined_symbol") + "cannot be loaded: undefined symbol: "),
             HasSubstr("no_such_function"), EndsWith(" (link it with the CMake target troupe::plugin)")));
   EXPECT_THAT(error_of("another_version"),
-              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 19., but this "
-                                                      "program is troupe 0.3.0 .interface 19.: rebuild it"));
+              MatchesRegex(about("another_version") + "was built for troupe 99.1.0 .interface 20., but this "
+                                                      "program is troupe 0.3.0 .interface 20.: rebuild it"));
   EXPECT_THAT(error_of("old_interface"),
               MatchesRegex(about("old_interface") + "was built for troupe 0.3.0 .interface 3., but this "
-                                                    "program is troupe 0.3.0 .interface 19.: rebuild it"));
+                                                    "program is troupe 0.3.0 .interface 20.: rebuild it"));
   EXPECT_THAT(error_of("another_build"),
               MatchesRegex(about("another_build") +
                            "was built with libc.., vectorized Eigen, but Troupe with libstdc..*"));
@@ -583,7 +583,7 @@ TEST_F(PluginSensors, ThatCannotBeUsedSayWhereAndWhy) {
       error(room("another_version"), "unusable"),
       MatchesRegex(at("3", "/kind") +
                    "sensor or device \"another_version\": .*another_version.so was built for troupe "
-                   "99.1.0 .interface 19., but this program is troupe 0.3.0 .interface 19.: rebuild it"));
+                   "99.1.0 .interface 20., but this program is troupe 0.3.0 .interface 20.: rebuild it"));
   EXPECT_THAT(
       error(room("ranger:ranger"), "unusable"),
       EndsWith(

@@ -88,13 +88,13 @@ enum class Moment { made, seen, read };
 template <Moment k_moment>
 struct Counts : troupe::Measure {
   static constexpr std::string_view text = "counts nothing";
-  Counts(const troupe::World&, const std::vector<troupe::BodyId>&) {
+  Counts(const troupe::MeasuredWorld&, const std::vector<troupe::BodyId>&) {
     if (k_moment == Moment::made) throw 42;
   }
-  void see(troupe::World& world) override {
+  void see(const troupe::MeasuredWorld& world) override {
     if (k_moment == Moment::seen && world.tick() == 3) throw std::runtime_error("the map is missing");
   }
-  double value(troupe::World& world) override {
+  double value(const troupe::MeasuredWorld& world) override {
     if (k_moment == Moment::read && world.tick() == 3) throw 42;
     return 0;
   }

@@ -52,7 +52,7 @@ class TheProject(unittest.TestCase):
             texts = [(ROOT / header).read_text() for header in new if (ROOT / header).exists()]  # version.hpp is generated
             new = {header for text in texts for header in re.findall(r'^#include "(.*?)"', text, re.M)} - included
         self.assertIn("troupe/plugin_library.hpp", included)
-        for header in ("engine/world/world.hpp", "models/devices/gripper.hpp", "models/controllers/beams.hpp"):
+        for header in ("engine/rows/measured_world.hpp", "models/devices/gripper.hpp", "models/controllers/beams.hpp"):
             self.assertIn(header, included)
         folders = tuple(f"{folder}/" for folder in [*libraries, *re.findall(r"DIRECTORY \S+?/(models/\w+) ", installed)])
         self.assertEqual([header for header in sorted(included)

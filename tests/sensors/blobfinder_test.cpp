@@ -45,9 +45,9 @@ struct Blob {
 std::vector<Blob> blobs(const BlobScene& scene) {
   World world = scene.world();
   world.step();
-  const Row row = world.row(BodyId(1));
-  const std::size_t slot = world.slot(row);
-  const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
+  const Row row = world.view().row(BodyId(1));
+  const std::size_t slot = world.view().slot(row);
+  const engine::StateTable& table = world.tables()[world.view().type(row).devices[0].table];
   const auto at = [&](std::size_t field, std::size_t i) { return table.cell<std::int32_t>(slot, field)[i]; };
   std::vector<Blob> out;
   for (std::size_t i = 0; i < table.cell<std::uint32_t>(slot, k_blob_count)[0]; ++i) {
@@ -126,10 +126,10 @@ TEST(Blobfinder, CountsWhatItHasNoEntryFor) {
   scene.crate(k_blue, 2, -0.8);
   World world = scene.world();
   world.step();
-  const Row row = world.row(BodyId(1));
-  const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
-  EXPECT_EQ(table.cell<std::uint32_t>(world.slot(row), k_blob_count)[0], 2u);
-  EXPECT_THAT(table.cell<std::uint8_t>(world.slot(row), k_blob_color), ElementsAre(0, 0, 255, 255));
+  const Row row = world.view().row(BodyId(1));
+  const engine::StateTable& table = world.tables()[world.view().type(row).devices[0].table];
+  EXPECT_EQ(table.cell<std::uint32_t>(world.view().slot(row), k_blob_count)[0], 2u);
+  EXPECT_THAT(table.cell<std::uint8_t>(world.view().slot(row), k_blob_color), ElementsAre(0, 0, 255, 255));
 }
 
 TEST(Blobfinder, ColoursThatDifferInOneChannelAreTwoBlobs) {
@@ -177,11 +177,11 @@ TEST(Blobfinder, EntriesAfterTheLastBlobAreZero) {
   scene.spec.bodies[crate.index()].color = k_blue;
   World world = scene.world();
   world.step();
-  const Row row = world.row(BodyId(1));
-  const std::size_t slot = world.slot(row);
-  const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
+  const Row row = world.view().row(BodyId(1));
+  const std::size_t slot = world.view().slot(row);
+  const engine::StateTable& table = world.tables()[world.view().type(row).devices[0].table];
   ASSERT_EQ(table.cell<std::uint32_t>(slot, k_blob_count)[0], 2u);
-  world.set_poses(std::vector<World::Placed>{{world.row(crate), {-2, 0, 0, 0}}});
+  world.set_poses(std::vector<World::Placed>{{world.view().row(crate), {-2, 0, 0, 0}}});
   world.step();
   ASSERT_EQ(table.cell<std::uint32_t>(slot, k_blob_count)[0], 1u);
   for (const std::size_t field : {k_blob_left, k_blob_right, k_blob_top, k_blob_bottom})

@@ -34,10 +34,10 @@ struct Felt {
 
 Felt felt(World& world) {
   world.step();
-  const Row row = world.row(BodyId(1));
-  const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
-  const auto hits = table.cell<std::uint8_t>(world.slot(row), k_bumper_hit);
-  const auto bodies = table.cell<std::uint32_t>(world.slot(row), k_bumper_body);
+  const Row row = world.view().row(BodyId(1));
+  const engine::StateTable& table = world.tables()[world.view().type(row).devices[0].table];
+  const auto hits = table.cell<std::uint8_t>(world.view().slot(row), k_bumper_hit);
+  const auto bodies = table.cell<std::uint32_t>(world.view().slot(row), k_bumper_body);
   return {{hits.begin(), hits.end()}, {bodies.begin(), bodies.end()}};
 }
 
@@ -45,7 +45,7 @@ TEST(Bumper, ARobotThatDrivesIntoAWallFeelsIt) {
   BumperScene scene;
   const BodyId wall = scene.wall(1.005, -2, 1.2, 2);
   World world = scene.world();
-  world.set_command(world.row(BodyId(1)), {.x = 1});
+  world.set_command(world.view().row(BodyId(1)), {.x = 1});
   int first_hit = 0;
   for (int tick = 1; tick <= 20 && first_hit == 0; ++tick)
     if (felt(world).hits[0] != 0) first_hit = tick;
@@ -57,7 +57,7 @@ TEST(Bumper, ARobotThatDrivesIntoAWallFeelsIt) {
     EXPECT_THAT(now.hits, ElementsAre(1, 0));
     EXPECT_THAT(now.bodies, ElementsAre(wall.value, 0u));
   }
-  EXPECT_TRUE(world.stalled(world.row(BodyId(1))));
+  EXPECT_TRUE(world.view().stalled(world.view().row(BodyId(1))));
 }
 
 TEST(Bumper, FeelsOtherRobotsOfAnyHeightButNotItself) {
@@ -116,7 +116,7 @@ TEST(Bumper, FeelsNoBodyOnceItIsGone) {
   const BodyId o = scene.body("o", scene.robot("other", {box(0.2, 0.2)}), {0.315, 0, 0, 0});
   World world = scene.world();
   EXPECT_THAT(felt(world).bodies, ElementsAre(o.value, 0u));
-  world.set_poses(std::vector<World::Placed>{{world.row(o), {0.4, 0, 0, 0}}});
+  world.set_poses(std::vector<World::Placed>{{world.view().row(o), {0.4, 0, 0, 0}}});
   const Felt now = felt(world);
   EXPECT_THAT(now.hits, ElementsAre(0, 0));
   EXPECT_THAT(now.bodies, ElementsAre(0u, 0u));

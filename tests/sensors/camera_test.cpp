@@ -50,10 +50,10 @@ struct Picture {
   explicit Picture(const SceneBuilder& scene, engine::WorldOptions options = {.threads = 2}) {
     World world = scene.world(options);
     world.step();
-    const Row row = world.row(BodyId(1));
-    const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
-    const auto color = table.cell<std::uint8_t>(world.slot(row), k_camera_color);
-    const auto depths = table.cell<float>(world.slot(row), k_camera_depth);
+    const Row row = world.view().row(BodyId(1));
+    const engine::StateTable& table = world.tables()[world.view().type(row).devices[0].table];
+    const auto color = table.cell<std::uint8_t>(world.view().slot(row), k_camera_color);
+    const auto depths = table.cell<float>(world.view().slot(row), k_camera_depth);
     for (std::size_t i = 0; i < depths.size(); ++i)
       colors.push_back(color[4 * i] << 16 | color[4 * i + 1] << 8 | color[4 * i + 2]);
     depth.assign(depths.begin(), depths.end());
@@ -76,11 +76,11 @@ TEST(Camera, AWallExactlyAtItsFarRangeIsDrawnWithItsOpacity) {
   scene.block({0, 1, 0, 0.6f}, {2.5, 0, 0, 0}, box(1, 1));
   World world = scene.world();
   world.step();
-  const Row row = world.row(BodyId(1));
-  const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
-  EXPECT_THAT(table.cell<std::uint8_t>(world.slot(row), k_camera_color),
+  const Row row = world.view().row(BodyId(1));
+  const engine::StateTable& table = world.tables()[world.view().type(row).devices[0].table];
+  EXPECT_THAT(table.cell<std::uint8_t>(world.view().slot(row), k_camera_color),
               ::testing::ElementsAre(0, 255, 0, 153));
-  EXPECT_EQ(table.cell<float>(world.slot(row), k_camera_depth)[0], 2);
+  EXPECT_EQ(table.cell<float>(world.view().slot(row), k_camera_depth)[0], 2);
 }
 
 TEST(Camera, AWallItsTopAndTheFloorBeforeIt) {

@@ -39,9 +39,9 @@ std::vector<double> readings(World& world, std::size_t robots) {
   world.step();
   std::vector<double> all;
   for (std::size_t i = 0; i < robots; ++i) {
-    const Row row = world.row(BodyId(1 + i));  // body 0 is the ground
-    const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
-    all.push_back(table.cell<double>(world.slot(row), k_compass_heading)[0]);
+    const Row row = world.view().row(BodyId(1 + i));  // body 0 is the ground
+    const engine::StateTable& table = world.tables()[world.view().type(row).devices[0].table];
+    all.push_back(table.cell<double>(world.view().slot(row), k_compass_heading)[0]);
   }
   return all;
 }
@@ -74,7 +74,7 @@ TEST(Compass, ReadsWithinHalfATurnToEitherSide) {
 TEST(Compass, FollowsARobotThatTurns) {
   const CompassScene scene({1}, 0.5, 0, 0);
   World world = scene.world();
-  world.set_command(world.row(BodyId(1)), {.turn = 0.5});
+  world.set_command(world.view().row(BodyId(1)), {.turn = 0.5});
   // A reading is of the pose before the tick's motion: 0.05 rad a tick of 0.1 s.
   for (int tick = 0; tick < 60; ++tick) {
     const double expected = 1.5 + 0.05 * tick;

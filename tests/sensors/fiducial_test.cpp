@@ -47,9 +47,9 @@ struct FinderScene : SceneBuilder {
 struct Seen {
   explicit Seen(const SceneBuilder& scene) : world(scene.world()) {
     world.step();
-    const Row row = world.row(BodyId(1));
-    slot = world.slot(row);
-    table = &world.percepts(world.type(row).devices[0]);
+    const Row row = world.view().row(BodyId(1));
+    slot = world.view().slot(row);
+    table = &world.tables()[world.view().type(row).devices[0].table];
   }
   template <class T>
   std::span<const T> field(std::size_t f) const {
@@ -261,7 +261,7 @@ TEST(Fiducial, EntriesAfterTheLastTargetAreZero) {
   scene[scene.spec.bodies[1].type].devices[0].params = test::record(table, {{"most_targets", 2}});
   Seen seen(scene);
   ASSERT_THAT(seen.ids(), ElementsAre(9, 9));
-  seen.world.set_poses(std::vector<World::Placed>{{seen.world.row(second), {0, 9, 0, 0}}});
+  seen.world.set_poses(std::vector<World::Placed>{{seen.world.view().row(second), {0, 9, 0, 0}}});
   seen.world.step();
   ASSERT_THAT(seen.ids(), ElementsAre(9));
   EXPECT_EQ(seen.field<std::int32_t>(k_fiducial_id)[1], 0);
@@ -292,10 +292,10 @@ TEST(Fiducial, SightIsMutualInACrowdForAnyThreadsAndTiles) {
     world.step();
     std::vector<std::vector<std::uint32_t>> out;
     for (std::size_t b = 1; b < scene.spec.bodies.size(); ++b) {
-      const Row row = world.row(BodyId(b));
-      const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
-      const auto bodies = table.cell<std::uint32_t>(world.slot(row), k_fiducial_body);
-      const auto count = table.cell<std::uint32_t>(world.slot(row), k_fiducial_count)[0];
+      const Row row = world.view().row(BodyId(b));
+      const engine::StateTable& table = world.tables()[world.view().type(row).devices[0].table];
+      const auto bodies = table.cell<std::uint32_t>(world.view().slot(row), k_fiducial_body);
+      const auto count = table.cell<std::uint32_t>(world.view().slot(row), k_fiducial_count)[0];
       out.emplace_back(bodies.begin(), bodies.begin() + count);
     }
     return out;

@@ -85,8 +85,9 @@ struct GroundScene : SceneBuilder {
 
 template <class T>
 std::vector<T> read(const World& world, BodyId body, std::size_t field, std::size_t d = 0) {
-  const Row row = world.row(body);
-  const auto cell = world.percepts(world.type(row).devices[d]).cell<T>(world.slot(row), field);
+  const Row row = world.view().row(body);
+  const auto cell =
+      world.tables()[world.view().type(row).devices[d].table].cell<T>(world.view().slot(row), field);
   return {cell.begin(), cell.end()};
 }
 
@@ -103,10 +104,10 @@ TEST(Ground, EachPointHasTheColourOfWhatLiesBelowIt) {
   world.step();
   EXPECT_THAT(read<float>(world, robot, k_ground_color), ElementsAre(1, 0, 0, 0, 0, 1, 0.5f, 0.25f, 0));
   EXPECT_THAT(read<std::uint32_t>(world, robot, k_ground_body), ElementsAre(red.value, blue.value, 0u));
-  world.set_poses(std::vector<World::Placed>{{world.row(robot), {0, 5, 0, -k_pi / 2}}});
+  world.set_poses(std::vector<World::Placed>{{world.view().row(robot), {0, 5, 0, -k_pi / 2}}});
   world.step();
   EXPECT_THAT(read<std::uint32_t>(world, robot, k_ground_body), ElementsAre(0u, 0u, 0u));
-  world.set_poses(std::vector<World::Placed>{{world.row(robot), {0.5, 0.5, 0, -k_pi / 2}}});
+  world.set_poses(std::vector<World::Placed>{{world.view().row(robot), {0.5, 0.5, 0, -k_pi / 2}}});
   world.step();  // its second point lies at (0.5, 0), its third at (2, 0)
   EXPECT_THAT(read<std::uint32_t>(world, robot, k_ground_body), ElementsAre(red.value, blue.value, 0u));
 }
@@ -255,7 +256,7 @@ TEST(Led, ShowsItsColourToAllThatLook) {
   World world = scene.world();
   const auto seen = [&] { return color_of(world.view(), first_met(world.view(), {.length = 9})); };
   EXPECT_EQ(seen(), (Color{0.5f, 0, 1, 1}));
-  EXPECT_EQ(world.frame().mobile.front().color, (Color{0.5f, 0, 1, 1}));
+  EXPECT_EQ(engine::make_frame(world).mobile.front().color, (Color{0.5f, 0, 1, 1}));
   world.step();
   world.step();
   EXPECT_EQ(seen(), (Color{0.5f, 0, 1, 1})) << "it was asked just now";
@@ -264,7 +265,7 @@ TEST(Led, ShowsItsColourToAllThatLook) {
   world.step();
   world.step();
   EXPECT_EQ(seen(), (Color{0, 1, 0, 1})) << "and stays so";
-  EXPECT_EQ(world.frame().mobile.front().color, (Color{0, 1, 0, 1}));
+  EXPECT_EQ(engine::make_frame(world).mobile.front().color, (Color{0, 1, 0, 1}));
   EXPECT_THAT(read<float>(world, post, 0), ElementsAre(0, 1, 0));
 }
 

@@ -40,11 +40,11 @@ struct Reading {
   std::uint32_t sources = 0;
 };
 Reading reading(const World& world, BodyId body) {
-  const Row row = world.row(body);
-  const engine::StateTable& table = world.percepts(world.type(row).devices[0]);
-  const auto brightness = table.cell<float>(world.slot(row), k_light_brightness);
+  const Row row = world.view().row(body);
+  const engine::StateTable& table = world.tables()[world.view().type(row).devices[0].table];
+  const auto brightness = table.cell<float>(world.view().slot(row), k_light_brightness);
   return {{brightness.begin(), brightness.end()},
-          table.cell<std::uint32_t>(world.slot(row), k_light_sources)[0]};
+          table.cell<std::uint32_t>(world.view().slot(row), k_light_sources)[0]};
 }
 Reading after(const SceneBuilder& scene, BodyId body, int ticks) {
   World world = scene.world();

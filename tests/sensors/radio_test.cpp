@@ -3,6 +3,7 @@
 #include "base/random.hpp"
 #include "engine/kinds/controller.hpp"
 #include "engine/world/world.hpp"
+#include "tests/support/access_of.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scene.hpp"
 #include "tests/support/slow_build.hpp"
@@ -104,8 +105,8 @@ struct MortalPair : RadioScene {
 };
 
 engine::Readings readings(const World& world, BodyId body, std::size_t device = 0) {
-  const Row row = world.row(body);
-  return {world.percepts(world.type(row).devices[device]), world.slot(row)};
+  const Row row = world.view().row(body);
+  return {world.tables()[world.view().type(row).devices[device].table], world.view().slot(row)};
 }
 
 std::vector<RadioPort::Message> heard(const World& world, BodyId body, std::size_t device = 0) {
@@ -231,12 +232,12 @@ TEST(Radio, OfMoreThanItCanTakeTheNearestAreHeard) {
   world.step();
   EXPECT_THAT(senders(world, listener), ElementsAre(second.value, third.value, nearest.value)) << "by id";
   EXPECT_EQ(number(world, listener, k_radio_lost), 2u);
-  world.set_poses(std::vector<World::Placed>{{world.row(nearest), {9, 9, 0, 0}}});
+  world.set_poses(std::vector<World::Placed>{{world.view().row(nearest), {9, 9, 0, 0}}});
   world.step();
   EXPECT_THAT(senders(world, listener), ElementsAre(second.value, third.value, fourth.value));
   EXPECT_EQ(number(world, listener, k_radio_lost), 1u);
-  world.set_poses(
-      std::vector<World::Placed>{{world.row(second), {9, 8, 0, 0}}, {world.row(third), {9, 7, 0, 0}}});
+  world.set_poses(std::vector<World::Placed>{{world.view().row(second), {9, 8, 0, 0}},
+                                             {world.view().row(third), {9, 7, 0, 0}}});
   world.step();
   EXPECT_THAT(senders(world, listener), ElementsAre(far.value, fourth.value));
   EXPECT_EQ(number(world, listener, k_radio_lost), 0u);
@@ -406,7 +407,7 @@ TEST(Radio, WhoIsGoneIsSilent) {
   World world = scene.world();
   world.step();
   EXPECT_THAT(senders(world, scene.listener), ElementsAre(scene.talker.value));
-  world.remove(world.row(scene.talker));
+  world.remove(world.view().row(scene.talker));
   world.step();
   EXPECT_THAT(senders(world, scene.listener), IsEmpty());
 }
@@ -414,10 +415,10 @@ TEST(Radio, WhoIsGoneIsSilent) {
 TEST(Radio, WhoIsDisabledIsSilent) {
   MortalPair scene;
   World world = scene.world();
-  world.set_disabled(world.row(scene.talker), true);
+  world.set_disabled(world.view().row(scene.talker), true);
   world.step();
   EXPECT_THAT(senders(world, scene.listener), IsEmpty());
-  world.set_disabled(world.row(scene.talker), false);
+  world.set_disabled(world.view().row(scene.talker), false);
   world.step();
   EXPECT_THAT(senders(world, scene.listener), ElementsAre(scene.talker.value));
 }
@@ -428,7 +429,7 @@ TEST(Radio, AMessageLongerThanThePayloadOfItsSenderIsNotSent) {
   const BodyId talker = scene.post({1, 0, 0, 0}, {{"payload", 8}});
   World world = scene.world();
   std::byte* command =
-      world.asked_of(world.type(world.row(talker)).devices[0]).row(world.slot(world.row(talker)));
+      world.device_command(world.view().row(talker), world.view().type(world.view().row(talker)).devices[0]);
   command[k_radio_mode] = static_cast<std::byte>(RadioMode::says);
   for (const int length : {8, 9, 150}) {
     command[k_radio_bytes] = static_cast<std::byte>(length);
@@ -443,8 +444,9 @@ TEST(Radio, AWrongCountReadsNoEntriesThatDoNotExist) {
   const BodyId listener = scene.post({0, 0, 0, 0}, {{"most_heard", 3}});
   scene.beacon({1, 0, 0, 0});
   World world = scene.world();
-  const engine::BodyType::Device& radio = world.type(world.row(listener)).devices[0];
-  world.state(radio).cell<std::uint32_t>(world.slot(world.row(listener)), k_radio_count)[0] = 3'000'000;
+  const engine::BodyType::Device& radio = world.view().type(world.view().row(listener)).devices[0];
+  test::access_of(world).tables()[radio.table].cell<std::uint32_t>(
+      world.view().slot(world.view().row(listener)), k_radio_count)[0] = 3'000'000;
   EXPECT_EQ(heard(world, listener).size(), 3u);
   world.step();
   EXPECT_EQ(heard(world, listener).size(), 1u);

@@ -20,8 +20,9 @@ constexpr float k_cell = 0.0201f;  // the error of a reading along an axis
 
 std::span<const float> readings(const World& world, BodyId body, std::size_t sensor = 0,
                                 std::size_t field = 0) {
-  const Row row = world.row(body);
-  return world.percepts(world.type(row).devices[sensor]).cell<float>(world.slot(row), field);
+  const Row row = world.view().row(body);
+  return world.tables()[world.view().type(row).devices[sensor].table].cell<float>(world.view().slot(row),
+                                                                                  field);
 }
 
 /// A robot of 0.4 m with a ring of four beams and a second robot's place, by the grid engine.
@@ -68,13 +69,13 @@ TEST(RangerGrid, ReadsTheStateBeforeTheTick) {
   const BodyId me = yard.body("me", yard.bot);
   const BodyId other = yard.body("other", yard.bot, {2, 0, 0, 0});
   World world = yard.world();
-  world.set_command(world.row(other), {1, 0, 0});
+  world.set_command(world.view().row(other), {1, 0, 0});
   for (int tick = 1; tick <= 20; ++tick) {
-    const double face = world.pose(other).x - 0.2;
+    const double face = world.view().pose(other).x - 0.2;
     world.step();
     EXPECT_NEAR(readings(world, me)[0], face, 0.03) << "tick " << tick;
   }
-  EXPECT_GT(world.pose(other).x, 3.5);
+  EXPECT_GT(world.view().pose(other).x, 3.5);
 }
 
 TEST(RangerGrid, CellsAreAsLargeAsTheWorldSays) {
@@ -102,9 +103,9 @@ TEST(RangerGrid, AnOutlineThatTheWorldCannotHoldIsSaidAtTheResolution) {
 TEST(RangerGrid, TheExactEngineHasNoGrid) {
   Yard yard;
   yard.body("me", yard.bot);
-  EXPECT_NE(yard.world().ray_grid(), nullptr);
+  EXPECT_NE(yard.world().view().ray_grid(), nullptr);
   yard.spec.ranging = engine::RangingEngine::exact;
-  EXPECT_EQ(yard.world().ray_grid(), nullptr);
+  EXPECT_EQ(yard.world().view().ray_grid(), nullptr);
 }
 
 }  // namespace

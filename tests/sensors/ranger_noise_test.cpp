@@ -33,8 +33,9 @@ struct NoiseScene : SceneBuilder {
 };
 
 std::vector<float> read(const World& world, std::size_t field = 0) {
-  const Row row = world.row(BodyId(1));
-  const auto cell = world.percepts(world.type(row).devices[0]).cell<float>(world.slot(row), field);
+  const Row row = world.view().row(BodyId(1));
+  const auto cell =
+      world.tables()[world.view().type(row).devices[0].table].cell<float>(world.view().slot(row), field);
   return {cell.begin(), cell.end()};
 }
 

@@ -28,8 +28,9 @@ constexpr std::uint32_t k_share = 40;  // of the random worlds in debug builds, 
 
 std::span<const float> readings(const World& world, BodyId body, std::size_t sensor = 0,
                                 std::size_t field = 0) {
-  const Row row = world.row(body);
-  return world.percepts(world.type(row).devices[sensor]).cell<float>(world.slot(row), field);
+  const Row row = world.view().row(body);
+  return world.tables()[world.view().type(row).devices[sensor].table].cell<float>(world.view().slot(row),
+                                                                                  field);
 }
 
 // ---- random worlds
@@ -145,15 +146,16 @@ struct Reading {
 
 struct Formula {
   explicit Formula(const World& w) : world(w) {
-    for (std::size_t s = 0; s < w.scene().solids().size(); ++s) {
-      const partition::FixedSolid& fixed = w.scene().solids()[s];
+    for (std::size_t s = 0; s < w.view().scene().solids().size(); ++s) {
+      const partition::FixedSolid& fixed = w.view().scene().solids()[s];
       if (fixed.ranger_return < 0) continue;
       for (const Ring& ring : fixed.solid.contours)
         add(ring, fixed.solid.z, fixed.ranger_return, Row().value);
     }
-    for (std::uint32_t r = 0; r < w.rows(); ++r)
-      for (const engine::RayOutline& o : w.type(Row(r)).outlines)
-        add(w.outline(Row(r)).subspan(o.first, o.count), o.z.shifted(w.poses()[r].z), o.ranger_return, r);
+    for (std::uint32_t r = 0; r < w.view().rows(); ++r)
+      for (const engine::RayOutline& o : w.view().type(Row(r)).outlines)
+        add(w.view().outline(Row(r)).subspan(o.first, o.count), o.z.shifted(w.view().poses()[r].z),
+            o.ranger_return, r);
   }
 
   /// The readings of one sensor: what ranger.cpp documents, written down once more.
@@ -176,7 +178,7 @@ struct Formula {
     const bool common =
         std::ranges::all_of(beams, [&](const Beam& b) { return b.origin == beams[0].origin; });
     const Vec2 reference_body = common ? beams[0].origin : pose_body_device.position();
-    const Transform body(world.poses()[row.index()]);
+    const Transform body(world.view().poses()[row.index()]);
     const Vec2 reference = body * reference_body;
     std::vector<partition::RayEdge> relative;
     for (const Edge& e : edges)
@@ -186,7 +188,7 @@ struct Formula {
     for (const Beam& b : beams) {
       const Vec2 d = body.rotation * b.direction;
       const Vec2 o = body.rotation * Vec2(b.origin - reference_body);
-      const double z = world.poses()[row.index()].z + b.z;
+      const double z = world.view().poses()[row.index()].z + b.z;
       float inverse = 0;
       float met = 0;
       for (std::size_t e = 0; e < edges.size(); ++e) {
@@ -222,8 +224,8 @@ struct Formula {
 /// visit(row, sensor index, its transducers) for each ranger of each robot.
 template <class Visit>
 void for_each_ranger(const World& world, const RandomScene& random, Visit&& visit) {
-  for (std::uint32_t r = 0; r < world.rows(); ++r) {
-    const auto& rangers = random.rangers[world.spec().bodies[world.body(Row(r)).index()].type.index()];
+  for (std::uint32_t r = 0; r < world.view().rows(); ++r) {
+    const auto& rangers = random.rangers[world.spec().bodies[world.view().body(Row(r)).index()].type.index()];
     for (std::size_t s = 0; s < rangers.size(); ++s) visit(Row(r), s, rangers[s]);
   }
 }
@@ -247,7 +249,7 @@ TEST(Ranger, GridTilesThreadsAndCullsChangeNoBit) {
         const Formula formula(world);
         for_each_ranger(
             world, random, [&](Row row, std::size_t s, const std::vector<Transducer>& transducers) {
-              const auto type = world.spec().bodies[world.body(row).index()].type;
+              const auto type = world.spec().bodies[world.view().body(row).index()].type;
               expected.push_back(
                   formula(row, world.spec().types[type.index()].devices[s].pose_body_device, transducers));
             });
@@ -255,8 +257,8 @@ TEST(Ranger, GridTilesThreadsAndCullsChangeNoBit) {
       world.step();
       std::size_t next = 0;
       for_each_ranger(world, random, [&](Row row, std::size_t s, const std::vector<Transducer>&) {
-        const std::span<const float> ranges = readings(world, world.body(row), s);
-        const auto& sensor = world.type(row).devices[s];
+        const std::span<const float> ranges = readings(world, world.view().body(row), s);
+        const auto& sensor = world.view().type(row).devices[s];
         const std::vector<Reading>& want = expected[next++];
         ASSERT_EQ(ranges.size(), want.size());
         for (std::size_t i = 0; i < want.size(); ++i) {
@@ -264,7 +266,7 @@ TEST(Ranger, GridTilesThreadsAndCullsChangeNoBit) {
               << ranges[i] << " for " << want[i].range << ", seed " << seed << " row " << row.value
               << " beam " << i << " way " << way;
           if (sensor.prepared.percepts.size() > 1) {
-            ASSERT_EQ(readings(world, world.body(row), s, 1)[i], want[i].intensity)
+            ASSERT_EQ(readings(world, world.view().body(row), s, 1)[i], want[i].intensity)
                 << "seed " << seed << " beam " << i;
           }
           hits += want[i].intensity > 0;
@@ -298,7 +300,7 @@ TEST(Ranger, InACrowdOfThousandsCullsChangeNoBit) {
   world.step();
   for_each_ranger(world, random, [&](Row row, std::size_t s, const std::vector<Transducer>& transducers) {
     const std::vector<Reading> want = formula(row, {}, transducers);
-    const std::span<const float> ranges = readings(world, world.body(row), s);
+    const std::span<const float> ranges = readings(world, world.view().body(row), s);
     for (std::size_t i = 0; i < want.size(); ++i) ASSERT_EQ(ranges[i], want[i].range) << "row " << row.value;
   });
 }
@@ -380,7 +382,7 @@ void expect_true_ranges(const Vec2& place, std::uint32_t first_seed) {
     world.step();
     const std::vector<Segment> segments = all_segments(world.spec());
     for_each_ranger(world, random, [&](Row row, std::size_t s, const std::vector<Transducer>& transducers) {
-      const BodyId body = world.body(row);
+      const BodyId body = world.view().body(row);
       const engine::BodySpec& spec = world.spec().bodies[body.index()];
       const Pose& mount = world.spec().types[spec.type.index()].devices[s].pose_body_device;
       std::size_t beam = 0;
@@ -593,7 +595,7 @@ TEST(Ranger, SeveralSensorsReportApartAndRangesDiffer) {
   world.step();
   EXPECT_THAT(readings(world, s.robot_body, 0), ElementsAre(5.0f));
   EXPECT_THAT(readings(world, s.robot_body, 1), ElementsAre(2.0f, FloatNear(5.5f, 1e-6f)));
-  EXPECT_EQ(world.beams_cast(), 3u);
+  EXPECT_EQ(world.counters().beams, 3u);
 }
 
 TEST(Ranger, TheLargerIntensityIsReportedOfTwoAtOneDistance) {
@@ -621,10 +623,10 @@ TEST(Ranger, ReadingsAreThoseOfTheStateBeforeTheTick) {
   RobotScene s({{.pose = {0, 0, 0.5, 0}}});
   s.wall(4, -1, 4.1, 1);
   World world = s.world();
-  world.set_command(world.row(s.robot_body), {0.5, 0, 0});
+  world.set_command(world.view().row(s.robot_body), {0.5, 0, 0});
   world.step();
   EXPECT_THAT(readings(world, s.robot_body), ElementsAre(4.0f));
-  EXPECT_DOUBLE_EQ(world.pose(s.robot_body).x, 0.05);
+  EXPECT_DOUBLE_EQ(world.view().pose(s.robot_body).x, 0.05);
   world.step();
   EXPECT_THAT(readings(world, s.robot_body), ElementsAre(FloatNear(3.95f, 1e-6f)));
 }
@@ -634,7 +636,7 @@ TEST(Ranger, ASlowSensorKeepsItsOldReading) {
   s[s.robot_type].devices[0].period_s = 0.25;  // runs at 0.3, 0.6, ... s, as in Stage
   s.wall(4, -1, 4.1, 1);
   World world = s.world();
-  world.set_command(world.row(s.robot_body), {1, 0, 0});
+  world.set_command(world.view().row(s.robot_body), {1, 0, 0});
   std::vector<float> seen;
   for (int tick = 1; tick <= 7; ++tick) {
     world.step();
@@ -642,7 +644,7 @@ TEST(Ranger, ASlowSensorKeepsItsOldReading) {
   }
   const auto third = FloatNear(3.8f, 1e-5f), sixth = FloatNear(3.5f, 1e-5f);
   EXPECT_THAT(seen, ElementsAre(0.0f, 0.0f, third, third, third, sixth, sixth));
-  EXPECT_EQ(world.beams_cast(), 2u);
+  EXPECT_EQ(world.counters().beams, 2u);
 }
 
 TEST(Ranger, AnInactiveSensorIsNotRunUntilItIsActivated) {
@@ -650,11 +652,11 @@ TEST(Ranger, AnInactiveSensorIsNotRunUntilItIsActivated) {
   s[s.robot_type].devices[0].active = false;
   World world = s.world();
   world.step();
-  EXPECT_EQ(world.beams_cast(), 0u);
+  EXPECT_EQ(world.counters().beams, 0u);
   EXPECT_THAT(readings(world, s.robot_body), ElementsAre(0.0f));
   world.subscribe(s.robot_body);
   world.step();
-  EXPECT_EQ(world.beams_cast(), 1u);
+  EXPECT_EQ(world.counters().beams, 1u);
   EXPECT_THAT(readings(world, s.robot_body), ElementsAre(5.0f));
 }
 

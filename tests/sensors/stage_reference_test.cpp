@@ -59,13 +59,13 @@ void expect_agreement(const Readings& expected, std::vector<Agreement> agreement
   diagnostics.throw_if_errors();
   spec.ranging = expected.ranging;
   engine::World world(std::move(spec), registry, {.threads = 2}, diagnostics);
-  for (std::uint32_t r = 0; r < world.rows(); ++r) world.subscribe(world.body(Row(r)));
+  for (std::uint32_t r = 0; r < world.view().rows(); ++r) world.subscribe(world.view().body(Row(r)));
 
   std::map<long, std::vector<nlohmann::json>> records;  // by tick
   std::ifstream lines(expected.file);
   for (std::string line; std::getline(lines, line);) {
     nlohmann::json record = nlohmann::json::parse(line);
-    records[std::lround(record.at("t").get<double>() / world.tick_s())].push_back(std::move(record));
+    records[std::lround(record.at("t").get<double>() / world.view().tick_s())].push_back(std::move(record));
   }
   ASSERT_FALSE(records.empty());
 
@@ -77,9 +77,9 @@ void expect_agreement(const Readings& expected, std::vector<Agreement> agreement
     for (const nlohmann::json& record : of_tick) {
       const std::string model = record.at("model");
       const std::size_t dot = model.find('.');
-      const BodyId body = world.find(model.substr(0, dot));
+      const BodyId body = world.state().names.find(model.substr(0, dot));
       ASSERT_TRUE(body.valid()) << model;
-      const Pose pose = world.pose(body);
+      const Pose pose = world.view().pose(body);
       const auto& stage_pose = record.at("pose");
       EXPECT_NEAR(pose.x, stage_pose[0].get<double>(), 1e-9) << model << " at tick " << tick;
       EXPECT_NEAR(pose.y, stage_pose[1].get<double>(), 1e-9) << model << " at tick " << tick;
@@ -87,10 +87,11 @@ void expect_agreement(const Readings& expected, std::vector<Agreement> agreement
           << model << " at tick " << tick;
       ++poses;
 
-      const Row row = world.row(body);
-      const engine::BodyType::Device* sensor = find_sensor(world.type(row), model.substr(dot + 1));
+      const Row row = world.view().row(body);
+      const engine::BodyType::Device* sensor = find_sensor(world.view().type(row), model.substr(dot + 1));
       ASSERT_NE(sensor, nullptr) << model;
-      const std::span<const float> ranges = world.percepts(*sensor).cell<float>(world.slot(row), 0);
+      const std::span<const float> ranges =
+          world.tables()[sensor->table].cell<float>(world.view().slot(row), 0);
       std::size_t beam = 0;
       for (const nlohmann::json& transducer : record.at("sensors")) {
         for (const nlohmann::json& reading : transducer.at("ranges")) {

@@ -79,8 +79,8 @@ inline engine::ControllerSpec drive_legs(std::vector<engine::Record> legs) {
 /// State: the state struct of the kind of the device.
 template <class State>
 const State& state_of(const engine::World& world, BodyId body, std::size_t device) {
-  const Row row = world.row(body);
-  return world.percepts(world.type(row).devices[device]).as<State>(world.slot(row));
+  const Row row = world.view().row(body);
+  return world.tables()[world.view().type(row).devices[device].table].as<State>(world.view().slot(row));
 }
 
 }  // namespace troupe::test

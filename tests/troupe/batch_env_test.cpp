@@ -2,7 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/kinds/controller.hpp"
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "engine/kinds/step_error.hpp"
 #include "engine/world/world.hpp"
 #include "models/devices/led.hpp"
@@ -126,7 +126,7 @@ TEST(AnotherSeed, IsTheWorldLoadedWithIt) {
     }
     EXPECT_EQ(one.seed(), seed);
     const BodyId pillar = loaded.find("pillar0").id();
-    EXPECT_EQ(one.world().pose(pillar), loaded.world().pose(pillar));
+    EXPECT_EQ(one.world().view().pose(pillar), loaded.world().view().pose(pillar));
     EXPECT_EQ(one.world().spec().bodies[one.find("r0").id().index()].color.r,
               loaded.world().spec().bodies[loaded.find("r0").id().index()].color.r);
   }
@@ -184,7 +184,8 @@ TEST(Starts, ModelsBeginWhereTheProgramPlacesThem) {
   EXPECT_EQ(one.find("pillar2").pose(), k_pillar);
   EXPECT_EQ(one.find("w").pose(), k_wall);
   for (const char* name : {"r0", "pillar0", "other1", "goal3", "e"})
-    EXPECT_EQ(one.world().pose(one.find(name).id()), plain.world().pose(one.find(name).id())) << name;
+    EXPECT_EQ(one.world().view().pose(one.find(name).id()), plain.world().view().pose(one.find(name).id()))
+        << name;
 
   std::vector<std::uint64_t> hashes;
   for (int i = 0; i < 30; ++i) {
@@ -202,10 +203,10 @@ TEST(Starts, ModelsBeginWhereTheProgramPlacesThem) {
       ASSERT_EQ(each->state_hash(), hash) << "reset() returns to the starts; ranks get them";
     }
   EXPECT_EQ(one.another(12, 1).state_hash(), learning_room(12).state_hash());
-  EXPECT_EQ(one.another(12, 1).find("w").pose(), plain.world().pose(one.find("w").id()));
+  EXPECT_EQ(one.another(12, 1).find("w").pose(), plain.world().view().pose(one.find("w").id()));
   one.reset(11);
   EXPECT_EQ(one.state_hash(), plain.state_hash());
-  EXPECT_EQ(one.find("w").pose(), plain.world().pose(one.find("w").id()));
+  EXPECT_EQ(one.find("w").pose(), plain.world().view().pose(one.find("w").id()));
 }
 
 TEST(Starts, SayWhatIsWrong) {
@@ -245,8 +246,8 @@ TEST(BatchEnv, CopiesAreTheWorldAlone) {
     Simulation alone = learning_room(3 + copy, text);
     Swarm swarm = alone.swarm("r");
     swarm.subscribe();
-    std::vector<std::uint8_t> learns(alone.world().rows());
-    for (const BodyId id : swarm.ids()) learns[alone.world().row(id).index()] = 1;
+    std::vector<std::uint8_t> learns(alone.world().view().rows());
+    for (const BodyId id : swarm.ids()) learns[alone.world().view().row(id).index()] = 1;
     alone.world().on_decide([&](const auto&, const auto& controller, const engine::DecideBatch& decide) {
       std::vector<Row> others;
       for (const Row row : decide.rows)
@@ -310,11 +311,11 @@ TEST(BatchEnv, CollectiveControllersDecideForAllRobotsTogether) {
     BatchEnv batch(world, {.teams = {{.name = "team", .robots = learning}}});
     batch.reset();
     const engine::World& copy = batch.simulation(0).world();
-    ASSERT_EQ(copy.commands().size(), 130u);
-    for (const engine::Command& command : copy.commands()) {
-      const Row row(static_cast<std::size_t>(&command - copy.commands().data()));
-      const bool learns = learning == "bot" || copy.spec().name(copy.body(row)) == "r0";
-      EXPECT_EQ(command.x, learns ? 0 : 0.001 * 129) << copy.spec().name(copy.body(row));
+    ASSERT_EQ(copy.view().commands().size(), 130u);
+    for (const engine::Command& command : copy.view().commands()) {
+      const Row row(static_cast<std::size_t>(&command - copy.view().commands().data()));
+      const bool learns = learning == "bot" || copy.spec().name(copy.view().body(row)) == "r0";
+      EXPECT_EQ(command.x, learns ? 0 : 0.001 * 129) << copy.spec().name(copy.view().body(row));
     }
   }
 }
@@ -415,16 +416,16 @@ TEST(BatchEnv, TellsWhatIsThere) {
   batch.step();
   const engine::World& world = batch.simulation(0).world();
   const auto state = batch.floats(0, "state");
-  const Row row = world.row(world.find("r0"));
-  const Pose pose = world.poses()[row.index()];
+  const Row row = world.view().row(world.state().names.find("r0"));
+  const Pose pose = world.view().poses()[row.index()];
   EXPECT_EQ(state[0], static_cast<float>(pose.x));
   EXPECT_EQ(state[1], static_cast<float>(pose.y));
   EXPECT_FLOAT_EQ(state[2], static_cast<float>(std::cos(pose.heading)));
-  EXPECT_EQ(state[4], static_cast<float>(world.estimate(row).x));
-  EXPECT_EQ(state[8], static_cast<float>(world.velocities()[row.index()].x));
+  EXPECT_EQ(state[4], static_cast<float>(world.view().estimate(row).x));
+  EXPECT_EQ(state[8], static_cast<float>(world.view().velocities()[row.index()].x));
 
   const auto goal = batch.floats(0, "goal");
-  const Pose there = world.pose(world.find("goal0"));
+  const Pose there = world.view().pose(world.state().names.find("goal0"));
   const double distance = std::hypot(there.x - pose.x, there.y - pose.y);
   EXPECT_FLOAT_EQ(goal[2], static_cast<float>(distance));
   const double bearing = std::atan2(there.y - pose.y, there.x - pose.x) - pose.heading;
@@ -434,9 +435,9 @@ TEST(BatchEnv, TellsWhatIsThere) {
 
   // Brute force, over all robots of the type, the others too.
   std::vector<std::pair<double, Row>> all;
-  for (std::size_t r = 0; r < world.rows(); ++r)
-    if (world.type(Row(r)).drive && Row(r) != row)
-      all.emplace_back((world.poses()[r].position() - pose.position()).norm(), Row(r));
+  for (std::size_t r = 0; r < world.view().rows(); ++r)
+    if (world.view().type(Row(r)).drive && Row(r) != row)
+      all.emplace_back((world.view().poses()[r].position() - pose.position()).norm(), Row(r));
   std::ranges::sort(all, {}, [](const auto& each) { return each.first; });
   const auto see = batch.floats(0, "see");
   ASSERT_EQ(all.size(), 5u);
@@ -447,7 +448,8 @@ TEST(BatchEnv, TellsWhatIsThere) {
     if (!is_near) continue;
     EXPECT_NEAR(std::hypot(near[0], near[1]), all[k].first, 1e-5);
     EXPECT_NEAR(std::atan2(near[3], near[2]),
-                std::remainder(world.poses()[all[k].second.index()].heading - pose.heading, 2 * M_PI), 1e-5);
+                std::remainder(world.view().poses()[all[k].second.index()].heading - pose.heading, 2 * M_PI),
+                1e-5);
   }
   EXPECT_FLOAT_EQ(static_cast<float>(batch.rewards(0)[0]),
                   static_cast<float>(before - goal[2] + 0.25 * batch.measures()[0]));

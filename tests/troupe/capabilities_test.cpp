@@ -1,5 +1,5 @@
-// How the engine and the library treat a kind follows from what the kind declares (engine/kinds/kinds.hpp),
-// never from its name, so that kinds of plug-ins can have all capabilities.
+// How the engine and the library treat a kind follows from what the kind declares
+// (engine/kinds/device_kind.hpp), never from its name, so that kinds of plug-ins can have all capabilities.
 
 #include "tests/support/paths.hpp"
 #include "troupe/registry.hpp"

@@ -48,8 +48,9 @@ class Vectors : public test::ScratchTest {
   template <class T>
   static std::vector<T> read(const Simulation& simulation, std::size_t field, std::size_t device = 0) {
     const engine::World& world = simulation.world();
-    const Row row = world.row(world.find("r"));
-    const auto cell = world.percepts(world.type(row).devices[device]).cell<T>(world.slot(row), field);
+    const Row row = world.view().row(world.state().names.find("r"));
+    const auto cell =
+        world.tables()[world.view().type(row).devices[device].table].cell<T>(world.view().slot(row), field);
     return {cell.begin(), cell.end()};
   }
 };

@@ -179,10 +179,10 @@ TEST_F(ConvertTest, NamesAndWhatIsWatchedAreKept) {
   const Simulation simulation(json, {.threads = 1});
   EXPECT_EQ(simulation.title(), "zoo");
   const engine::World& world = simulation.world();
-  EXPECT_TRUE(world.find("_ground_model").valid());
-  EXPECT_EQ(world.find("model:0"), world.find("_ground_model"));
-  EXPECT_EQ(world.find("position:1").index(), 2u) << "its generated name";
-  EXPECT_EQ(world.find("a").index(), 3u) << "the last of a name";
+  EXPECT_TRUE(world.state().names.find("_ground_model").valid());
+  EXPECT_EQ(world.state().names.find("model:0"), world.state().names.find("_ground_model"));
+  EXPECT_EQ(world.state().names.find("position:1").index(), 2u) << "its generated name";
+  EXPECT_EQ(world.state().names.find("a").index(), 3u) << "the last of a name";
   EXPECT_EQ(world.spec().part_aliases.at("global").body.index(), 3u);
   EXPECT_EQ(world.spec().watch.rate, 2);
   ASSERT_TRUE(world.spec().window);

@@ -117,7 +117,7 @@ TEST_P(SameBits, WithBodiesBeyondReachHidden) {
   if (blinkered.world().spec().ranging == RangingEngine::grid)
     GTEST_SKIP() << "a world of the grid ray engine";
   blinkered.world().hide_beyond_reach(true);
-  const double rows = static_cast<double>(whole.world().rows());
+  const double rows = static_cast<double>(whole.world().view().rows());
   // The time of a tick grows with the square of the number of rows.
   if (rows > 4000) GTEST_SKIP() << "a tick of " << rows << " rows takes minutes";
   const auto ticks = std::min<std::uint64_t>(run.ticks, 2 + static_cast<std::uint64_t>(2e7 / (rows * rows)));

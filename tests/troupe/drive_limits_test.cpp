@@ -28,7 +28,8 @@ class DriveLimits : public test::ScratchTest {
   }
   static double limit(const Simulation& simulation, const std::string& name) {
     const engine::World& world = simulation.world();
-    const auto& drive = *world.spec().types[world.spec().bodies[world.find("r").index()].type.index()].drive;
+    const auto& drive =
+        *world.spec().types[world.spec().bodies[world.state().names.find("r").index()].type.index()].drive;
     return engine::get(simulation.registry().drive(drive.kind)->params, drive.params, name).number();
   }
 };
@@ -70,7 +71,8 @@ TEST_F(DriveLimits, ARobotTurnsAndDrivesAsFastToBothSides) {
   model.set_speed(-0.5, 0, -3);
   simulation.step();
   const engine::World& engine = simulation.world();
-  const engine::Velocity velocity = engine.velocities()[engine.row(engine.find("r")).index()];
+  const engine::Velocity velocity =
+      engine.view().velocities()[engine.view().row(engine.state().names.find("r")).index()];
   EXPECT_EQ(velocity.x, -0.12);
   EXPECT_EQ(velocity.turn, -3);
 }
@@ -102,7 +104,7 @@ TEST_F(DriveLimits, AnInterventionSetsOnlyWhatItNames) {
   model.set_speed(-0.8, 0, 0);
   for (int tick = 0; tick < 5; ++tick) simulation.step();
   const engine::World& engine = simulation.world();
-  EXPECT_EQ(engine.velocities()[engine.row(engine.find("r")).index()].x, -0.8);
+  EXPECT_EQ(engine.view().velocities()[engine.view().row(engine.state().names.find("r")).index()].x, -0.8);
 }
 
 TEST_F(DriveLimits, GoalsAreReachedAsFastAsTheDriveAllows) {
@@ -120,7 +122,8 @@ TEST_F(DriveLimits, GoalsAreReachedAsFastAsTheDriveAllows) {
     model.go_to({9, 0, 0, 3});
     simulation.step();
     const engine::World& engine = simulation.world();
-    const engine::Velocity velocity = engine.velocities()[engine.row(engine.find("r")).index()];
+    const engine::Velocity velocity =
+        engine.view().velocities()[engine.view().row(engine.state().names.find("r")).index()];
     EXPECT_EQ(velocity.x, c.speed) << c.keys;
     EXPECT_EQ(velocity.turn, c.turn) << c.keys;
   }

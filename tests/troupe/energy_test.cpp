@@ -22,21 +22,21 @@ const fs::path k_worlds = test::source_dir() / "worlds";
 
 /// The state of the first device of a kind of a body, by its name.
 const engine::BodyType::Device& device_of(const engine::World& world, BodyId body, std::string_view kind) {
-  for (const engine::BodyType::Device& device : world.type(world.row(body)).devices)
+  for (const engine::BodyType::Device& device : world.view().type(world.view().row(body)).devices)
     if (device.kind->name == kind) return device;
   throw std::out_of_range(std::string(kind));
 }
 const models::PowerPackState& pack_of(const Simulation& simulation, std::string_view name) {
   const engine::World& world = simulation.world();
-  const BodyId body = world.find(name);
-  return world.percepts(device_of(world, body, "power_pack"))
-      .as<models::PowerPackState>(world.slot(world.row(body)));
+  const BodyId body = world.state().names.find(name);
+  return world.tables()[(device_of(world, body, "power_pack")).table].as<models::PowerPackState>(
+      world.view().slot(world.view().row(body)));
 }
 std::uint64_t flags_received(const Simulation& simulation, std::string_view name) {
   const engine::World& world = simulation.world();
-  const BodyId body = world.find(name);
-  return world.percepts(device_of(world, body, "flags"))
-      .cell<std::uint64_t>(world.slot(world.row(body)), models::k_flag_received)[0];
+  const BodyId body = world.state().names.find(name);
+  return world.tables()[(device_of(world, body, "flags")).table].cell<std::uint64_t>(
+      world.view().slot(world.view().row(body)), models::k_flag_received)[0];
 }
 
 TEST(EnergyScene, TheShuttleChargesAndTheWalkerStandsWhereItsPackRanOut) {
@@ -55,9 +55,9 @@ TEST(EnergyScene, NothingIsLostBetweenGiversAndTakers) {
   double given = 0;
   double received = 0;
   const engine::World& world = simulation.world();
-  for (std::size_t r = 0; r < world.rows(); ++r) {
+  for (std::size_t r = 0; r < world.view().rows(); ++r) {
     const Row row(r);
-    const std::string name = world.spec().name(world.body(row));
+    const std::string name = world.spec().name(world.view().body(row));
     const models::PowerPackState& pack = pack_of(simulation, name);
     given += pack.given;
     received += pack.received;

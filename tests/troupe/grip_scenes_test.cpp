@@ -40,7 +40,7 @@ TEST(GripperScene, EveryPuckLiesInTheDropZone) {
   std::size_t stalls = 0;
   while (simulation.time_s() < 40) {
     simulation.step();
-    stalls += world.stalled_count();
+    stalls += world.view().counts().stalled;
     for (const engine::Event& event : watch.see(world)) {
       if (event.type == engine::EventType::grip) ++grips[world.spec().name(event.other)];
       if (event.type == engine::EventType::release) ++releases[world.spec().name(event.other)];
@@ -68,10 +68,10 @@ TEST(GripperScene, EveryPuckLiesInTheDropZone) {
 
 const models::ActuatorState& actuator(const Simulation& simulation, std::string_view body) {
   const engine::World& world = simulation.world();
-  const Row row = world.row(world.find(body));
-  for (const engine::BodyType::Device& device : world.type(row).devices)
+  const Row row = world.view().row(world.state().names.find(body));
+  for (const engine::BodyType::Device& device : world.view().type(row).devices)
     if (device.kind->name == "actuator")
-      return world.percepts(device).as<models::ActuatorState>(world.slot(row));
+      return world.tables()[device.table].as<models::ActuatorState>(world.view().slot(row));
   throw std::out_of_range(std::string(body));
 }
 
@@ -128,11 +128,11 @@ TEST(MagpieScene, RobotsSnatchPucksAndOneAnother) {
   const std::uint64_t ticks = test::k_slow_build ? 15 : 600;
   while (simulation.tick() < ticks) {
     simulation.step();
-    most_carried = std::max(most_carried, world.carried_count());
+    most_carried = std::max(most_carried, world.view().counts().carried);
     std::size_t in_chains = 0;
-    for (std::size_t r = 0; r < world.rows(); ++r)
-      if (const auto carrier = world.carrier(Row(r)))
-        in_chains += world.carrier(world.row(*carrier)).has_value();
+    for (std::size_t r = 0; r < world.view().rows(); ++r)
+      if (const auto carrier = world.view().carrier(Row(r)))
+        in_chains += world.view().carrier(world.view().row(*carrier)).has_value();
     most_in_chains = std::max(most_in_chains, in_chains);
   }
   if (test::k_slow_build) return;

@@ -2,6 +2,7 @@
 // walls is as intended. Uses the predicates of the static scene, but for each pair and each edge, without
 // a grid.
 
+#include "engine/observing/displacement.hpp"
 #include "engine/world/world.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/slow_build.hpp"
@@ -32,13 +33,13 @@ struct Overlaps {
 Overlaps overlaps(const engine::World& world) {
   Overlaps found;
   const auto shape = [&](std::size_t r) -> const partition::ObstacleShape& {
-    return world.type(Row(r)).obstacle;
+    return world.view().type(Row(r)).obstacle;
   };
-  for (std::size_t a = 0; a < world.rows(); ++a) {
-    const Pose& pose = world.poses()[a];
-    found.with_walls += world.scene().blocked(shape(a), pose);
-    for (std::size_t b = a + 1; b < world.rows(); ++b) {
-      const Pose& other = world.poses()[b];
+  for (std::size_t a = 0; a < world.view().rows(); ++a) {
+    const Pose& pose = world.view().poses()[a];
+    found.with_walls += world.view().scene().blocked(shape(a), pose);
+    for (std::size_t b = a + 1; b < world.view().rows(); ++b) {
+      const Pose& other = world.view().poses()[b];
       const double apart = (pose.position() - other.position()).norm();
       if (apart <= shape(a).radius + shape(b).radius)
         found.with_each_other += partition::overlap(shape(a), pose, shape(b), other);
@@ -50,12 +51,12 @@ Overlaps overlaps(const engine::World& world) {
 /// Over all robots, the median number of static edges that come within `reach` of their centres.
 std::size_t median_edges_near_robots(const engine::World& world, double reach) {
   std::vector<std::pair<Vec2, Vec2>> edges;
-  for (const partition::FixedSolid& fixed : world.scene().solids())
+  for (const partition::FixedSolid& fixed : world.view().scene().solids())
     for (const Ring& ring : fixed.solid.contours)
       for (std::size_t i = 0; i < ring.size(); ++i) edges.emplace_back(ring[i], ring[(i + 1) % ring.size()]);
-  EXPECT_EQ(edges.size(), world.scene().edge_count());
+  EXPECT_EQ(edges.size(), world.view().scene().edge_count());
   std::vector<std::size_t> counts;
-  for (const Pose& pose : world.poses()) {
+  for (const Pose& pose : world.view().poses()) {
     const Vec2 p = pose.position();
     counts.push_back(static_cast<std::size_t>(std::ranges::count_if(edges, [&](const auto& edge) {
       const auto& [a, b] = edge;
@@ -78,19 +79,19 @@ TEST(Hospital, NoRobotIsInAWallAndTheSwarmHasSpread) {
   engine::World world(std::move(spec), registry, {}, diagnostics);
   EXPECT_TRUE(diagnostics.findings().empty());
   ASSERT_EQ(world.robots(), test::k_slow_build ? 150u : 2000u);
-  ASSERT_TRUE(world.scene().has_obstacles());
+  ASSERT_TRUE(world.view().scene().has_obstacles());
 
   const Overlaps before = overlaps(world);
   EXPECT_EQ(before.with_walls, 0u);
   EXPECT_EQ(before.with_each_other, 0u);
-  while (world.time_s() < (test::k_slow_build ? 5 : 60)) world.step();
+  while (world.view().time_s() < (test::k_slow_build ? 5 : 60)) world.step();
   const Overlaps after = overlaps(world);
   EXPECT_EQ(after.with_walls, 0u);
   EXPECT_EQ(after.with_each_other, 0u);
-  EXPECT_EQ(world.out_of_bounds_count(), 0u);
-  EXPECT_LT(static_cast<double>(world.stalled_count()), 0.1 * static_cast<double>(world.robots()));
+  EXPECT_EQ(world.view().counts().out_of_bounds, 0u);
+  EXPECT_LT(static_cast<double>(world.view().counts().stalled), 0.1 * static_cast<double>(world.robots()));
   if (test::k_slow_build) return;
-  EXPECT_GT(world.mean_displacement(), 1.5);
+  EXPECT_GT(engine::mean_displacement(world), 1.5);
   // Stage's hospital: 34.
   const std::size_t edges = median_edges_near_robots(world, 2);
   EXPECT_GE(edges, 25u);

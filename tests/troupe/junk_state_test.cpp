@@ -62,7 +62,7 @@ TEST_P(JunkState, IsNoIndexIntoOtherData) {
   Simulation simulation(run.file(), options);
   const std::span<const StateTable> tables = simulation.world().tables();
   std::set<std::size_t> of_kinds;
-  for (const engine::BodyType& type : simulation.world().types()) {
+  for (const engine::BodyType& type : simulation.world().view().types()) {
     for (const engine::BodyType::Controller& controller : type.controllers)
       if (controller.table) of_kinds.insert(*controller.table);
     for (const engine::BodyType::Device& device : type.devices)

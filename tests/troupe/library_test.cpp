@@ -740,7 +740,6 @@ TEST_F(LibraryFilesTest, CallbacksOfPhasesMayNotChangeTheSimulation) {
       {"on_task()", [](Simulation& s) { s.on_task(nullptr); }},
       {"on_loop()", [](Simulation& s) { s.on_loop(nullptr); }},
       {"hashes()", [](Simulation& s) { static_cast<void>(s.hash_log_line()); }},
-      {"hash()", [](Simulation& s) { s.world().hash(s.world().tables()[0]); }},
   };
   Simulation simulation(world, {.mortal = true});
   simulation.step();

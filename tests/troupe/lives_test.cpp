@@ -46,9 +46,9 @@ std::size_t alive(const Simulation& simulation, std::string_view prefix) {
 template <class State>
 const State& state_of(const Simulation& simulation, std::string_view name, std::string_view kind) {
   const engine::World& world = simulation.world();
-  const Row row = world.row(world.find(name));
-  for (const engine::BodyType::Device& device : world.type(row).devices)
-    if (device.kind->name == kind) return world.percepts(device).as<State>(world.slot(row));
+  const Row row = world.view().row(world.state().names.find(name));
+  for (const engine::BodyType::Device& device : world.view().type(row).devices)
+    if (device.kind->name == kind) return world.tables()[device.table].as<State>(world.view().slot(row));
   throw std::out_of_range(std::string(kind));
 }
 

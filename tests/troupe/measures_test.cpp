@@ -133,8 +133,8 @@ TEST_F(MeasuresOfASimulation, SuggestTheNameOfAMeasureThatTheWorldLists) {
 /// The greatest x of all robots.
 class Front : public engine::Measure {
  public:
-  Front(const engine::World&, std::vector<BodyId> robots) : robots_(std::move(robots)) {}
-  double value(engine::World& world) override {
+  Front(const engine::MeasuredWorld&, std::vector<BodyId> robots) : robots_(std::move(robots)) {}
+  double value(const engine::MeasuredWorld& world) override {
     double front = -1e9;
     for (const BodyId id : robots_) front = std::max(front, world.transform(world.row(id)).position.x());
     return front;
@@ -159,7 +159,7 @@ TEST_F(MeasuresOfASimulation, ThatAreNotThereAreErrors) {
   engine::Registry registry = make_registry();
   registry.measures.push_back(
       engine::make_measure_kind<Front>("front", engine::Unit::meters, "how far east", "The greatest x."));
-  registry.measures.back().make = [](const engine::World&, const engine::Record&,
+  registry.measures.back().make = [](const engine::MeasuredWorld&, const engine::Record&,
                                      std::vector<BodyId>) -> std::unique_ptr<engine::Measure> { return {}; };
   Simulation world = simulation(std::move(registry));
   EXPECT_THAT([&] { Measures(world, {"front"}); },

@@ -26,16 +26,17 @@ const std::filesystem::path k_pucks = test::source_dir() / "worlds" / "pucks.jso
 template <class State>
 const State& state_of(const Simulation& simulation, std::string_view name, std::string_view kind) {
   const engine::World& world = simulation.world();
-  const Row row = world.row(world.find(name));
-  for (const engine::BodyType::Device& device : world.type(row).devices)
-    if (device.kind->name == kind) return world.percepts(device).as<State>(world.slot(row));
+  const Row row = world.view().row(world.state().names.find(name));
+  for (const engine::BodyType::Device& device : world.view().type(row).devices)
+    if (device.kind->name == kind) return world.tables()[device.table].as<State>(world.view().slot(row));
   throw std::out_of_range(std::string(kind));
 }
 
 std::size_t pucks_there(const engine::World& world) {
   std::size_t count = 0;
-  for (std::size_t r = 0; r < world.rows(); ++r)
-    count += world.is_there(Row(r)) && world.spec().name(world.body(Row(r))).starts_with("puck");
+  for (std::size_t r = 0; r < world.view().rows(); ++r)
+    count +=
+        world.view().is_there(Row(r)) && world.spec().name(world.view().body(Row(r))).starts_with("puck");
   return count;
 }
 
@@ -46,7 +47,7 @@ TEST(PucksScene, PucksAreGrippedAndGroundAndComeAgain) {
   const int ticks = test::k_slow_build ? 100 : 3000;
   for (int tick = 0; tick < ticks; ++tick) {
     simulation.step();
-    most_carried = std::max(most_carried, world.carried_count());
+    most_carried = std::max(most_carried, world.view().counts().carried);
   }
   const auto born0 = state_of<models::SpawnerState>(simulation, "well0", "spawner").born;
   const auto born1 = state_of<models::SpawnerState>(simulation, "well1", "spawner").born;

@@ -88,16 +88,16 @@ TEST(GradientScene, HopsAreThoseOfASearchAlongTheLinks) {
   Simulation simulation(shipped("gradient.json"), {.threads = 2});
   const engine::World& world = simulation.world();
   simulation.run_for(600);
-  std::vector<Station> stations{{world.pose(world.find("beacon")).position(), 0}};
+  std::vector<Station> stations{{world.view().pose(world.state().names.find("beacon")).position(), 0}};
   std::size_t roaming = 0;
   for (const std::string& name : simulation.robot_names()) {
-    const BodyId body = world.find(name);
+    const BodyId body = world.state().names.find(name);
     if (memory_of<std::uint8_t>(world, body, "gradient/0", "settled") == 0) {
       ++roaming;
       continue;
     }
     stations.push_back(
-        {world.pose(body).position(), memory_of<std::uint32_t>(world, body, "gradient/0", "hops")});
+        {world.view().pose(body).position(), memory_of<std::uint32_t>(world, body, "gradient/0", "hops")});
   }
   const std::vector<std::uint32_t> expected = hops_by_search(stations);
   std::uint32_t most = 0;
@@ -121,8 +121,8 @@ TEST(GradientScene, HopsAreThoseOfASearchAlongTheLinks) {
 double order(const Simulation& simulation) {
   Vec2 sum(0, 0);
   const engine::World& world = simulation.world();
-  for (const Pose& pose : world.poses()) sum += Vec2(std::cos(pose.heading), std::sin(pose.heading));
-  return sum.norm() / static_cast<double>(world.poses().size());
+  for (const Pose& pose : world.view().poses()) sum += Vec2(std::cos(pose.heading), std::sin(pose.heading));
+  return sum.norm() / static_cast<double>(world.view().poses().size());
 }
 
 TEST(FlockScene, RobotsComeToAgreeWhateverTheSeed) {
@@ -154,7 +154,8 @@ TEST(PerceptionScene, TheSwarmFindsThatMoreOfTheFloorIsWhite) {
     const auto white = [&] {
       int count = 0;
       for (const std::string& name : simulation.robot_names())
-        count += memory_of<std::uint8_t>(world, world.find(name), "collective_perception/0", "opinion");
+        count += memory_of<std::uint8_t>(world, world.state().names.find(name), "collective_perception/0",
+                                         "opinion");
       return count;
     };
     EXPECT_EQ(white(), 10) << "as many begin for white as for black";

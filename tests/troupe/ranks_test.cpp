@@ -3,6 +3,7 @@
 
 #include "base/hash.hpp"
 #include "engine/kinds/controller.hpp"
+#include "engine/observing/displacement.hpp"
 #include "engine/observing/remade_world.hpp"
 #include "engine/ranks/sharing.hpp"
 #include "engine/world/world.hpp"
@@ -240,17 +241,17 @@ TEST_F(RanksOfAProgram, TakeOverChangedParameters) {
 
 /// Replaces the state of a world by that of another world with the same bodies.
 bool restore_from(engine::World& from, engine::World& world) {
-  return world.restore(from.tick(), from.counters(), from.hashes().state,
-                       [&](std::span<engine::StateTable> tables) {
-                         for (std::size_t t = 0; t < tables.size(); ++t)
-                           for (std::size_t r = 0; r < tables[t].rows(); ++r) {
-                             const engine::StateTable& saved = from.tables()[t];
-                             const std::size_t at = from.row_in(saved, from.row(tables[t].ids()[r]));
-                             for (std::size_t f = 0; f < saved.fields().size(); ++f)
-                               std::memcpy(tables[t].cell<std::byte>(r, f).data(),
-                                           saved.cell<std::byte>(at, f).data(), saved.fields()[f].bytes());
-                           }
-                       });
+  return world.restore(
+      from.tick(), from.counters(), from.hashes().state, [&](std::span<engine::StateTable> tables) {
+        for (std::size_t t = 0; t < tables.size(); ++t)
+          for (std::size_t r = 0; r < tables[t].rows(); ++r) {
+            const engine::StateTable& saved = from.tables()[t];
+            const std::size_t at = from.view().row_in(saved, from.view().row(tables[t].ids()[r]));
+            for (std::size_t f = 0; f < saved.fields().size(); ++f)
+              std::memcpy(tables[t].cell<std::byte>(r, f).data(), saved.cell<std::byte>(at, f).data(),
+                          saved.fields()[f].bytes());
+          }
+      });
 }
 
 // The callback of before_tick() goes back to an earlier state, and later to tick 0. Interventions are due at
@@ -378,8 +379,8 @@ class DistributedRanks : public test::ScratchTest {
   }
   static Counts counts_of(const Simulation& simulation) {
     const engine::World& world = simulation.world();
-    return {static_cast<std::int64_t>(world.stalled_count()),
-            static_cast<std::int64_t>(world.out_of_bounds_count()), world.mean_displacement()};
+    return {static_cast<std::int64_t>(world.view().counts().stalled),
+            static_cast<std::int64_t>(world.view().counts().out_of_bounds), engine::mean_displacement(world)};
   }
 };
 
@@ -627,8 +628,8 @@ TEST_F(RanksOfAProgram, GetRobotsAsTheirTimesSay) {
   two.step();
   one.step();
   const std::uint64_t half = rows();
-  EXPECT_EQ(half, two.world().rows() / 2);
-  EXPECT_EQ(two.rank_work()[1].rows, two.world().rows() - half);
+  EXPECT_EQ(half, two.world().view().rows() / 2);
+  EXPECT_EQ(two.rank_work()[1].rows, two.world().view().rows() - half);
   EXPECT_DOUBLE_EQ(two.rank_work()[0].sense_s, 3 * two.rank_work()[1].sense_s);
   for (int tick = 2; tick <= 33; ++tick) {
     two.step();
@@ -706,7 +707,8 @@ TEST_F(RanksOfAProgram, ReportTheErrorOfOneProcess) {
   const auto spoil = [](Simulation& simulation) {
     simulation.step();
     for (const char* name : {"w31", "w17"}) {
-      simulation.world().set_command(simulation.world().row(simulation.find(name).id()), {k_nan, 0, 0});
+      simulation.world().set_command(simulation.world().view().row(simulation.find(name).id()),
+                                     {k_nan, 0, 0});
     }
   };
   Simulation one = load(1);
@@ -805,7 +807,7 @@ TEST_F(RanksOfAProgram, GoOnAfterARestartThatTheGridRefuses) {
     engine::World& world = simulation->world();
     simulation->step();
     std::vector<engine::BodySpec> bodies = world.spec().bodies;
-    bodies[world.find("wall").index()].pose_world_body.x = 2e7;
+    bodies[world.state().names.find("wall").index()].pose_world_body.x = 2e7;
     EXPECT_THROW(world.restart(7, bodies, simulation->registry()), InputError);
     static_cast<void>(simulation->rank_counts());  // the other ranks answer after they have tried to restart
     simulation->step();
@@ -836,7 +838,7 @@ struct PickyLed {
   static std::string restart_far_away(Simulation& simulation) {
     engine::World& world = simulation.world();
     std::vector<engine::BodySpec> bodies = world.spec().bodies;
-    bodies[world.find("w0").index()].pose_world_body.x = 2000;
+    bodies[world.state().names.find("w0").index()].pose_world_body.x = 2000;
     try {
       world.restart(7, bodies, simulation.registry());
     } catch (const std::logic_error& error) {
@@ -941,7 +943,7 @@ TEST_F(RanksOfLeds, NameAnErrorThatOnlyOneRankHad) {
   led.act = [](const engine::DeviceBatch& batch) {
     for (std::size_t i = 0; i < batch.rows.size(); ++i) batch.emit(i, 0, 0, batch.body(i));
   };
-  led.apply = [](engine::World&, const std::any&, const engine::Effect&) {
+  led.apply = [](const engine::EffectContext&, const std::any&, const engine::Effect&) {
     if (UnluckyLed::throws == Unlucky::other_ranks && std::this_thread::get_id() != UnluckyLed::rank_0)
       throw std::runtime_error("dark");
   };
@@ -1183,7 +1185,8 @@ TEST_F(CollectiveControllers, AreNotCalledIfARankHasFailed) {
     Simulation several = load_collective<Choir<0>>(file, 4);
     for (Simulation* simulation : {&one, &several}) {
       simulation->step();
-      simulation->world().set_command(simulation->world().row(simulation->find(name).id()), {k_nan, 0, 0});
+      simulation->world().set_command(simulation->world().view().row(simulation->find(name).id()),
+                                      {k_nan, 0, 0});
     }
     EXPECT_EQ(step_error(several), step_error(one));
     several.reset();

@@ -1,6 +1,7 @@
 #include "troupe/recording.hpp"
 
 #include "base/diagnostics.hpp"
+#include "engine/observing/frame.hpp"
 #include "engine/world/world.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/rogue_controllers.hpp"
@@ -519,8 +520,8 @@ TEST_F(RecordingTest, BodiesHaveTheLooksOfTheRunInTheSameOrder) {
     for (const engine::FrameBody& body : frame.mobile) types.push_back(body.type);
     return types;
   };
-  const std::vector<std::uint32_t> of_run = looks(simulation.world().frame());
-  const auto n = static_cast<std::uint32_t>(simulation.world().types().size());
+  const std::vector<std::uint32_t> of_run = looks(engine::make_frame(simulation.world()));
+  const auto n = static_cast<std::uint32_t>(simulation.world().view().types().size());
   ASSERT_THAT(of_run, ::testing::ElementsAre(n, n + 1, ::testing::Lt(n), n + 2, n, n + 3));
   EXPECT_EQ(looks(RecordedRun(folder_ / "run.h5").frame({})), of_run);
 }

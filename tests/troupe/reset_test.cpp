@@ -1,5 +1,6 @@
 // Simulation::reset() gives the state after loading, bit for bit, and then the same run.
 
+#include "engine/observing/displacement.hpp"
 #include "engine/observing/events.hpp"
 #include "engine/observing/frame.hpp"
 #include "engine/world/world.hpp"
@@ -45,11 +46,11 @@ std::string bytes_of(const engine::World& world) {
             engine::element_size(table.fields()[field].element) * table.fields()[field].columns;
         all.append(reinterpret_cast<const char*>(table.cell<std::uint8_t>(row, field).data()), bytes);
       }
-  for (std::size_t row = 0; row < world.rows(); ++row) {
-    const Transform& transform = world.transform(Row(row));
+  for (std::size_t row = 0; row < world.view().rows(); ++row) {
+    const Transform& transform = world.view().transform(Row(row));
     add(std::array{transform.position.x(), transform.position.y(), transform.rotation.cos,
                    transform.rotation.sin});
-    for (const Vec2& vertex : world.outline(Row(row))) add(std::array{vertex.x(), vertex.y()});
+    for (const Vec2& vertex : world.view().outline(Row(row))) add(std::array{vertex.x(), vertex.y()});
   }
   return all;
 }
@@ -69,7 +70,7 @@ TEST_P(ResetOf, IsTheStateAfterLoadingByteForByte) {
   world.reset();
   EXPECT_EQ(world.tick(), 0u);
   EXPECT_TRUE(bytes_of(world) == loaded);
-  EXPECT_EQ(world.index().order().size(), world.rows());
+  EXPECT_EQ(world.view().index().order().size(), world.view().rows());
   for (int tick = 0; tick < k_ticks; ++tick) world.step();
   EXPECT_TRUE(bytes_of(world) == later);
 }
@@ -170,7 +171,8 @@ TEST_F(Reset, MakesAWorldOfUseAgainWhoseStepThrew) {
   Simulation simulation(write("room.json", k_room));
   const std::uint64_t loaded = simulation.state_hash();
   engine::World& world = simulation.world();
-  world.set_command(world.row(simulation.find("r0").id()), {std::numeric_limits<double>::quiet_NaN(), 0, 0});
+  world.set_command(world.view().row(simulation.find("r0").id()),
+                    {std::numeric_limits<double>::quiet_NaN(), 0, 0});
   EXPECT_THROW(simulation.step(), std::runtime_error);
   simulation.reset();
   EXPECT_EQ(simulation.state_hash(), loaded);
@@ -194,7 +196,7 @@ TEST_F(Reset, IsAllThatLeadsOnFromAStepThatThrew) {
   std::vector<float> ranges(swarm.size());
   const std::vector<Model::Speed> speeds(swarm.size());
   engine::World& world = simulation.world();
-  const Row row = world.row(robot.id());
+  const Row row = world.view().row(robot.id());
   const fs::path checkpoint = folder_ / "c.h5";
   const fs::path recording = folder_ / "r.h5";
   const std::vector<std::pair<const char*, std::function<void()>>> uses{
@@ -244,10 +246,10 @@ TEST_F(Reset, IsAllThatLeadsOnFromAStepThatThrew) {
       {"events.see", [&] { events.see(world); }},
       {"world.step", [&] { world.step(); }},
       {"world.tables", [&] { world.tables(); }},
-      {"world.frame", [&] { world.frame(); }},
+      {"world.frame", [&] { engine::make_frame(world); }},
       {"world.hashes", [&] { world.hashes(); }},
       {"world.set_command", [&] { world.set_command(row, {}); }},
-      {"world.mean_displacement", [&] { world.mean_displacement(); }},
+      {"world.mean_displacement", [&] { engine::mean_displacement(world); }},
   };
   const std::uint64_t loaded = simulation.state_hash();
   world.set_command(row, {std::numeric_limits<double>::quiet_NaN(), 0, 0});

@@ -75,7 +75,7 @@ enum class Rows {
 
 /// The root of the tree of bodies that carry `id`.
 BodyId root_of(const engine::World& world, BodyId id) {
-  while (const auto carrier = world.carrier(world.row(id))) id = *carrier;
+  while (const auto carrier = world.view().carrier(world.view().row(id))) id = *carrier;
   return id;
 }
 
@@ -83,7 +83,8 @@ BodyId root_of(const engine::World& world, BodyId id) {
 std::uint64_t hash_of(const engine::World& world, BodyId id) {
   std::uint64_t sum = 0;
   for (const engine::StateTable& table : world.tables())
-    if (const std::size_t at = world.row_in(table, world.row(id)); at < table.rows() && table.ids()[at] == id)
+    if (const std::size_t at = world.view().row_in(table, world.view().row(id));
+        at < table.rows() && table.ids()[at] == id)
       sum += table.hash_row(at);
   return sum;
 }
@@ -92,23 +93,24 @@ void leave_and_come_back(engine::World& world, std::uint64_t seed) {
   Random random(seed, stream_id("test", "leave"), 0, static_cast<std::uint32_t>(world.tick()));
   const std::uint32_t third = random.below(3);
   std::vector<BodyId> leaving;
-  for (std::size_t r = 0; r < world.rows(); ++r)
-    if (const BodyId id = world.body(Row(r)); root_of(world, id).value % 3 == third) leaving.push_back(id);
+  for (std::size_t r = 0; r < world.view().rows(); ++r)
+    if (const BodyId id = world.view().body(Row(r)); root_of(world, id).value % 3 == third)
+      leaving.push_back(id);
   random.shuffle(leaving);
-  const std::size_t rows = world.rows();
+  const std::size_t rows = world.view().rows();
   const std::uint64_t hash = world.hashes().state;
   std::uint64_t of_leaving = 0;
   for (const BodyId id : leaving) of_leaving += hash_of(world, id);
-  std::vector<engine::World::RowState> states = world.remove_rows(leaving);
-  EXPECT_EQ(world.rows(), rows - leaving.size());
+  std::vector<engine::RowState> states = world.remove_rows(leaving);
+  EXPECT_EQ(world.view().rows(), rows - leaving.size());
   EXPECT_EQ(world.hashes().state, hash - of_leaving);
-  for (const BodyId id : leaving) EXPECT_EQ(world.location(id), engine::RowLocation::elsewhere);
+  for (const BodyId id : leaving) EXPECT_EQ(world.view().location(id), engine::RowLocation::elsewhere);
   if (!leaving.empty()) {
-    EXPECT_THROW(static_cast<void>(world.row(leaving.front())), std::logic_error);
+    EXPECT_THROW(static_cast<void>(world.view().row(leaving.front())), std::logic_error);
   }
   random.shuffle(states);
   world.add_rows(states);
-  EXPECT_EQ(world.rows(), rows);
+  EXPECT_EQ(world.view().rows(), rows);
   EXPECT_EQ(world.hashes().state, hash);
 }
 
@@ -183,9 +185,9 @@ class Observers {
     engine::World& world = simulation_.world();
     if (world.tick() % 5 != 0 || swarm_.size() == 0) return;
     const BodyId id = swarm_.ids()[world.tick() % swarm_.size()];
-    const Row row = world.row(id);
-    if (!world.is_there(row) || world.carrier(row)) return;
-    Pose pose = world.pose(id);
+    const Row row = world.view().row(id);
+    if (!world.view().is_there(row) || world.view().carrier(row)) return;
+    Pose pose = world.view().pose(id);
     pose.x *= 0.99;
     pose.y *= 0.99;
     simulation_.set_poses(std::vector<std::pair<Model, Pose>>{{simulation_.model(id), pose}});
@@ -249,27 +251,28 @@ TEST(RowOrder, GivesBodiesOtherRowsAndSlots) {
   std::vector<std::size_t> slots;  // by body
   std::vector<Vec2> vertices;      // the first of each body
   for (std::size_t b = 0; b < world.spec().bodies.size(); ++b) {
-    const Row row = world.row(BodyId(b));
-    slots.push_back(row.valid() ? world.slot(row) : 0);
-    vertices.push_back(row.valid() ? world.outline(row).front() : Vec2::Zero());
+    const Row row = world.view().row(BodyId(b));
+    slots.push_back(row.valid() ? world.view().slot(row) : 0);
+    vertices.push_back(row.valid() ? world.view().outline(row).front() : Vec2::Zero());
   }
-  for (std::size_t r = 0; r < world.rows(); ++r) bodies.push_back(world.body(Row(r)));
+  for (std::size_t r = 0; r < world.view().rows(); ++r) bodies.push_back(world.view().body(Row(r)));
   world.shuffle_rows(1);
   std::size_t same_rows = 0;
   std::size_t same_slots = 0;
-  for (std::size_t r = 0; r < world.rows(); ++r) {
-    const BodyId id = world.body(Row(r));
-    EXPECT_EQ(world.row(id), Row(r));
-    EXPECT_EQ(world.outline(Row(r)).front(), vertices[id.index()]);
-    EXPECT_EQ(&world.type(Row(r)), &world.types()[world.spec().bodies[id.index()].type.index()]);
+  for (std::size_t r = 0; r < world.view().rows(); ++r) {
+    const BodyId id = world.view().body(Row(r));
+    EXPECT_EQ(world.view().row(id), Row(r));
+    EXPECT_EQ(world.view().outline(Row(r)).front(), vertices[id.index()]);
+    EXPECT_EQ(&world.view().type(Row(r)),
+              &world.view().types()[world.spec().bodies[id.index()].type.index()]);
     same_rows += bodies[r] == id;
-    same_slots += slots[id.index()] == world.slot(Row(r));
+    same_slots += slots[id.index()] == world.view().slot(Row(r));
   }
   for (const engine::StateTable& table : world.tables())
     for (std::size_t at = 0; at < table.rows(); ++at)
-      EXPECT_EQ(world.row_in(table, world.row(table.ids()[at])), at) << table.component();
-  EXPECT_LT(same_rows, world.rows() / 4);
-  EXPECT_LT(same_slots, world.rows() / 2);
+      EXPECT_EQ(world.view().row_in(table, world.view().row(table.ids()[at])), at) << table.component();
+  EXPECT_LT(same_rows, world.view().rows() / 4);
+  EXPECT_LT(same_slots, world.view().rows() / 2);
 }
 
 TEST(RowOrder, DoesNotMatterToAWorldThatIsRebuilt) {
@@ -288,14 +291,15 @@ TEST(RowOrder, DoesNotMatterToAWorldThatIsRebuilt) {
 TEST(RowOrder, TreesLeaveTogetherAndNoRowTwice) {
   Simulation simulation(k_shipped / "magpies.json");
   engine::World& world = simulation.world();
-  while (world.carried_count() == 0 && simulation.time_s() < 60) simulation.step();
-  ASSERT_GT(world.carried_count(), 0u);
+  while (world.view().counts().carried == 0 && simulation.time_s() < 60) simulation.step();
+  ASSERT_GT(world.view().counts().carried, 0u);
   BodyId cargo;
-  for (std::size_t r = 0; r < world.rows(); ++r)
-    if (world.carrier(Row(r))) cargo = world.body(Row(r));
+  for (std::size_t r = 0; r < world.view().rows(); ++r)
+    if (world.view().carrier(Row(r))) cargo = world.view().body(Row(r));
   std::vector<BodyId> tree;
-  for (std::size_t r = 0; r < world.rows(); ++r)
-    if (const BodyId id = world.body(Row(r)); root_of(world, id) == root_of(world, cargo)) tree.push_back(id);
+  for (std::size_t r = 0; r < world.view().rows(); ++r)
+    if (const BodyId id = world.view().body(Row(r)); root_of(world, id) == root_of(world, cargo))
+      tree.push_back(id);
   EXPECT_THROW(world.remove_rows(std::vector{cargo}), std::invalid_argument);
   EXPECT_THROW(world.remove_rows(std::vector{root_of(world, cargo)}), std::invalid_argument);
   EXPECT_THROW(world.remove_rows(std::vector{BodyId(0)}), std::invalid_argument) << "the ground has no row";
@@ -329,10 +333,11 @@ TEST(RowOrder, MemoryFollowsTheRows) {
     for (int round = 0; round < 3; ++round) {
       for (Simulation* each : {&undisturbed, &simulation}) each->run_for(1);
       std::vector<BodyId> leaving;
-      for (std::size_t r = 0; r < world.rows(); ++r)
-        if (const BodyId id = world.body(Row(r)); root_of(world, id).value % 8 != 0) leaving.push_back(id);
+      for (std::size_t r = 0; r < world.view().rows(); ++r)
+        if (const BodyId id = world.view().body(Row(r)); root_of(world, id).value % 8 != 0)
+          leaving.push_back(id);
       const auto states = world.remove_rows(leaving);
-      EXPECT_LT(world.rows(), states.size() / 4);
+      EXPECT_LT(world.view().rows(), states.size() / 4);
       EXPECT_LT(table_bytes(world), bytes / 4);
       world.add_rows(states);
       EXPECT_LT(table_bytes(world), bytes + bytes / 16);

@@ -123,15 +123,15 @@ class BeeclustByHand : public test::ScratchTest {
                       {.threads = 1});
   }
   static double distance(const Simulation& simulation) {
-    return simulation.world().pose(simulation.world().find("b")).x -
-           simulation.world().pose(simulation.world().find("a")).x;
+    return simulation.world().view().pose(simulation.world().state().names.find("b")).x -
+           simulation.world().view().pose(simulation.world().state().names.find("a")).x;
   }
 };
 
 TEST_F(BeeclustByHand, WhoMeetsWaitsByTheBrightnessOfTheGround) {
   Simulation simulation = duel("0.5");
   const engine::World& world = simulation.world();
-  const BodyId a = world.find("a");
+  const BodyId a = world.state().names.find("a");
   std::uint32_t longest = 0;
   // They meet where 0.12 m are left: after (0.4 - 0.12) m at 0.1 m/s each, 14 ticks, and some to hear and to
   // stop.
@@ -147,8 +147,9 @@ TEST_F(BeeclustByHand, WhoMeetsWaitsByTheBrightnessOfTheGround) {
   for (int tick = 0; tick < 300; ++tick) simulation.step();
   EXPECT_EQ(distance(simulation), apart) << "they stand for 32 s";
   for (int tick = 0; tick < 100; ++tick) simulation.step();
-  EXPECT_GT(
-      std::abs(distance(simulation) - apart) + std::abs(world.pose(a).y - world.pose(world.find("b")).y), 0.1)
+  EXPECT_GT(std::abs(distance(simulation) - apart) +
+                std::abs(world.view().pose(a).y - world.view().pose(world.state().names.find("b")).y),
+            0.1)
       << "and then go apart";
 }
 
@@ -156,15 +157,15 @@ TEST_F(BeeclustByHand, NoRobotWaitsOnBlackGroundNorAtAWall) {
   for (const auto& [grey, name] : {std::pair("0", "a"), std::pair("1", "lone")}) {
     Simulation simulation = duel(grey);
     const engine::World& world = simulation.world();
-    const BodyId body = world.find(name);
+    const BodyId body = world.state().names.find(name);
     bool has_turned = false;
     for (int tick = 0; tick < 60; ++tick) {
       simulation.step();
       EXPECT_EQ(memory_of<std::uint32_t>(world, body, "beeclust/0", "wait_updates"), 0u) << name;
-      has_turned = has_turned || std::abs(world.pose(body).heading) > 1;
+      has_turned = has_turned || std::abs(world.view().pose(body).heading) > 1;
     }
     EXPECT_TRUE(has_turned) << name;
-    EXPECT_LT(world.pose(body).x, 0.35 - 0.03) << "no farther than the wall";
+    EXPECT_LT(world.view().pose(body).x, 0.35 - 0.03) << "no farther than the wall";
   }
 }
 
@@ -211,16 +212,17 @@ TEST(ChainScene, APathLeadsFromTheNestToThePreyWhateverTheSeed) {
     simulation.run_for(5000);
     EXPECT_TRUE(simulation.stopped()) << "seed " << seed;
     for (int tick = 0; tick < 30; ++tick) simulation.step();  // the news goes a link a tick
-    EXPECT_EQ(memory_of<std::uint8_t>(world, world.find("nest"), "chain/0", "path"), 1) << "seed " << seed;
+    EXPECT_EQ(memory_of<std::uint8_t>(world, world.state().names.find("nest"), "chain/0", "path"), 1)
+        << "seed " << seed;
     std::vector<std::pair<int, Vec2>> path;
     for (const std::string& name : simulation.robot_names()) {
-      const BodyId body = world.find(name);
+      const BodyId body = world.state().names.find(name);
       if (memory_of<std::uint8_t>(world, body, "chain/0", "path") != 0)
         path.emplace_back(memory_of<std::uint8_t>(world, body, "chain/0", "number"),
-                          world.pose(body).position());
+                          world.view().pose(body).position());
     }
-    const Vec2 nest = world.pose(world.find("nest")).position();
-    const Vec2 prey = world.pose(world.find("prey")).position();
+    const Vec2 nest = world.view().pose(world.state().names.find("nest")).position();
+    const Vec2 prey = world.view().pose(world.state().names.find("prey")).position();
     // Links stand 0.6 m apart, and no more than 0.1 m farther, and hear 0.9 m far: two do not do for 2.5 m.
     EXPECT_GE(path.size(), 3u) << "seed " << seed;
     bool reaches_prey = false;
@@ -352,7 +354,7 @@ class SegregationByHand : public test::ScratchTest {
   static std::size_t standing(const Simulation& simulation) {
     std::size_t count = 0;
     for (const std::string& name : simulation.robot_names())
-      count += memory_of<std::uint8_t>(simulation.world(), simulation.world().find(name),
+      count += memory_of<std::uint8_t>(simulation.world(), simulation.world().state().names.find(name),
                                        "informed_aggregation/0", "does") == 2;
     return count;
   }
@@ -423,8 +425,9 @@ TEST(HarvestScene, NoPuckIsLost) {
   simulation.run_for(test::k_slow_build ? 5 : 60);
   const engine::World& world = simulation.world();
   std::size_t there = 0;
-  for (std::size_t r = 0; r < world.rows(); ++r)
-    there += world.is_there(Row(r)) && world.spec().name(world.body(Row(r))).starts_with("puck");
+  for (std::size_t r = 0; r < world.view().rows(); ++r)
+    there +=
+        world.view().is_there(Row(r)) && world.spec().name(world.view().body(Row(r))).starts_with("puck");
   EXPECT_EQ(static_cast<double>(there), 60 - measures.value("delivered"));
   if (test::k_slow_build) return;
   EXPECT_GT(measures.value("delivered"), 5);

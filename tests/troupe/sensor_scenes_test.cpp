@@ -26,7 +26,7 @@ class Scene {
  public:
   explicit Scene(const char* file)
       : simulation_(test::source_dir() / "worlds" / file, {.threads = 1}),
-        row_(world().row(world().find("r0"))) {}
+        row_(world().view().row(world().state().names.find("r0"))) {}
 
   const engine::World& world() const { return simulation_.world(); }
   /// Steps until so many ticks are done.
@@ -35,7 +35,8 @@ class Scene {
   }
   template <class T>
   std::vector<T> read(std::size_t field, std::size_t device = 0) const {
-    const auto cell = world().percepts(world().type(row_).devices[device]).cell<T>(world().slot(row_), field);
+    const auto cell = world().tables()[world().view().type(row_).devices[device].table].cell<T>(
+        world().view().slot(row_), field);
     return {cell.begin(), cell.end()};
   }
   /// The first `count` entries.
@@ -100,9 +101,9 @@ TEST(SensorScenes, TheLeftBumperFeelsThePost) {
     scene.run_to(tick);
     EXPECT_THAT(scene.read<std::uint8_t>(sensors::k_bumper_hit), ElementsAre(1, 0)) << tick;
     EXPECT_THAT(scene.read<std::uint32_t>(sensors::k_bumper_body),
-                ElementsAre(scene.world().find("post").value, 0u));
+                ElementsAre(scene.world().state().names.find("post").value, 0u));
   }
-  EXPECT_NEAR(scene.world().poses()[scene.world().row(BodyId(1)).index()].x, 0.8, 1e-9);
+  EXPECT_NEAR(scene.world().view().poses()[scene.world().view().row(BodyId(1)).index()].x, 0.8, 1e-9);
 }
 
 // The eye is 0.3 m above the ground; at depth 1 the picture reaches 1 m to each side and 0.75 m up and down,

@@ -1,6 +1,6 @@
 // Acts of users on a running world, which session files store and repeat: docs/live.md.
 
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "tests/support/draw.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/scratch.hpp"

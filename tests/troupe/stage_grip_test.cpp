@@ -25,15 +25,15 @@ class StageGrip : public test::ScratchTest {
   }
   /// The device of a body that is called so.
   static const engine::BodyType::Device& device(const engine::World& world, Row row, std::string_view name) {
-    for (const engine::BodyType::Device& device : world.type(row).devices)
+    for (const engine::BodyType::Device& device : world.view().type(row).devices)
       if (device.name == name) return device;
     throw std::runtime_error("no such device");
   }
   template <class State>
   static const State& state(const Simulation& simulation, std::string_view body, std::string_view name) {
     const engine::World& world = simulation.world();
-    const Row row = world.row(world.find(body));
-    return world.percepts(device(world, row, name)).template as<State>(world.slot(row));
+    const Row row = world.view().row(world.state().names.find(body));
+    return world.tables()[(device(world, row, name)).table].template as<State>(world.view().slot(row));
   }
   static void step(Simulation& simulation, int ticks) {
     for (int t = 0; t < ticks; ++t) simulation.step();
@@ -62,9 +62,10 @@ TEST_F(StageGrip, TheGripperIsABaseAndTwoPaddlesThatMove) {
   EXPECT_EQ(gripper.paddles, GripperState::closed);
   EXPECT_EQ(gripper.lift, GripperState::is_up);
   const engine::World& world = simulation.world();
-  const Row row = world.row(world.find("r"));
-  EXPECT_EQ(world.joint_state(row, 0), (Pose{0, -1, 0.5, 0})) << "left: a metre to the middle, half one up";
-  EXPECT_EQ(world.joint_state(row, 1), (Pose{0, 1, 0.5, 0}));
+  const Row row = world.view().row(world.state().names.find("r"));
+  EXPECT_EQ(world.state().joint_state(row, 0), (Pose{0, -1, 0.5, 0}))
+      << "left: a metre to the middle, half one up";
+  EXPECT_EQ(world.state().joint_state(row, 1), (Pose{0, 1, 0.5, 0}));
   const std::string error = test::message_of<InputError>(
       [&] { load("position( gripper( paddle_size [1 2 3] ) gripper( paddle_state [\"shut\" \"up\"] ) )"); });
   EXPECT_THAT(error, HasSubstr("w.world:1: error: \"paddle_size\" needs three fractions of the "
@@ -84,8 +85,9 @@ TEST_F(StageGrip, AutosnatchClosesOnWhatBreaksABeam) {
   Simulation simulation = load(k_turning_world);
   step(simulation, 30);
   const engine::World& world = simulation.world();
-  EXPECT_EQ(world.carrier(world.row(world.find("o"))), world.find("r"));
-  EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").held, world.find("o").value + 1);
+  EXPECT_EQ(world.view().carrier(world.view().row(world.state().names.find("o"))),
+            world.state().names.find("r"));
+  EXPECT_EQ(state<GripperState>(simulation, "r", "gripper:0").held, world.state().names.find("o").value + 1);
 
   std::string smooth(k_turning_world);
   smooth.replace(smooth.find("gripper_return 1"), 16, "gripper_return 0");
@@ -104,15 +106,15 @@ TEST_F(StageGrip, ActuatorsMoveWhatStandsOnThem) {
       "0.7\n"
       "    model( name \"top\" size [0.02 0.02 0.02] pose [0 0.01 0 0] ) ) )\n");
   const engine::World& world = simulation.world();
-  const Row row = world.row(world.find("r"));
+  const Row row = world.view().row(world.state().names.find("r"));
   const double along = 0.5 / sqrt(2.0);
-  EXPECT_NEAR(world.joint_state(row, 0).x, along, 1e-12);
-  EXPECT_NEAR(world.joint_state(row, 0).z, along, 1e-12);
+  EXPECT_NEAR(world.state().joint_state(row, 0).x, along, 1e-12);
+  EXPECT_NEAR(world.state().joint_state(row, 0).z, along, 1e-12);
   EXPECT_EQ(state<ActuatorState>(simulation, "r", "arm").position, 0.5);
   // The outline of what stands on the arm is moved; that of the robot is not.
-  EXPECT_NEAR(world.outline(row)[0].x(), -0.2, 1e-12);
-  EXPECT_NEAR(world.outline(row)[8].x(), -0.05 + along, 1e-12);
-  EXPECT_NEAR(world.lift(row, world.type(row).outlines[2].joint), along, 1e-12);
+  EXPECT_NEAR(world.view().outline(row)[0].x(), -0.2, 1e-12);
+  EXPECT_NEAR(world.view().outline(row)[8].x(), -0.05 + along, 1e-12);
+  EXPECT_NEAR(world.view().lift(row, world.view().type(row).outlines[2].joint), along, 1e-12);
   EXPECT_NEAR(simulation.find("r.arm.hand").pose().x, along, 1e-12);
   EXPECT_NEAR(simulation.find("r.arm.hand").pose().z, 0.2 + 0.1 + along, 1e-12);
   const Pose top = simulation.find("r.table.top").pose();

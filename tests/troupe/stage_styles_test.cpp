@@ -53,8 +53,8 @@ TEST_P(StageStyles, LoadsWithItsWarningsAndRuns) {
   EXPECT_EQ(world.spec().bodies.size(), style.bodies + 1);
   ASSERT_EQ(simulation.robots(), style.robots);
   if (style.robots > 0) {
-    const BodyId first = world.find(simulation.robot_names().front());
-    EXPECT_EQ(world.type(world.row(first)).devices.size(), style.devices);
+    const BodyId first = world.state().names.find(simulation.robot_names().front());
+    EXPECT_EQ(world.view().type(world.view().row(first)).devices.size(), style.devices);
   }
   std::vector<std::string> warnings;
   for (const std::string& warning : simulation.warnings()) warnings.push_back(shortened(warning));
@@ -287,7 +287,7 @@ TEST(StageStylesLayers, LaterLayersWinAndChildrenAddUp) {
   for (const engine::PartSpec& part : spec.type(BodyId(2)).parts) parts.push_back(part.name);
   EXPECT_THAT(parts, ::testing::ElementsAre("", "kid", "model:1"));
   EXPECT_EQ(spec.type(BodyId(2)).parts[0].size.x(), 0.3) << "the first definition";
-  EXPECT_NEAR(spec.bodies[world.find("5").index()].pose_world_body.heading, radians(40), 1e-12);
+  EXPECT_NEAR(spec.bodies[world.state().names.find("5").index()].pose_world_body.heading, radians(40), 1e-12);
 }
 
 /// What loading it says.

@@ -2,7 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "base/math.hpp"
-#include "engine/kinds/device_kind.hpp"
+#include "engine/kinds/make_device_kind.hpp"
 #include "tests/support/message_of.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/scene.hpp"

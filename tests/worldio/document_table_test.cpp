@@ -2,7 +2,7 @@
 
 #include "base/diagnostics.hpp"
 #include "engine/kinds/components.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/world/world.hpp"
 #include "troupe/registry.hpp"
 #include "worldio/json/document_table.hpp"

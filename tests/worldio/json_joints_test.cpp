@@ -108,10 +108,10 @@ TEST(JsonJoints, AGateWithoutADriveIsOperated) {
   engine::World world(read.spec, read.registry, {}, read.diagnostics);
   ASSERT_THAT(findings(read.diagnostics), IsEmpty());
   for (int t = 0; t < 20; ++t) world.step();
-  const Row row = world.row(world.find("g"));
-  const auto& state = world.percepts(world.type(row).devices[1]).as<models::ActuatorState>(0);
+  const Row row = world.view().row(world.state().names.find("g"));
+  const auto& state = world.tables()[world.view().type(row).devices[1].table].as<models::ActuatorState>(0);
   EXPECT_NEAR(state.position, 1.2, 1e-12);
-  EXPECT_NEAR(world.mount(row, 0).heading, 1.2, 1e-12);
+  EXPECT_NEAR(world.view().mount(row, 0).heading, 1.2, 1e-12);
 }
 
 TEST(JsonJoints, RecordingsKnowTheirFrames) {

@@ -1,7 +1,7 @@
 // The generated parts of docs/world-format.md and docs/measures.md.
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/spec/watch_spec.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/fields_json.hpp"

@@ -50,13 +50,14 @@ TEST(LaserNoise, GivesTheFirstTransducerOfItsRangerAnErrorOfFivePerCent) {
   scene.body("r", type);
   scene.wall(4, -1, 4.2, 1);
   engine::World world = scene.world();
-  const Row row = world.row(BodyId(1));
+  const Row row = world.view().row(BodyId(1));
   constexpr int k_ticks = 2000;
   double sum = 0;
   double squares = 0;
   for (int t = 0; t < k_ticks; ++t) {
     world.step();
-    const auto ranges = world.percepts(world.type(row).devices.front()).cell<float>(world.slot(row), 0);
+    const auto ranges =
+        world.tables()[world.view().type(row).devices.front().table].cell<float>(world.view().slot(row), 0);
     EXPECT_NEAR(ranges[1], 4, 1e-6);
     sum += ranges[0];
     squares += ranges[0] * ranges[0];

@@ -1,7 +1,7 @@
 #include "worldio/wrong_file.hpp"
 
 #include "base/diagnostics.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "tests/support/scratch.hpp"
 #include "worldio/load.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "base/result.hpp"
 #include "engine/fields/fields.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"
 

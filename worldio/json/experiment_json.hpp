@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "worldio/json/json_reader.hpp"
 #include "worldio/json/world_document.hpp"

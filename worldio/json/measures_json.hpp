@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/diagnostics.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/spec/measure_spec.hpp"
 #include "worldio/json/json_reader.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "base/result.hpp"
 #include "engine/fields/description.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/spec/spec_description.hpp"
 
 #include <cmath>

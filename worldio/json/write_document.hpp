@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "worldio/json/document_table.hpp"
 #include "worldio/json/json_document.hpp"
 

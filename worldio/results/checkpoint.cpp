@@ -1,6 +1,7 @@
 #include "worldio/results/checkpoint.hpp"
 
 #include "base/hash.hpp"
+#include "engine/observing/displacement.hpp"
 #include "engine/spec/names.hpp"
 #include "engine/spec/ticks.hpp"
 #include "worldio/json/spec_json.hpp"
@@ -76,15 +77,15 @@ void write_meta(Hdf5File& file, engine::World& world, const FileHeader& header) 
   const engine::World::Counters counters = world.counters();
   meta.set_integer("layout", k_checkpoint_layout);
   meta.set_integer("tick", static_cast<std::int64_t>(world.tick()));
-  meta.set_number("time_s", world.time_s());
+  meta.set_number("time_s", world.view().time_s());
   meta.set_text("state_hash", hex(world.hashes().state));
   meta.set_integer("beams", static_cast<std::int64_t>(counters.beams));
   meta.set_integer("conflict_rounds", static_cast<std::int64_t>(counters.conflict_rounds));
   // Left out if 0, so that the bytes of most files are those of former versions.
   if (counters.settings > 0) meta.set_integer("settings", static_cast<std::int64_t>(counters.settings));
-  meta.set_integer("stalled", static_cast<std::int64_t>(world.stalled_count()));
-  meta.set_integer("held_at_bounds", static_cast<std::int64_t>(world.out_of_bounds_count()));
-  meta.set_number("mean_displacement_m", world.mean_displacement());
+  meta.set_integer("stalled", static_cast<std::int64_t>(world.view().counts().stalled));
+  meta.set_integer("held_at_bounds", static_cast<std::int64_t>(world.view().counts().out_of_bounds));
+  meta.set_number("mean_displacement_m", engine::mean_displacement(world));
 }
 
 /// A dataset with a column of BodyColumns.
@@ -213,7 +214,7 @@ std::vector<std::byte> bytes_of(const fs::path& name, engine::World& world, cons
   for (std::size_t t = 0; t < places.size(); ++t)
     write_table(make_group_for(tables, places[t]), world.tables()[t]);
   std::vector<std::uint32_t> subscribed;
-  for (const BodyId body : world.subscribed()) subscribed.push_back(body.value);
+  for (const BodyId body : world.view().subscribed()) subscribed.push_back(body.value);
   file.group("bodies").write("subscribed", std::span<const std::uint32_t>(subscribed));
   Hdf5Group group = file.create_group("memories");
   for (const auto& [key, memory] : memories) {
@@ -310,7 +311,7 @@ Memories Checkpoint::memories() const {
 void Checkpoint::restore(engine::World& world) const {
   reading([&] {
     for (const std::uint32_t id : hdf5_.group("bodies").dataset("subscribed").read<std::uint32_t>()) {
-      if (id >= world.spec().bodies.size() || world.location(BodyId(id)) == engine::RowLocation::none)
+      if (id >= world.spec().bodies.size() || world.view().location(BodyId(id)) == engine::RowLocation::none)
         throw InputError(fmt::format(
             "{}: error: /bodies/subscribed contains the body {}, which does not exist or is static, so that "
             "it has no sensor: the file is damaged",

@@ -32,7 +32,8 @@
 /// `/aliases`     second names of bodies, in the same form
 /// `/tables/<component>/bodies`   for each row of this table, the id of its body
 /// `/tables/<component>/<field>`  one field of this table, as an array [rows, values per row]
-/// `/bodies/subscribed`  ids of the bodies to whose sensors a program has subscribed (World::subscribed())
+/// `/bodies/subscribed`  ids of the bodies to whose sensors a program has subscribed
+/// (CommittedView::subscribed())
 /// `/memories/<name>`    an entry of Memories
 namespace troupe::worldio {
 

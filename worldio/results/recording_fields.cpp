@@ -2,6 +2,7 @@
 
 #include "base/split.hpp"
 #include "engine/spec/names.hpp"
+#include "engine/world/state_tables.hpp"
 #include "worldio/files.hpp"
 #include "worldio/results/hdf5_file.hpp"
 
@@ -111,7 +112,8 @@ using RecordedRows = std::shared_ptr<const std::vector<std::uint32_t>>;
 /// of its type in this list. `bodies` must be in the order of ids.
 RecordedRows recorded_rows(const World& world, std::span<const BodyId> bodies, bool of_type) {
   std::vector<std::uint32_t> rows(world.spec().bodies.size());
-  std::vector<std::uint32_t> counts(world.types().size(), 0);  // if not `of_type`, only the first is used
+  std::vector<std::uint32_t> counts(world.view().types().size(),
+                                    0);  // if not `of_type`, only the first is used
   for (const BodyId id : bodies)
     rows[id.index()] = counts[of_type ? world.spec().bodies[id.index()].type.index() : 0]++;
   return std::make_shared<const std::vector<std::uint32_t>>(std::move(rows));
@@ -123,8 +125,8 @@ void add_sensors(const World& world, std::span<const BodyId> bodies, std::span<c
                  std::vector<RecordedComponent>& components) {
   const RecordedRows recorded = recorded_rows(world, bodies, true);
   const std::vector<std::string> type_names = recorded_type_names(world);
-  for (std::size_t t = 0; t < world.types().size(); ++t) {
-    for (const BodyType::Device& sensor : world.types()[t].devices) {
+  for (std::size_t t = 0; t < world.view().types().size(); ++t) {
+    for (const BodyType::Device& sensor : world.view().types()[t].devices) {
       const StateTable& table = world.tables()[sensor.table];
       if (sensor.table == 0) continue;  // a type without bodies has no tables
       std::vector<std::size_t> fields = chosen_fields(table, names);
@@ -138,13 +140,13 @@ void add_sensors(const World& world, std::span<const BodyId> bodies, std::span<c
 }
 
 /// Overwrites the values of bodies that are not in the world, and the readings of sensors that do not run
-/// because they are inactive and not read (World::senses()), with absent().
+/// because they are inactive and not read (CommittedView::senses()), with absent().
 void leave_out_absent(const World& world, const RecordedComponent& component,
                       const RecordedComponent::Source& source, std::span<const std::span<std::byte>> fields) {
   const StateTable& table = world.tables()[source.table];
   for (std::size_t r = 0; r < table.rows(); ++r) {
-    const Row row = world.row(table.ids()[r]);
-    if (world.is_there(row) && (!source.sensor || world.senses(row, *source.sensor))) continue;
+    const Row row = world.view().row(table.ids()[r]);
+    if (world.view().is_there(row) && (!source.sensor || world.view().senses(row, *source.sensor))) continue;
     for (std::size_t f = 0; f < component.fields.size(); ++f) {
       const engine::StateField& field = component.fields[f];
       const std::size_t width = field.bytes();
@@ -160,8 +162,8 @@ std::size_t RecordedComponent::bytes(std::size_t field) const { return rows * fi
 
 std::vector<BodyId> recorded_bodies(const World& world) {
   std::vector<BodyId> bodies;
-  bodies.reserve(world.rows());
-  for (std::size_t r = 0; r < world.rows(); ++r) bodies.push_back(world.body(Row(r)));
+  bodies.reserve(world.view().rows());
+  for (std::size_t r = 0; r < world.view().rows(); ++r) bodies.push_back(world.view().body(Row(r)));
   std::ranges::sort(bodies);
   return bodies;
 }
@@ -169,7 +171,7 @@ std::vector<BodyId> recorded_bodies(const World& world) {
 std::vector<std::string> recorded_type_names(const World& world) {
   engine::UniqueNames unique("~");
   std::vector<std::string> names;
-  for (const BodyType& type : world.types()) names.push_back(unique.add(hdf5_name(type.name)));
+  for (const BodyType& type : world.view().types()) names.push_back(unique.add(hdf5_name(type.name)));
   return names;
 }
 
@@ -190,7 +192,7 @@ std::vector<std::string> recordable_names(const World& world) {
     }
   };
   add_names(world.tables());
-  add_names(world.unused_tables());
+  add_names(engine::unused_tables(world.state()));
   return names;
 }
 
@@ -202,7 +204,7 @@ std::optional<std::string> name_for_path(const World& world, std::string_view na
     const std::string& type = type_names[t];
     if (!name.starts_with(type) || name.size() == type.size() || name[type.size()] != '/') continue;
     const std::string_view rest = name.substr(type.size() + 1);
-    for (const BodyType::Device& device : world.types()[t].devices) {
+    for (const BodyType::Device& device : world.view().types()[t].devices) {
       if (rest == device.name) return device.name;
       if (!rest.starts_with(device.name)) continue;
       const char separator = rest[device.name.size()];
@@ -225,7 +227,7 @@ namespace {
 /// Throws std::invalid_argument if one of `names` selects nothing that can be recorded.
 void require_recordable(const World& world, std::span<const std::string> names) {
   const std::vector<std::string> known = recordable_names(world);
-  const std::vector<StateTable> unused = world.unused_tables();
+  const std::vector<StateTable> unused = engine::unused_tables(world.state());
   for (const std::string& name : names) {
     const auto is_chosen_from = [&name](const StateTable& table) {
       return !chosen_fields(table, std::span(&name, 1)).empty();
@@ -370,7 +372,7 @@ void gather(const World& world, const RecordedComponent& component,
       }
     }
     const bool may_rest = source.sensor && !source.sensor->active;
-    if ((world.absent_count() > 0 || may_rest) &&
+    if ((world.view().absent_count() > 0 || may_rest) &&
         component.name != "life")  // `life` itself lists absent bodies
       leave_out_absent(world, component, source, fields);
   }

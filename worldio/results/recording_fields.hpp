@@ -56,9 +56,9 @@ struct RecordedComponent {
   std::size_t bytes(std::size_t field) const;
 };
 
-/// Returns the bodies that have a row in the state tables (World::rows()), in the order of their ids. These
-/// are the bodies that have a drive, a device or a controller, or that can be gripped or pushed. The arrays
-/// in /state have one row for each of these bodies.
+/// Returns the bodies that have a row in the state tables (SensingView::rows()), in the order of their ids.
+/// These are the bodies that have a drive, a device or a controller, or that can be gripped or pushed. The
+/// arrays in /state have one row for each of these bodies.
 std::vector<BodyId> recorded_bodies(const engine::World& world);
 
 /// Returns, for each type, its name in a recording, in the order of TypeIds (the numbers of the types). The
@@ -78,7 +78,7 @@ std::vector<std::string> recorded_type_names(const engine::World& world);
 ///
 /// The option also accepts KIND/DEVICE ("ranger/eye") and NAME.FIELD ("eye.ranges"), where NAME is a
 /// component, kind, controller or device. The names include those of types without bodies
-/// (World::unused_tables()).
+/// (unused_tables()).
 std::vector<std::string> recordable_names(const engine::World& world);
 
 /// Converts the path that a device or a field of a device has in a recording to the name that the options
@@ -134,7 +134,7 @@ std::byte absent(const engine::StateField& field);
 /// Two kinds of rows are filled with absent(). The first are the rows of bodies that are not in the world at
 /// present. The component `life` is an exception: its values say that these bodies are absent. The second are
 /// the rows of sensors that do not run, which means that the sensor is inactive and that no controller or
-/// program reads it (World::senses() is false).
+/// program reads it (CommittedView::senses() is false).
 void gather(const engine::World& world, const RecordedComponent& component,
             std::span<const std::span<std::byte>> fields);
 

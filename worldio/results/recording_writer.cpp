@@ -355,13 +355,13 @@ void RecordingWriter::record(const World& world, std::uint64_t state_hash) {
     for (std::size_t f = 0; f < component.fields.size(); ++f) fields.push_back(frame_of(output++));
     gather(world, component, fields);
   }
-  if (world.has_lives()) {
+  if (world.view().has_lives()) {
     const std::span<std::byte> alive = frame_of(output);
     for (std::size_t b = 0; b < bodies_.size(); ++b)
-      alive[b] = std::byte{world.is_there(world.row(bodies_[b]))};
+      alive[b] = std::byte{world.view().is_there(world.view().row(bodies_[b]))};
   }
   gathered_.ticks.push_back(world.tick());
-  gathered_.times_s.push_back(world.time_s());
+  gathered_.times_s.push_back(world.view().time_s());
   gathered_.hashes.push_back(state_hash);
   if (gathered_.ticks.size() == batch_frames_) start_flush();
 }

@@ -1,5 +1,6 @@
 #include "worldio/results/replay_header.hpp"
 
+#include "engine/observing/frame.hpp"
 #include "engine/sensing/shown_color.hpp"
 
 #include <fmt/format.h>
@@ -163,12 +164,12 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
   RecordedScene scene = recorded_scene(world.spec(), registry);
   for (std::size_t t = 0; t < scene.types.size(); ++t)
     for (std::uint32_t p = 1; p < scene.types[t].part_colors.size(); ++p)
-      if (const engine::BodyType::Device* device = engine::color_device(world.types()[t], p))
+      if (const engine::BodyType::Device* device = engine::color_device(world.view().types()[t], p))
         scene.types[t].part_colors[p] = device->name;
   LivePage page;
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    // Not World::row(), which throws for a body whose row only another rank has.
-    if (world.location(BodyId(b)) != engine::RowLocation::none)
+    // Not SensingView::row(), which throws for a body whose row only another rank has.
+    if (world.view().location(BodyId(b)) != engine::RowLocation::none)
       page.order.push_back(static_cast<std::uint32_t>(b));
   }
   std::ranges::stable_sort(page.order, {}, [&](std::uint32_t id) { return scene.bodies[id].type; });
@@ -181,7 +182,7 @@ LivePage live_page(const engine::World& world, const engine::Registry& registry)
   OrderedJson json;
   json["title"] = scene.title;
   json["about"] = {{"world", scene.title}, {"seed", fmt::format("{}", world.spec().seed)}};
-  json["bounds_m"] = bounds_json(bounds_of_page(world.frame_scene()));
+  json["bounds_m"] = bounds_json(bounds_of_page(engine::make_scene(world)));
   json["shape_step_m"] = k_replay_shape_m;
   json["types"] = types_json(scene);
   json["fixed"] = fixed_json(page.order, scene);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/kinds/sensor_params.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "worldio/stage/stage_devices.hpp"

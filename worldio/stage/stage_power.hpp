@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/kinds/energy.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "worldio/stage/stage_models.hpp"
 #include "worldio/stage/stage_values.hpp"

@@ -116,14 +116,14 @@ class RoundTrip {
  private:
   /// Reports that a `.world` file cannot express `what`, a property of the type. Reports each text only once.
   void lacks(Where where, const std::string& what) {
-    if (!told_.insert(what).second) return;
+    if (!reported_.insert(what).second) return;
     diagnostics_.error(where,
                        fmt::format("a .world file cannot express this: type \"{}\": {}", type_.name, what));
   }
   /// Warns of a small difference from the original world. Reports each text only once.
   void warn(Where where, const std::string& what) {
     const std::string text = fmt::format("type \"{}\": {}", type_.name, what);
-    if (told_.insert(text).second) diagnostics_.warning(where, text);
+    if (reported_.insert(text).second) diagnostics_.warning(where, text);
   }
   /// Warns that a value of the type changes slightly, by the conversion between units or frames.
   void warn_rounded(Where where, const std::string& what) {
@@ -157,7 +157,7 @@ class RoundTrip {
   const TypeSpec& back_;
   const engine::Registry& registry_;
   Diagnostics& diagnostics_;
-  std::set<std::string> told_;
+  std::set<std::string> reported_;
 };
 
 void RoundTrip::check_params(Where where, std::string_view owner, const Record& a, const Record& b,

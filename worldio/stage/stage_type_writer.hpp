@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/color.hpp"
-#include "engine/kinds/kinds.hpp"
+#include "engine/kinds/registry.hpp"
 #include "engine/spec/world_spec.hpp"
 #include "worldio/images/floor_image.hpp"
 #include "worldio/stage/stage_text.hpp"
